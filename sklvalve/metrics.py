@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How far a prediction is from what was measured: RMSE, MAPE, largest relative error, and their scorers.
+
+The three figures are equations 18 to 20 of the paper. Its two percentages divide by the signed measured value
+and are undefined at zero flow; here they divide by the magnitude, and rows whose magnitude is under a cut-off
+are left out.
+"""
+
+import numpy as np
+from sklearn.metrics import make_scorer
+from sklearn.utils import check_array, check_consistent_length
+
+__all__ = ["err_max", "mape", "neg_err_max_scorer", "neg_mape_scorer", "neg_rmse_scorer", "rmse"]
+
+# A flow meter's relative error has no meaning in the lowest part of its range.
+DEFAULT_CUT_OFF = 0.01
+
+
+def rmse(y_true, y_pred, *, sample_weight=None):
+    r"""Root mean square error.
+
+    Parameters
+    ----------
+    y_true : array-like of shape (n_samples,)
+        Measured values. [any unit]
+    y_pred : array-like of shape (n_samples,)
+        Predicted values. [same unit]
+    sample_weight : array-like of shape (n_samples,), default=None
+        Non-negative weights of the rows.
+
+    Returns
+    -------
+    error : float
+        In the unit of `y_true`.
+
+    Raises
+    ------
+    ValueError
+        If the lengths differ, a value is missing or infinite, or the weights are negative or all zero.
+
+    Notes
+    -----
+    .. math:: \mathrm{RMSE} = \sqrt{\sum_i w_i (y_i - \hat y_i)^2 / \sum_i w_i}
+
+    Equation 18 of the paper, with weights.
+
+    Examples
+    --------
+    >>> from sklvalve.metrics import rmse
+    >>> rmse([3.0, 4.0, 5.0, 6.0], [3.0, 6.0, 5.0, 6.0])
+    1.0
+    """
+    y_true, y_pred, weight = _columns(y_true, y_pred, sample_weight)
+    error = np.abs(y_true - y_pred)
+    largest = error.max()
+    if largest == 0.0:
+        return 0.0
+    # Scaled by the largest error, so that squares neither overflow nor vanish.
+    return float(largest * np.sqrt(np.average((error / largest) ** 2, weights=weight)))
+
+
+def mape(y_true, y_pred, *, min_flow=None, sample_weight=None):
+    r"""Mean absolute percentage error. [%]
+
+    Parameters
+    ----------
+    y_true : array-like of shape (n_samples,)
+        Measured values. [any unit]
+    y_pred : array-like of shape (n_samples,)
+        Predicted values. [same unit]
+    min_flow : float, default=None
+        Rows with :math:`|y|` under this are left out, in the unit of `y_true`. By default 1 % of the largest
+        :math:`|y|`. Exact zeros are left out always.
+    sample_weight : array-like of shape (n_samples,), default=None
+        Non-negative weights of the rows.
+
+    Returns
+    -------
+    error : float
+        In percent: 5.0 means 5 %.
+
+    Raises
+    ------
+    ValueError
+        If no row reaches `min_flow`, the lengths differ, a value is missing or infinite, or the weights of
+        the rows that remain are all zero.
+
+    Notes
+    -----
+    .. math:: \mathrm{MAPE} = 100 \sum_i w_i |y_i - \hat y_i| / |y_i| \Big/ \sum_i w_i
+
+    Equation 19 of the paper with the magnitude in the denominator. It never exceeds :func:`err_max` with the
+    same cut-off.
+
+    Examples
+    --------
+    >>> from sklvalve.metrics import mape
+    >>> mape([10.0, 20.0, 0.0], [11.0, 20.0, 0.5])
+    5.0
+    """
+    y_true, y_pred, weight = _columns(y_true, y_pred, sample_weight)
+    rows = _rows_with_flow(y_true, min_flow)
+    if weight is not None:
+        weight = weight[rows]
+        if not weight.any():
+            raise ValueError(
+                "Every row that reaches min_flow has zero sample_weight; give one of them weight, "
+                "or lower min_flow."
+            )
+    return float(np.average(_percentage(y_true[rows], y_pred[rows]), weights=weight))
+
+
+def err_max(y_true, y_pred, *, min_flow=None):
+    r"""Largest absolute percentage error. [%]
+
+    Parameters
+    ----------
+    y_true : array-like of shape (n_samples,)
+        Measured values. [any unit]
+    y_pred : array-like of shape (n_samples,)
+        Predicted values. [same unit]
+    min_flow : float, default=None
+        Rows with :math:`|y|` under this are left out, in the unit of `y_true`. By default 1 % of the largest
+        :math:`|y|`. Exact zeros are left out always.
+
+    Returns
+    -------
+    error : float
+        In percent: 5.0 means 5 %.
+
+    Raises
+    ------
+    ValueError
+        If no row reaches `min_flow`, the lengths differ, or a value is missing or infinite.
+
+    Notes
+    -----
+    .. math:: \mathrm{Err}_{max} = 100 \max_i |y_i - \hat y_i| / |y_i|
+
+    Equation 20 of the paper with the magnitude in the denominator. One row decides it, so weights have no
+    place here.
+
+    Examples
+    --------
+    >>> from sklvalve.metrics import err_max
+    >>> err_max([10.0, 20.0, 0.0], [11.0, 20.0, 0.5])
+    10.0
+    """
+    y_true, y_pred, _ = _columns(y_true, y_pred, None)
+    rows = _rows_with_flow(y_true, min_flow)
+    return float(_percentage(y_true[rows], y_pred[rows]).max())
+
+
+def _columns(y_true, y_pred, sample_weight):
+    y_true = _column(y_true, "y_true")
+    y_pred = _column(y_pred, "y_pred")
+    check_consistent_length(y_true, y_pred)
+    if sample_weight is None:
+        return y_true, y_pred, None
+    weight = _column(sample_weight, "sample_weight")
+    check_consistent_length(y_true, weight)
+    if np.any(weight < 0):
+        raise ValueError(f"sample_weight must not be negative; the smallest is {weight.min():g}.")
+    if not weight.any():
+        raise ValueError("The sample_weight of every row is zero; give at least one row weight.")
+    return y_true, y_pred, weight / weight.max()
+
+
+def _column(values, name):
+    values = check_array(values, ensure_2d=False, dtype=np.float64, input_name=name)
+    if values.ndim == 2 and values.shape[1] == 1:
+        values = values[:, 0]
+    if values.ndim != 1:
+        raise ValueError(f"{name} must be one column of numbers, got an array of shape {values.shape}.")
+    return values
+
+
+def _rows_with_flow(y_true, min_flow):
+    magnitude = np.abs(y_true)
+    cut_off = DEFAULT_CUT_OFF * magnitude.max() if min_flow is None else min_flow
+    if not (np.isfinite(cut_off) and cut_off >= 0):
+        raise ValueError(f"min_flow must be a number of 0 or more, got {min_flow!r}.")
+    rows = (magnitude >= cut_off) & (magnitude > 0)
+    if not rows.any():
+        raise ValueError(
+            f"No row of y_true reaches min_flow={cut_off:g}, the largest magnitude is {magnitude.max():g}: "
+            "a percentage error has no meaning here; lower min_flow or use rmse."
+        )
+    return rows
+
+
+def _percentage(y_true, y_pred):
+    return 100.0 * np.abs((y_true - y_pred) / y_true)
+
+
+neg_rmse_scorer = make_scorer(rmse, greater_is_better=False)
+neg_mape_scorer = make_scorer(mape, greater_is_better=False)
+neg_err_max_scorer = make_scorer(err_max, greater_is_better=False)
