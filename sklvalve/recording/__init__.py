@@ -1,1 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
+"""What was measured: signals by role, in SI, on one time base; and what is wrong with the data themselves."""
+
+from sklvalve.recording.errors import InputError
+from sklvalve.recording.noise import noise_floor
+from sklvalve.recording.recording import Recording, read_recording
+from sklvalve.recording.valve import Valve, read_valve
+
+__all__ = [
+    "InputError",
+    "Recording",
+    "Valve",
+    "noise_floor",
+    "read_recording",
+    "read_valve",
+]

@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Columns and a valve's roles to signals in SI, and the checks that need the signals."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sklvalve.recording.columns import to_numbers
+from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.signal import OPENING_ROLES, Signal
+from sklvalve.recording.valve import Valve
+
+Signals = dict[str, NDArray[np.float64]]
+
+
+class Parts(NamedTuple):
+    """What a recording is made of, but for the clock."""
+
+    time: object
+    signals: Signals
+    constants: frozenset[str]
+    mass_flow: bool
+
+
+def assemble(columns: Mapping[str, object], valve: Valve, source: str) -> Parts:
+    """Take each role's column, or constant, to SI and check it.
+
+    Raises
+    ------
+    InputError
+        Naming the column, and the row where there is one.
+    """
+    time = _column(columns, valve.time, "the time", source)
+    length = len(np.asarray(time))
+    signals: Signals = {}
+    for role, signal in valve.roles.items():
+        if signal.column is None:
+            values = np.full(length, signal.constant, dtype=np.float64)
+            where = f"{valve.source}: [recording.{role}]"
+        else:
+            where = f"{source}: column {signal.column!r} ({role})"
+            values = to_numbers(_column(columns, signal.column, role, source), where)
+            if len(values) != length:
+                raise InputError(f"{where}: {len(values)} values, but {length} times; give one for each time")
+            _require_finite(values, where)
+        signals[role] = signal.to_si(values)
+        _require_likely(signals[role], values, role, signal, where)
+    _require_pressure_drop(signals, source)
+    constants = frozenset(role for role, signal in valve.roles.items() if signal.column is None)
+    return Parts(time, signals, constants, _flows_by_mass(valve))
+
+
+def _column(columns: Mapping[str, object], name: str, role: str, source: str) -> object:
+    if name in columns:
+        return columns[name]
+    listed = ", ".join(columns)
+    near = hint(name, columns)
+    more = f"{near} (columns: {listed})" if near.startswith("did") else f"columns are {listed}"
+    raise InputError(f"{source}: there is no column {name!r} for {role}; {more}")
+
+
+def _require_finite(values: NDArray[np.float64], where: str) -> None:
+    infinite = np.flatnonzero(np.isinf(values))
+    if len(infinite):
+        raise InputError(
+            f"{where}, row {infinite[0] + 1}: the value is infinite; correct it, or leave the cell empty"
+        )
+    if not np.isfinite(values).any():
+        raise InputError(
+            f"{where}: there is no value in it, only gaps; name another column or leave the role out"
+        )
+
+
+def _require_likely(
+    si: NDArray[np.float64], recorded: NDArray[np.float64], role: str, signal: Signal, where: str
+) -> None:
+    """Refuse what no sensor error explains; what may be one is left to the screening."""
+    middle = float(np.nanmedian(recorded))
+    if role in OPENING_ROLES:
+        low, high = np.nanquantile(si, [0.01, 0.99])
+        if low < -0.5 or high > 1.5:
+            likely = "%" if signal.unit == "1" else "1"
+            raise InputError(
+                f"{where}: values from {np.nanmin(recorded):g} to {np.nanmax(recorded):g} are no {role} in "
+                f"unit {signal.unit!r}; is the unit {likely!r}, or the column another one?"
+            )
+    elif signal.quantity == "pressure" and np.nanmedian(si) < 0.0:
+        raise InputError(
+            f"{where}: values around {middle:g} {signal.unit} lie below vacuum; "
+            "say gauge = true if they are above the atmosphere, or correct the unit"
+        )
+    elif signal.quantity == "temperature" and np.nanmedian(si) < 0.0:
+        raise InputError(
+            f"{where}: values around {middle:g} {signal.unit} lie below absolute zero; correct the unit"
+        )
+
+
+def _require_pressure_drop(signals: Signals, source: str) -> None:
+    if not {"p1", "p2"} <= signals.keys():
+        return
+    drop = signals["p1"] - signals["p2"]
+    drop = drop[np.isfinite(drop)]
+    if len(drop) and (drop < 0.0).all():
+        raise InputError(
+            f"{source}: p2 lies above p1 in every row, by {-np.median(drop) / 1e3:.4g} kPa in the middle; "
+            "swap [recording.p1] and [recording.p2], or check their units and gauge"
+        )
+
+
+def _flows_by_mass(valve: Valve) -> bool:
+    by_mass = {
+        role: valve.roles[role].mass_flow for role in ("flow", "simulated_flow") if role in valve.roles
+    }
+    if len(set(by_mass.values())) > 1:
+        raise InputError(
+            f"{valve.source}: of flow and simulated_flow one is by mass, one by volume; give both of one kind"
+        )
+    return any(by_mass.values())

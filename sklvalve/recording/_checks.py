@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Checks of single values of a valve.toml: each gives the value in SI, or says what is wrong with it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from math import inf, isfinite
+
+from sklvalve.recording.errors import InputError, hint
+
+Check = Callable[[object, str], object]
+
+
+def plain_number(value: object, where: str) -> float:
+    """A finite number; true and false are none, although Python counts with them."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise InputError(f"{where} must be a number; got {value!r}, so write it without quotes")
+    if not isfinite(value):
+        raise InputError(f"{where} must be a finite number; got {value!r}")
+    return float(value)
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number within bounds, scaled to SI by `factor`."""
+
+    unit: str = ""
+    factor: float = 1.0
+    low: float = 0.0
+    high: float = inf
+    open_low: bool = True
+    open_high: bool = False
+
+    def __call__(self, value: object, where: str) -> float:
+        number = plain_number(value, where)
+        under = number <= self.low if self.open_low else number < self.low
+        over = number >= self.high if self.open_high else number > self.high
+        if under or over:
+            raise InputError(f"{where} must be {self._bounds()}; got {number:g}")
+        return number * self.factor
+
+    def _bounds(self) -> str:
+        low = "above" if self.open_low else "at least"
+        words = f"{low} {self.low:g}"
+        if self.high < inf:
+            words += f" and {'below' if self.open_high else 'at most'} {self.high:g}"
+        return words + (f" {self.unit}" if self.unit else "")
+
+
+def text(value: object, where: str) -> str:
+    if not isinstance(value, str) or not value.strip():
+        raise InputError(f"{where} must be a text in quotes; got {value!r}")
+    return value
+
+
+def flag(value: object, where: str) -> bool:
+    if not isinstance(value, bool):
+        raise InputError(f"{where} must be true or false, without quotes; got {value!r}")
+    return value
+
+
+def one_of(*names: str) -> Check:
+    """A text out of a short list."""
+
+    def check(value: object, where: str) -> object:
+        if value not in names or not isinstance(value, str):
+            raise InputError(f"{where} must be one of {', '.join(names)}; got {value!r}")
+        return value
+
+    return check
+
+
+def table(value: object, where: str, *, content: Number, rising: bool) -> tuple[tuple[float, float], ...]:
+    """Pairs of opening and value, openings rising from shut to open."""
+    form = f"{where} must be a table of pairs [opening, value], at least two"
+    if not isinstance(value, list | tuple) or len(value) < 2:
+        raise InputError(f"{form}; got {value!r}")
+    pairs = []
+    for number, pair in enumerate(value, start=1):
+        if not isinstance(pair, list | tuple) or len(pair) != 2:
+            raise InputError(f"{form}; pair {number} is {pair!r}")
+        opening = Number(low=0.0, high=1.0, open_low=False)(pair[0], f"{where}, pair {number}, opening")
+        pairs.append((opening, content(pair[1], f"{where}, pair {number}, value")))
+    for number, (before, after) in enumerate(pairwise(pairs), start=2):
+        if after[0] <= before[0]:
+            raise InputError(
+                f"{where}, pair {number}: openings must rise, but {after[0]:g} follows {before[0]:g}; "
+                "sort the pairs by opening, each opening once"
+            )
+        if rising and after[1] < before[1]:
+            raise InputError(
+                f"{where}, pair {number}: capacity must not fall as the valve opens, "
+                f"but {after[1]:g} follows {before[1]:g}; correct the pair"
+            )
+    return tuple(pairs)
+
+
+def characteristic(value: object, where: str) -> object:
+    """A name of a trim characteristic, or a table of opening and kv / kv_rated."""
+    names = ("linear", "equal_percentage", "quick_opening", "parabolic", "unknown")
+    if isinstance(value, str):
+        if value not in names:
+            near = hint(value, names)
+            raise InputError(f"{where} = {value!r} is no known characteristic; {near}")
+        return value
+    return table(value, where, content=Number(low=0.0, high=1.0, open_low=False), rising=True)
+
+
+def number_or_table(content: Number) -> Check:
+    """A number, or the same number as a table over opening."""
+
+    def check(value: object, where: str) -> object:
+        if isinstance(value, list | tuple):
+            return table(value, where, content=content, rising=False)
+        return content(value, where)
+
+    return check
+
+
+def rising_pair(content: Number) -> Check:
+    """Two numbers, the lower one first."""
+
+    def check(value: object, where: str) -> object:
+        if not isinstance(value, list | tuple) or len(value) != 2:
+            raise InputError(f"{where} must be two numbers [low, high]; got {value!r}")
+        low, high = (content(item, where) for item in value)
+        if high <= low:
+            raise InputError(f"{where} must give the lower number first; got {list(value)!r}")
+        return low, high
+
+    return check
+
+
+def names_list(value: object, where: str) -> tuple[str, ...]:
+    """A list of effect names, each once."""
+    if isinstance(value, str) or not isinstance(value, list | tuple):
+        raise InputError(f'{where} must be a list of names, such as ["choked_flow"]; got {value!r}')
+    for item in value:
+        if not isinstance(item, str) or not item.isidentifier():
+            raise InputError(f"{where} must hold names of effects in quotes; got {item!r}")
+    if len(set(value)) < len(value):
+        raise InputError(f"{where} names an effect twice; write each once")
+    return tuple(value)

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Files of recordings to plain columns: the only place that needs pandas."""
+
+import csv
+import gzip
+import hashlib
+import io
+import warnings
+import zlib
+from os import PathLike
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sklvalve.recording.errors import InputError
+
+SUFFIXES = (".csv", ".csv.gz", ".parquet")
+
+
+class Columns(NamedTuple):
+    """Columns of a file by name, and the checksum of the file as it lies on the disk."""
+
+    columns: dict[str, NDArray]
+    sha256: str
+
+
+def read_columns(path: str | PathLike[str]) -> Columns:
+    """Read the columns of a .csv, .csv.gz or .parquet file, unconverted.
+
+    Parameters
+    ----------
+    path : str or path-like
+
+    Returns
+    -------
+    read : Columns
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, of another kind than its name says, not UTF-8, or not a table.
+    ImportError
+        If pandas, or pyarrow for .parquet, is not installed.
+    """
+    file = Path(path)
+    name = file.name.lower()
+    if not name.endswith(SUFFIXES):
+        raise InputError(
+            f"{file}: expected a file named .csv, .csv.gz or .parquet; save the recording as one of these"
+        )
+    try:
+        content = file.read_bytes()
+    except FileNotFoundError:
+        raise InputError(f"{file}: no such file; give the path of the recording") from None
+    except OSError as error:
+        raise InputError(f"{file}: cannot be read ({error.strerror}); give a file that can") from None
+    if not content:
+        raise InputError(f"{file}: the file is empty; export the recording again")
+    if name.endswith(".parquet"):
+        columns = _read_parquet(file, content)
+    else:
+        columns = _read_csv(file, _decompress(file, content) if name.endswith(".gz") else content)
+    if not columns or not len(next(iter(columns.values()))):
+        raise InputError(f"{file}: there is a header but no row under it; export the recording again")
+    return Columns(columns, hashlib.sha256(content).hexdigest())
+
+
+def _pandas():
+    try:
+        import pandas
+    except ImportError:
+        raise ImportError('reading recordings needs pandas: pip install "sklvalve[io]"') from None
+    return pandas
+
+
+def _decompress(file: Path, content: bytes) -> bytes:
+    try:
+        text = gzip.decompress(content)
+    except (OSError, EOFError, zlib.error):
+        raise InputError(f"{file}: the file is not whole gzip data; copy or compress it again") from None
+    if not text:
+        raise InputError(f"{file}: the file is empty; export the recording again")
+    return text
+
+
+def _decode(file: Path, content: bytes) -> str:
+    if content[:2] in (b"\xff\xfe", b"\xfe\xff"):
+        raise InputError(f"{file}: the text is UTF-16; save the file as UTF-8")
+    for magic, kind, name in (
+        (b"\x1f\x8b", "gzip data", ".csv.gz"),
+        (b"PAR1", "Parquet", ".parquet"),
+        (b"PK\x03\x04", "a workbook or zip archive", ""),
+    ):
+        if content.startswith(magic):
+            mend = f"name it {name}" if name else "export the table as CSV"
+            raise InputError(f"{file}: the file is {kind}, not text; {mend}")
+    if b"\x00" in content:
+        place = content.index(b"\x00")
+        raise InputError(f"{file}: byte {place} shows a binary file, not text; export the recording as CSV")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = content[: error.start].count(b"\n") + 1
+        raise InputError(f"{file}: line {line} is no UTF-8 text; save the file as UTF-8") from None
+
+
+def _header(file: Path, text: str) -> list[str]:
+    lines = (line for line in io.StringIO(text) if line.strip())
+    header = [name.strip() for name in next(csv.reader(lines), [])]
+    if not any(header):
+        raise InputError(
+            f"{file}: the file holds no column names in its first line; export the recording again"
+        )
+    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if twice:
+        raise InputError(f"{file}: column {twice[0]!r} stands twice in the first line; rename one of the two")
+    for mark, called in ((";", "semicolons"), ("\t", "tabs")):
+        if len(header) == 1 and mark in header[0]:
+            raise InputError(
+                f"{file}: the columns are separated by {called}; separate them by commas, decimals by points"
+            )
+    return header
+
+
+def _read_csv(file: Path, content: bytes) -> dict[str, NDArray]:
+    pandas = _pandas()
+    text = _decode(file, content)
+    header = _header(file, text)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", pandas.errors.ParserWarning)
+            frame = pandas.read_csv(
+                io.StringIO(text),
+                index_col=False,
+                low_memory=False,
+                skipinitialspace=True,
+            )
+    except pandas.errors.ParserWarning:
+        raise InputError(
+            f"{file}: rows hold more cells than the first line has names ({len(header)}); "
+            "name every column and write decimals with a point"
+        ) from None
+    except pandas.errors.ParserError as error:
+        reason = " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ")
+        raise InputError(
+            f"{file}: the table is uneven ({reason}); give every row {len(header)} cells"
+        ) from None
+    return {name: frame.iloc[:, place].to_numpy() for place, name in enumerate(header)}
+
+
+def _read_parquet(file: Path, content: bytes) -> dict[str, NDArray]:
+    pandas = _pandas()
+    if not (content.startswith(b"PAR1") and content.endswith(b"PAR1")):
+        raise InputError(f"{file}: the file is not whole Parquet data; write or copy it again")
+    try:
+        frame = pandas.read_parquet(io.BytesIO(content))
+    except ImportError:
+        raise ImportError('reading .parquet needs pyarrow: pip install "sklvalve[io]"') from None
+    except (OSError, ValueError) as error:
+        reason = str(error).splitlines()[0]
+        raise InputError(
+            f"{file}: the Parquet data cannot be read ({reason}); write the file again"
+        ) from None
+    if frame.index.name is not None and frame.index.name not in frame.columns:
+        frame = frame.reset_index()
+    twice = [name for name in frame.columns if list(frame.columns).count(name) > 1]
+    if twice:
+        raise InputError(f"{file}: column {twice[0]!r} stands twice; rename one of the two")
+    return {str(name): np.asarray(frame[name]) for name in frame.columns}

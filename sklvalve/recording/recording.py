@@ -1,0 +1,331 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A recording: what was measured, by role, in SI, on one time base."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from os import PathLike
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sklvalve.recording._assembly import Parts, assemble
+from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.reader import read_columns
+from sklvalve.recording.signal import ROLES, Signal, si_signal
+from sklvalve.recording.timebase import read_time, seconds_at
+from sklvalve.recording.valve import Valve, read_valve
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+# A role that was not recorded is written as the role that is its nearest kin
+_KIN = {
+    "opening": ("simulated_opening", "command"),
+    "simulated_opening": ("opening", "command"),
+    "flow": ("simulated_flow",),
+    "simulated_flow": ("flow",),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Signals of one valve by role, in SI, on one time base; gaps are NaN and stay so.
+
+    Parameters
+    ----------
+    time : ndarray of shape (n,)
+        Seconds from the first sample of the recording [s]; a slice keeps the clock of the whole.
+    stamps : ndarray of shape (n,)
+        The times as recorded: numbers [s] or ISO 8601 texts.
+    signals : dict of ndarray of shape (n,)
+        Role -> values in SI: opening and command [1] (0 = shut, 1 = open), pressures [Pa, absolute],
+        temperature [K], flow [m3/s], or [kg/s] where `mass_flow`.
+    valve : Valve
+        What is known of the valve, and how the signals were recorded.
+    constants : frozenset of str
+        Roles that the valve gives as a constant instead of a column.
+    mass_flow : bool, default=False
+        Whether flow was recorded by mass.
+    source : str
+        File, or ``"data frame"``.
+    sha256 : str or None
+        Checksum of the file.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from sklvalve.recording import Recording
+    >>> frame = {"time": np.arange(5.0), "command": np.full(5, 0.5), "flow": [1e-3, 1e-3, np.nan, 2e-3, 2e-3]}
+    >>> recording = Recording.from_frame(frame)
+    >>> len(recording), recording.sample_time, "opening" in recording
+    (5, 1.0, False)
+    >>> recording.until(2.0)["flow"]
+    array([0.001, 0.001,   nan])
+    """
+
+    time: NDArray[np.float64]
+    stamps: NDArray
+    signals: dict[str, NDArray[np.float64]]
+    valve: Valve = field(default_factory=Valve)
+    constants: frozenset[str] = frozenset()
+    mass_flow: bool = False
+    source: str = "data frame"
+    sha256: str | None = None
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __contains__(self, role: object) -> bool:
+        return role in self.signals
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.signals)
+
+    def __getitem__(self, role: str) -> NDArray[np.float64]:
+        if role not in self.signals:
+            if role not in ROLES:
+                raise InputError(f"{role!r} is no role; {hint(role, ROLES)}")
+            raise InputError(
+                f"{self.source}: there is no {role}; the recording holds {', '.join(self.signals)}"
+            )
+        return self.signals[role]
+
+    @overload
+    def get(self, role: str) -> NDArray[np.float64] | None: ...
+    @overload
+    def get(self, role: str, default: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    @overload
+    def get(self, role: str, default: None) -> NDArray[np.float64] | None: ...
+
+    def get(self, role: str, default: NDArray[np.float64] | None = None) -> NDArray[np.float64] | None:
+        """Values of a role, or `default` where it was not recorded."""
+        return self.signals.get(role, default)
+
+    @property
+    def sample_time(self) -> float:
+        """Median step between samples [s]; NaN for fewer than two samples."""
+        return float(np.median(np.diff(self.time))) if len(self) > 1 else float("nan")
+
+    def slice(self, start: int | None, stop: int | None) -> "Recording":
+        """Rows from `start` up to, not including, `stop`; the clock stays that of the whole recording."""
+        rows = slice(start, stop)
+        signals = {role: values[rows] for role, values in self.signals.items()}
+        return replace(self, time=self.time[rows], stamps=self.stamps[rows], signals=signals)
+
+    def index_until(self, time_value: float | str) -> int:
+        """Number of rows up to and including a time given as the recording writes its own.
+
+        Parameters
+        ----------
+        time_value : float or str
+            A number of the time column, or an ISO 8601 text where the recording has these.
+
+        Returns
+        -------
+        rows : int
+
+        Raises
+        ------
+        InputError
+            If the value is no time of this recording's kind.
+        """
+        seconds = seconds_at(time_value, self.stamps[0], float(self.time[0]))
+        # a stamp given to its last printed digit must include its own row
+        return int(np.searchsorted(self.time, seconds + 1e-9 * max(1.0, abs(seconds)), side="right"))
+
+    def until(self, time_value: float | str) -> "Recording":
+        """Rows up to and including a time; `InputError` where there is none."""
+        stop = self.index_until(time_value)
+        if stop == 0:
+            raise InputError(f"{self.source}: no row stands at or before time {time_value}; {self._span()}")
+        return self.slice(0, stop)
+
+    def after(self, time_value: float | str) -> "Recording":
+        """Rows after a time; `InputError` where there is none."""
+        start = self.index_until(time_value)
+        if start == len(self):
+            raise InputError(f"{self.source}: no row stands after time {time_value}; {self._span()}")
+        return self.slice(start, None)
+
+    def _span(self) -> str:
+        return f"give a time between {self.stamps[0]} and {self.stamps[-1]}"
+
+    def signal(self, role: str) -> Signal:
+        """How a role stands in the recording, or would by its nearest kin; in SI where there is none."""
+        if role not in ROLES:
+            raise InputError(f"{role!r} is no role; {hint(role, ROLES)}")
+        for candidate in (role, *_KIN.get(role, ())):
+            if candidate in self.valve.roles:
+                return self.valve.roles[candidate]
+        return si_signal(role, mass_flow=self.mass_flow)
+
+    def unit(self, role: str) -> str:
+        """Unit in which the recording holds a role, or would by its nearest kin (see `in_recorded_units`)."""
+        return self.signal(role).unit
+
+    def in_recorded_units(self, role: str, values: ArrayLike) -> NDArray[np.float64]:
+        """Values as the recording would hold them: its unit, its sense, its gauge.
+
+        Parameters
+        ----------
+        role : str
+            Role of the values. A role that was not recorded takes the form of its nearest kin (an opening
+            that of the command), else SI.
+        values : array-like of shape (n,)
+            Values in SI.
+
+        Returns
+        -------
+        recorded : ndarray of shape (n,)
+
+        Raises
+        ------
+        InputError
+            If the role is not known.
+        """
+        return self.signal(role).from_si(values)
+
+    def resolution(self, role: str) -> float:
+        """Smallest step between two distinct recorded values of a role, in SI; 0 where all are equal.
+
+        The step is measured on the numbers as they were written, so that the conversion to SI leaves no trace
+        in it.
+        """
+        recorded = self.in_recorded_units(role, self[role])
+        recorded = recorded[np.isfinite(recorded)]
+        if not len(recorded):
+            return 0.0
+        largest = np.abs(recorded).max()
+        digits = 10 - int(np.ceil(np.log10(largest))) if largest > 0.0 else 10
+        distinct = np.unique(np.round(recorded, digits))
+        step = np.diff(distinct).min() * self.signal(role).slope if len(distinct) > 1 else 0.0
+        return float(f"{step:.9g}")
+
+    def to_frame(self) -> "DataFrame":
+        """Data frame with a column for each role, in SI, and the seconds from the first sample as index.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        try:
+            from pandas import DataFrame, Index
+        except ImportError:
+            raise ImportError('a data frame needs pandas: pip install "sklvalve[io]"') from None
+        return DataFrame(dict(self.signals), index=Index(self.time, name="time"))
+
+    @classmethod
+    def from_frame(cls, frame: object, valve: Valve | None = None) -> "Recording":
+        """Recording of a data frame, or of a mapping of column names to arrays.
+
+        Parameters
+        ----------
+        frame : pandas or polars DataFrame, or mapping
+            Without a valve, or with one that names no roles, the columns are role names and hold SI values
+            (other columns are left out); otherwise the valve says which column is which, and in which unit.
+            Times come from the valve's time column (``"time"``), or from an index of that name or of dates.
+        valve : Valve or None
+
+        Returns
+        -------
+        recording : Recording
+
+        Raises
+        ------
+        InputError
+            If there is no time, no role, or a column cannot be used.
+        """
+        sheet = valve or Valve()
+        columns, where = _frame_columns(frame, sheet.time), "data frame"
+        if not sheet.roles:
+            sheet = replace(sheet, roles=_roles_of(columns, where))
+        return cls._assembled(columns, sheet, where, None)
+
+    @classmethod
+    def _assembled(
+        cls, columns: Mapping[str, object], valve: Valve, source: str, sha256: str | None
+    ) -> "Recording":
+        parts: Parts = assemble(columns, valve, source)
+        base = read_time(parts.time, f"{source}: column {valve.time!r}")
+        return cls(
+            base.seconds, base.stamps, parts.signals, valve, parts.constants, parts.mass_flow, source, sha256
+        )
+
+
+def read_recording(path: str | PathLike[str], valve: Valve | str | PathLike[str]) -> Recording:
+    """Read a recording, its signals by role and in SI.
+
+    Parameters
+    ----------
+    path : str or path-like
+        A .csv, .csv.gz or .parquet file; UTF-8, commas between columns, their names in the first line. Empty
+        cells, ``NaN`` and ``NA`` are gaps and stay gaps; missing rows are not filled in.
+    valve : Valve, str or path-like
+        What is known of the valve, or the path of its valve.toml.
+
+    Returns
+    -------
+    recording : Recording
+
+    Raises
+    ------
+    InputError
+        With one sentence that names file, place and mend: a missing file or column, text or an infinite value
+        among the numbers, times that repeat or run backwards, a column of gaps only, p2 above p1 throughout,
+        values far outside what their unit allows, a binary file, fewer than 10 rows.
+    ImportError
+        If pandas is not installed.
+
+    Examples
+    --------
+    >>> import pathlib, tempfile
+    >>> from sklvalve.recording import Valve, read_recording
+    >>> roles = {"command": {"column": "CV", "unit": "%"}, "flow": {"column": "F", "unit": "m3/h"}}
+    >>> valve = Valve.from_dict({"recording": {"time": "t", **roles}})
+    >>> rows = "".join(f"{t},{50 + t},36\\n" for t in range(12))
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder) / "recording.csv"
+    ...     _ = path.write_text("t,CV,F\\n" + rows)
+    ...     recording = read_recording(path, valve)
+    >>> len(recording), float(recording["command"][0]), float(recording["flow"][0])
+    (12, 0.5, 0.01)
+    """
+    sheet = valve if isinstance(valve, Valve) else read_valve(valve)
+    if not sheet.roles:
+        raise InputError(
+            f"{sheet.source}: [recording] names no signal; add a section such as [recording.command] "
+            "with column and unit"
+        )
+    read = read_columns(path)
+    rows = len(next(iter(read.columns.values())))
+    if rows < _MIN_ROWS:
+        raise InputError(f"{path}: only {rows} rows, too few for a recording; give at least {_MIN_ROWS}")
+    return Recording._assembled(read.columns, sheet, str(path), read.sha256)
+
+
+_MIN_ROWS = 10
+
+
+def _frame_columns(frame: object, time: str) -> dict[str, object]:
+    if isinstance(frame, Mapping):
+        return dict(frame)
+    if not hasattr(frame, "columns"):
+        raise InputError(f"expected a data frame or a mapping of columns; got {type(frame).__name__}")
+    columns = {str(name): frame[name] for name in frame.columns}  # type: ignore[index]
+    index = getattr(frame, "index", None)
+    if time not in columns and index is not None:
+        values = np.asarray(index)
+        if getattr(index, "name", None) == time or values.dtype.kind == "M":
+            columns[time] = values
+    return columns
+
+
+def _roles_of(columns: Mapping[str, object], where: str) -> dict[str, Signal]:
+    roles = {name: si_signal(name) for name in columns if name in ROLES}
+    if not roles:
+        raise InputError(
+            f"{where}: no column is named after a role ({', '.join(ROLES)}); rename some, or give a Valve"
+        )
+    return roles
