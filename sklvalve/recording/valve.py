@@ -9,60 +9,11 @@ from os import PathLike
 from pathlib import Path
 
 from sklvalve.recording import _checks as check
+from sklvalve.recording._layout import KEYS, SCALES, plain, read_role, read_section, section
 from sklvalve.recording.errors import InputError, hint
-from sklvalve.recording.signal import OPENING_ROLES, ROLES, Signal
-from sklvalve.recording.units import UNITS, quantity_of
+from sklvalve.recording.signal import OPENING_ROLES, Signal
 
 Table = tuple[tuple[float, float], ...]
-
-_KV_OF_CV = 0.8649777  # m3/h of a US gallon a minute, at 1 bar instead of 1 psi
-_MM = check.Number("mm", 1e-3)
-_KPA = check.Number("kPa", 1e3)
-_FACTOR = check.Number(high=1.0)
-
-# section -> key -> check; the checks give SI
-_KEYS: dict[str, dict[str, check.Check]] = {
-    "valve": {
-        "tag": check.text,
-        "kv_rated": check.Number("m3/h"),
-        "cv_rated": check.Number("US gallons a minute at 1 psi", _KV_OF_CV),
-        "characteristic": check.characteristic,
-        "rangeability": check.Number(low=1.0),
-        "shutoff": check.Number(low=0.0, high=1.0, open_low=False, open_high=True),
-        "fl": check.number_or_table(_FACTOR),
-        "fd": check.Number(high=2.0),
-        "xt": _FACTOR,
-        "nominal_size": _MM,
-        "inlet_pipe": _MM,
-        "outlet_pipe": _MM,
-        "travel": _MM,
-    },
-    "fluid": {
-        "name": check.text,
-        "density": check.Number("kg/m3"),
-        "kinematic_viscosity": check.Number("m2/s"),
-        "vapour_pressure": check.Number("kPa, absolute", 1e3, open_low=False),
-        "critical_pressure": check.Number("kPa, absolute", 1e3),
-        "molar_mass": check.Number("kg/kmol", 1e-3),
-        "heat_capacity_ratio": check.Number(low=1.0),
-        "compressibility": check.Number(high=10.0),
-    },
-    "actuator": {
-        "fail": check.one_of("closed", "open"),
-        "supply_pressure": _KPA,
-        "spring_range": check.rising_pair(check.Number("kPa", 1e3, open_low=False)),
-        "effective_area": check.Number("cm2", 1e-4),
-        "positioner": check.flag,
-    },
-    "simulation": {"physics": check.names_list},
-}
-_SIGNAL_KEYS = ("column", "constant", "unit", "sense", "gauge")
-_SCALES = {
-    **dict.fromkeys(("nominal_size", "inlet_pipe", "outlet_pipe", "travel"), 1e-3),
-    **dict.fromkeys(("supply_pressure", "spring_range", "vapour_pressure", "critical_pressure"), 1e3),
-    "effective_area": 1e-4,
-    "molar_mass": 1e-3,
-}
 
 
 @dataclass(frozen=True)
@@ -166,23 +117,24 @@ class Valve:
         >>> Valve.from_dict(data).roles["p1"].gauge
         True
         """
-        known = (*_KEYS, "recording")
+        known = (*KEYS, "recording")
         for name in data:
             if name not in known:
                 raise InputError(f"{source}: [{name}] is no known section; {hint(name, known)}")
         found: dict[str, dict[str, object]] = {}
-        for name, keys in _KEYS.items():
-            found[name] = _read_section(_section(data, name, source), keys, f"{source}: [{name}]")
+        for name, keys in KEYS.items():
+            found[name] = read_section(section(data, name, source), keys, f"{source}: [{name}]")
         valve = found["valve"]
         if "cv_rated" in valve:
             if "kv_rated" in valve:
                 raise InputError(f"{source}: [valve] gives kv_rated and cv_rated; keep one of them")
             valve["kv_rated"] = valve.pop("cv_rated")
-        recording = dict(_section(data, "recording", source)) time = check.text(recording.pop("time", "time"),
-        f"{source}: [recording] time") travel = valve.get("travel") roles = {role: _read_role(role, value,
-        travel, source) for role, value in recording.items()} fields = {**valve, **found["actuator"],
-        **found["simulation"]} return cls(**fields, fluid=found["fluid"], roles=roles, time=time,
-        source=source)  # type: ignore[arg-type]
+        recording = dict(section(data, "recording", source))
+        time = check.text(recording.pop("time", "time"), f"{source}: [recording] time")
+        travel = valve.get("travel")
+        roles = {role: read_role(role, value, travel, source) for role, value in recording.items()}
+        fields = {**valve, **found["actuator"], **found["simulation"]}
+        return cls(**fields, fluid=found["fluid"], roles=roles, time=time, source=source)  # type: ignore[arg-type]
 
     def to_dict(self) -> dict[str, dict[str, object]]:
         """Plain data in the structure and the units of valve.toml, fit for JSON and for `from_dict`.
@@ -199,15 +151,13 @@ class Valve:
         {'valve': {'tag': 'FV-101', 'travel': 38.1}, 'recording': {'time': 'time'}}
         """
         data: dict[str, dict[str, object]] = {}
-        for name, keys in _KEYS.items():
+        for name, keys in KEYS.items():
             values = self.fluid if name == "fluid" else {key: getattr(self, key, None) for key in keys}
-            section = {
-                key: _plain(value, _SCALES.get(key, 1.0))
-                for key, value in values.items()
-                if value is not None
+            written = {
+                key: plain(value, SCALES.get(key, 1.0)) for key, value in values.items() if value is not None
             }
-            if section and section != {"physics": []}:
-                data[name] = section
+            if written and section != {"physics": []}:
+                data[name] = written
         data["recording"] = {"time": self.time}
         for role, signal in self.roles.items():
             entry: dict[str, object] = {
@@ -278,71 +228,3 @@ def _toml_sentence(file: Path, text: str, message: str) -> str:
         line, column = len(lines), len(lines[-1]) + 1
     reason = message.split(" (at ")[0]
     return f"{file}: line {line}, column {column} is no valid TOML ({reason}); correct that line"
-
-
-def _section(data: Mapping[str, object], name: str, source: str) -> Mapping[str, object]:
-    section = data.get(name, {})
-    if not isinstance(section, Mapping):
-        raise InputError(f"{source}: {name} must be a section [{name}]; got {section!r}")
-    return section
-
-
-def _read_section(
-    section: Mapping[str, object], keys: dict[str, check.Check], where: str
-) -> dict[str, object]:
-    for key in section:
-        if key not in keys:
-            raise InputError(f"{where} knows no key {key!r}; {hint(key, keys)}")
-    return {key: keys[key](value, f"{where} {key}") for key, value in section.items()}
-
-
-def _read_role(role: str, value: object, travel: object, source: str) -> Signal:
-    if role not in ROLES:
-        raise InputError(f"{source}: [recording.{role}] is no known role; {hint(role, ROLES)}")
-    where = f"{source}: [recording.{role}]"
-    if not isinstance(value, Mapping):
-        raise InputError(f"{where} must be a section with column and unit; got {value!r}")
-    for key in value:
-        if key not in _SIGNAL_KEYS:
-            raise InputError(f"{where} knows no key {key!r}; {hint(key, _SIGNAL_KEYS)}")
-    if ("column" in value) == ("constant" in value):
-        raise InputError(f"{where} must give either a column or a constant, and not both")
-    unit = _read_unit(role, value, where)
-    quantity = quantity_of(unit)
-    if "sense" in value and role not in OPENING_ROLES:
-        raise InputError(
-            f"{where} has a sense, which belongs to {', '.join(OPENING_ROLES)} only; leave it out"
-        )
-    if "gauge" in value and quantity != "pressure":
-        raise InputError(f"{where} has gauge, which belongs to pressures only; leave it out")
-    as_length = role in OPENING_ROLES and quantity == "length"
-    if as_length and not isinstance(travel, float):
-        raise InputError(f"{where} is recorded in {unit}, so give the rated travel in [valve] travel, in mm")
-    return Signal(
-        column=check.text(value["column"], f"{where} column") if "column" in value else None,
-        constant=check.plain_number(value["constant"], f"{where} constant") if "constant" in value else None,
-        unit=unit,
-        sense=str(check.one_of("opening", "closing")(value.get("sense", "opening"), f"{where} sense")),
-        gauge=check.flag(value.get("gauge", False), f"{where} gauge"),
-        travel=travel if as_length and isinstance(travel, float) else None,
-    )
-
-
-def _read_unit(role: str, value: Mapping[str, object], where: str) -> str:
-    units = [unit for quantity in ROLES[role] for unit in UNITS[quantity]]
-    if "unit" not in value:
-        raise InputError(f"{where} has no unit; add unit = one of {', '.join(units)}")
-    unit = value["unit"]
-    if not isinstance(unit, str) or unit not in units:
-        near = hint(unit, units)
-        more = f" (known are {', '.join(units)})" if near.startswith("did") else ""
-        raise InputError(f"{where} unit = {unit!r} is no known unit of this role; {near}{more}")
-    return unit
-
-
-def _plain(value: object, scale: float) -> object:
-    if isinstance(value, tuple):
-        return [_plain(item, scale) for item in value]
-    if isinstance(value, float):
-        return float(f"{value / scale:.12g}")
-    return value
