@@ -18,6 +18,15 @@ from sklvalve.mechanism.liquid import (
     liquid_kv,
     liquid_outlet_pressure,
 )
+from sklvalve.mechanism.orifice import (
+    area_from_kv,
+    estimate_fl,
+    orifice_area,
+    orifice_flow,
+    vena_contracta_pressure,
+)
+from sklvalve.mechanism.transformer import ValveMechanismTransformer
+from sklvalve.mechanism.travel import at_travel
 from sklvalve.mechanism.validity import ValidityWarning
 from sklvalve.mechanism.water import water_density, water_kinematic_viscosity, water_vapour_pressure
 
@@ -27,17 +36,24 @@ __all__ = [
     "WATER_CLAUSIUS_CLAPEYRON",
     "Fluid",
     "ValidityWarning",
+    "ValveMechanismTransformer",
     "antoine",
+    "area_from_kv",
+    "at_travel",
     "choked_pressure_drop",
     "clausius_clapeyron",
     "critical_pressure_ratio_factor",
+    "estimate_fl",
     "fluid_from",
     "liquid_flow",
     "liquid_inlet_pressure",
     "liquid_kv",
     "liquid_outlet_pressure",
     "opening_for_capacity",
+    "orifice_area",
+    "orifice_flow",
     "relative_capacity",
+    "vena_contracta_pressure",
     "water_density",
     "water_kinematic_viscosity",
     "water_vapour_pressure",

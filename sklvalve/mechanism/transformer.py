@@ -1,0 +1,403 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The physics of a valve as a scikit-learn transformer, and as the mechanism of a hybrid."""
+
+from numbers import Integral, Real
+from types import SimpleNamespace
+from typing import ClassVar
+
+import numpy as np
+from sklearn.base import BaseEstimator, TransformerMixin, _fit_context
+from sklearn.utils._param_validation import Interval, StrOptions
+from sklearn.utils.metaestimators import available_if
+from sklearn.utils.validation import _check_feature_names_in, check_is_fitted, validate_data
+
+from sklvalve.mechanism.features import FEATURES, ValveRows, compute_features
+from sklvalve.mechanism.fluid import Fluid, fluid_from
+from sklvalve.mechanism.liquid import choked_pressure_drop, liquid_kv
+
+_ROLES = ("opening", "p1", "p2", "temperature", "flow")
+_SETTINGS = ("characteristic", "fl", "kv_rated", "rangeability", "shutoff", "warn")
+_ROLE = [Interval(Integral, 0, None, closed="left"), str, None]
+_PROPERTY = [Interval(Real, 0, None, closed="neither"), callable, None]
+
+
+class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
+    r"""Physical features of a control valve in liquid service, and its mechanism for a hybrid model.
+
+    As a transformer it turns measured columns into quantities in which a valve is simple. As a mechanism it
+    computes the output from a flow coefficient that something else predicts (`forward`) and finds that
+    coefficient from the measured output (`invert`). With a rated coefficient it predicts by itself
+    (`predict`). Everything is in SI: Pa absolute, m3/s, K; flow coefficients in m3/h.
+
+    Parameters
+    ----------
+    opening : int, str or None, default=0
+        Column of the relative travel, by position or by name; None where there is none. [1]
+    p1 : int, str or None, default=1
+        Column of the pressure before the valve, absolute. [Pa]
+    p2 : int, str or None, default=2
+        Column of the pressure behind the valve, absolute. [Pa]
+    temperature : int, str or None, default=None
+        Column of the liquid's temperature; None takes 20 degC. [K]
+    flow : int, str or None, default=None
+        Column of the volume flow, needed for ``output="outlet_pressure"``. [m3/s]
+    kv_rated : float, default=None
+        Flow coefficient of the open valve; without it there is no `predict`. [m3/h]
+    characteristic : str or list of pairs, default="linear"
+        Inherent characteristic, see `relative_capacity`.
+    rangeability : float, default=None
+        Inherent rangeability. [1]
+    shutoff : float, default=0.0
+        Opening below which the trim closes down to nothing. [1]
+    fl : float or list of pairs, default=None
+        Pressure recovery factor, or a table of pairs opening, factor; None leaves choking out. [1]
+    fluid : str or Fluid, default="water"
+        Name of the fluid, see `fluid_from`.
+    density : float or callable, default=None
+        Density, or a function of the temperature; None takes the fluid's. [kg/m3]
+    kinematic_viscosity : float or callable, default=None
+        Likewise. [m2/s]
+    vapour_pressure : float or callable, default=None
+        Likewise. [Pa]
+    critical_pressure : float, default=None
+        Likewise. [Pa]
+    features : list of str
+        Names of the columns that `transform` gives; `available_features` lists them all.
+    output : {"flow", "outlet_pressure"}, default="flow"
+        What `forward` and `predict` give: flow from the pressures, or `p2` from flow and `p1`.
+    warn : bool, default=True
+        Emit a `ValidityWarning` with the number of rows outside the validity of the physics.
+
+    Attributes
+    ----------
+    columns_ : dict
+        Position of each role's column.
+    n_features_in_ : int
+        Number of columns seen in `fit`.
+    feature_names_in_ : ndarray of shape (n_features_in_,)
+        Their names, where all are strings.
+
+    See Also
+    --------
+    liquid_flow, liquid_outlet_pressure : The equations themselves.
+
+    Notes
+    -----
+    The paper's equation 16 leaves the area f(x) of the vena contracta unknown. For a liquid that area is
+    proportional to :math:`F_L K_v` (see `area_from_kv`), so the unknown parameter is the flow coefficient
+    here: a data sheet knows it.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> X = np.array([[0.5, 6e5, 4e5], [1.0, 6e5, 4e5]])
+    >>> valve = ValveMechanismTransformer(kv_rated=40.0, features=["dp", "relative_capacity"]).fit(X)
+    >>> valve.transform(X)
+    array([[2.e+05, 5.e-01],
+           [2.e+05, 1.e+00]])
+    >>> (valve.predict(X) * 3600).round(2)
+    array([28.31, 56.62])
+    >>> valve.invert(X, valve.predict(X)).round(6)
+    array([20., 40.])
+    """
+
+    _doc_link_module = "sklvalve"
+
+    _parameter_constraints: ClassVar[dict] = {
+        "opening": _ROLE,
+        "p1": _ROLE,
+        "p2": _ROLE,
+        "temperature": _ROLE,
+        "flow": _ROLE,
+        "kv_rated": [Interval(Real, 0, None, closed="neither"), None],
+        "characteristic": [str, "array-like"],
+        "rangeability": [Interval(Real, 1, None, closed="neither"), None],
+        "shutoff": [Interval(Real, 0, 1, closed="left")],
+        "fl": [Interval(Real, 0, 1, closed="right"), "array-like", None],
+        "fluid": [str, Fluid],
+        "density": _PROPERTY,
+        "kinematic_viscosity": _PROPERTY,
+        "vapour_pressure": _PROPERTY,
+        "critical_pressure": [Interval(Real, 0, None, closed="neither"), None],
+        "features": ["array-like"],
+        "output": [StrOptions({"flow", "outlet_pressure"})],
+        "warn": ["boolean"],
+    }
+
+    def __init__(
+        self,
+        *,
+        opening=0,
+        p1=1,
+        p2=2,
+        temperature=None,
+        flow=None,
+        kv_rated=None,
+        characteristic="linear",
+        rangeability=None,
+        shutoff=0.0,
+        fl=None,
+        fluid="water",
+        density=None,
+        kinematic_viscosity=None,
+        vapour_pressure=None,
+        critical_pressure=None,
+        features=(
+            "relative_capacity",
+            "dp",
+            "sqrt_dp_over_density",
+            "pressure_ratio",
+            "density",
+            "vapour_pressure",
+        ),
+        output="flow",
+        warn=True,
+    ):
+        self.opening = opening
+        self.p1 = p1
+        self.p2 = p2
+        self.temperature = temperature
+        self.flow = flow
+        self.kv_rated = kv_rated
+        self.characteristic = characteristic
+        self.rangeability = rangeability
+        self.shutoff = shutoff
+        self.fl = fl
+        self.fluid = fluid
+        self.density = density
+        self.kinematic_viscosity = kinematic_viscosity
+        self.vapour_pressure = vapour_pressure
+        self.critical_pressure = critical_pressure
+        self.features = features
+        self.output = output
+        self.warn = warn
+
+    @staticmethod
+    def available_features():
+        """Names of all features, each with what it is and its unit."""
+        return dict(FEATURES)
+
+    @_fit_context(prefer_skip_nested_validation=True)
+    def fit(self, X, y=None):
+        """Bind the roles to the columns; nothing is estimated.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Measured signals in SI; NaN is a gap.
+        y : None
+            Ignored.
+
+        Returns
+        -------
+        self : ValveMechanismTransformer
+
+        Raises
+        ------
+        ValueError
+            If a role names no column, or a feature is unknown.
+        """
+        X = validate_data(self, X, dtype=np.float64, ensure_all_finite="allow-nan")
+        if isinstance(self.features, str):
+            raise ValueError(f"features must be a list of names; got the text {self.features!r}.")
+        unknown = [name for name in self.features if name not in FEATURES]
+        if unknown:
+            raise ValueError(
+                f"unknown feature {unknown[0]!r} in features: use some of {', '.join(FEATURES)}."
+            )
+        names = getattr(self, "feature_names_in_", None)
+        self.columns_ = {
+            role: _column(role, where, names, X.shape[1])
+            for role in _ROLES
+            if (where := getattr(self, role)) is not None
+        }
+        # the first row tells at once whether the features can be had from these roles and this fluid
+        compute_features(self._rows(X[:1], warn=False), self.features, 1)
+        return self
+
+    def transform(self, X):
+        """Compute the features.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Measured signals in SI; NaN in gives NaN out, row by row.
+
+        Returns
+        -------
+        features : ndarray of shape (n_samples, n_features_out)
+            In the order of `features`; a data frame after ``set_output``.
+        """
+        X = self._check(X)
+        return compute_features(self._rows(X), self.features, X.shape[0])
+
+    def get_feature_names_out(self, input_features=None):
+        """Names of the columns that `transform` gives.
+
+        Parameters
+        ----------
+        input_features : array-like of str, default=None
+            Checked against the columns seen in `fit`, as scikit-learn demands; not used otherwise.
+
+        Returns
+        -------
+        names : ndarray of str objects
+        """
+        check_is_fitted(self)
+        _check_feature_names_in(self, input_features)
+        return np.asarray(self.features, dtype=object)
+
+    @available_if(lambda self: self.kv_rated is not None)
+    def predict(self, X):
+        """Output of the valve by its own characteristic; there with `kv_rated` only.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Measured signals in SI.
+
+        Returns
+        -------
+        output : ndarray of shape (n_samples,)
+            Flow [m3/s] or outlet pressure [Pa], by the parameter `output`.
+        """
+        X = self._check(X)
+        rows = self._rows(X)
+        return self._forward(rows, rows.kv)
+
+    def forward(self, X, parameter):
+        """Output of the valve with given flow coefficients, the paper's equation 16.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Measured signals in SI.
+        parameter : array-like of shape (n_samples,)
+            Flow coefficient of each row. [m3/h]
+
+        Returns
+        -------
+        output : ndarray of shape (n_samples,)
+            Flow [m3/s] or outlet pressure [Pa], by the parameter `output`.
+        """
+        X = self._check(X)
+        return self._forward(self._rows(X), _per_row(parameter, X, "parameter"))
+
+    def invert(self, X, y):
+        """Flow coefficients with which `forward` gives the measured output.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Measured signals in SI.
+        y : array-like of shape (n_samples,)
+            Measured flow [m3/s] or outlet pressure [Pa].
+
+        Returns
+        -------
+        parameter : ndarray of shape (n_samples,)
+            Flow coefficient [m3/h]; NaN where the output says nothing about it: at zero pressure drop, and
+            for the outlet pressure in choked flow or without flow.
+        """
+        X = self._check(X)
+        y = _per_row(y, X, "y")
+        rows = self._rows(X)
+        p1, p2, flow = (
+            (rows.signal("p1"), rows.signal("p2"), y)
+            if self.output == "flow"
+            else (rows.signal("p1"), y, rows.signal("flow"))
+        )
+        kv = liquid_kv(flow, p1, p2, rows.density, warn=self.warn, **rows.choking)
+        if self.output == "flow":
+            return kv
+        # a choked valve gives the same flow at any lower p2, and no valve lets flow run against its drop
+        determined = kv > 0.0
+        if rows.choking:
+            determined &= p1 - p2 < choked_pressure_drop(
+                p1, rows.vapour_pressure, rows.critical_pressure, rows.fl
+            )
+        return np.where(determined, kv, np.nan)
+
+    def sensitivity(self, X, parameter):
+        """Derivative of the output of `forward` by the flow coefficient.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Measured signals in SI.
+        parameter : array-like of shape (n_samples,)
+            Flow coefficient of each row. [m3/h]
+
+        Returns
+        -------
+        derivative : ndarray of shape (n_samples,)
+            In units of the output per m3/h; it goes to zero where the output says nothing about the
+            parameter, so its square serves as the weight of a row when parameters are learnt. NaN where
+            `forward` is.
+        """
+        X = self._check(X)
+        rows = self._rows(X, warn=False)
+        kv = _per_row(parameter, X, "parameter")
+        if self.output == "flow":
+            return np.where(np.isnan(kv), np.nan, rows.flow_through(1.0))
+        p1, flow = rows.signal("p1"), rows.signal("flow")
+        p2 = rows.outlet_pressure_behind(kv)
+        # p2 differs from a pressure that kv does not move by a drop that falls with the square of kv
+        anchor = p1
+        if rows.choking:
+            boiling = rows.ff * rows.vapour_pressure
+            turbulent = liquid_kv(flow, p1, p2, rows.density, warn=False)
+            anchor = np.where((flow < 0.0) & (turbulent < kv * (1.0 - 1e-9)), boiling, p1)
+        return 2.0 * (anchor - p2) / kv
+
+    def _forward(self, rows, kv):
+        return rows.flow_through(kv) if self.output == "flow" else rows.outlet_pressure_behind(kv)
+
+    def _check(self, X):
+        check_is_fitted(self)
+        return validate_data(self, X, reset=False, dtype=np.float64, ensure_all_finite="allow-nan")
+
+    def _rows(self, X, warn=None):
+        settings = SimpleNamespace(**{name: getattr(self, name) for name in _SETTINGS})
+        settings.warn = self.warn if warn is None else warn
+        fluid = fluid_from(
+            self.fluid,
+            density=self.density,
+            kinematic_viscosity=self.kinematic_viscosity,
+            vapour_pressure=self.vapour_pressure,
+            critical_pressure=self.critical_pressure,
+        )
+        return ValveRows({role: X[:, at] for role, at in self.columns_.items()}, settings, fluid)
+
+    def __sklearn_tags__(self):
+        tags = super().__sklearn_tags__()
+        tags.input_tags.allow_nan = True
+        return tags
+
+
+def _column(role, where, names, n_columns):
+    if not isinstance(where, str):
+        if where >= n_columns:
+            raise ValueError(
+                f"{role}={where} is no column of the data, which have {n_columns}: set {role}=..."
+            )
+        return int(where)
+    if names is None:
+        raise ValueError(f"{role}={where!r} is a name, but the columns have no names: give its position.")
+    found = np.flatnonzero(names == where)
+    if not found.size:
+        raise ValueError(
+            f"{role}={where!r} is not a column of the data. Columns: {', '.join(names)}; set {role}=..."
+        )
+    return int(found[0])
+
+
+def _per_row(values, X, name):
+    values = np.asarray(values, dtype=float)
+    if values.ndim == 2 and values.shape[1] == 1:
+        values = values[:, 0]
+    if values.ndim > 1 or (values.ndim == 1 and values.shape[0] != X.shape[0]):
+        raise ValueError(
+            f"{name} must have one value for each of the {X.shape[0]} rows; got shape {values.shape}."
+        )
+    return np.broadcast_to(values, X.shape[:1])
