@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.columns import to_numbers
 from sklvalve.recording.errors import InputError, hint
-from sklvalve.recording.signal import OPENING_ROLES, Signal
+from sklvalve.recording.signal import OPENING_ROLES, ROLES, Signal, si_signal
 from sklvalve.recording.valve import Valve
 
 Signals = dict[str, NDArray[np.float64]]
@@ -118,3 +118,28 @@ def _flows_by_mass(valve: Valve) -> bool:
             f"{valve.source}: of flow and simulated_flow one is by mass, one by volume; give both of one kind"
         )
     return any(by_mass.values())
+
+
+def frame_columns(frame: object, time: str) -> dict[str, object]:
+    """Columns of a data frame or mapping by name, its index among them where that is the time."""
+    if isinstance(frame, Mapping):
+        return dict(frame)
+    if not hasattr(frame, "columns"):
+        raise InputError(f"expected a data frame or a mapping of columns; got {type(frame).__name__}")
+    columns = {str(name): frame[name] for name in frame.columns}  # type: ignore[index]
+    index = getattr(frame, "index", None)
+    if time not in columns and index is not None:
+        values = np.asarray(index)
+        if getattr(index, "name", None) == time or values.dtype.kind == "M":
+            columns[time] = values
+    return columns
+
+
+def named_roles(columns: Mapping[str, object], where: str) -> dict[str, Signal]:
+    """Signals in SI of the columns that are named after a role."""
+    roles = {name: si_signal(name) for name in columns if name in ROLES}
+    if not roles:
+        raise InputError(
+            f"{where}: no column is named after a role ({', '.join(ROLES)}); rename some, or give a Valve"
+        )
+    return roles

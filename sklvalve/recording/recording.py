@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sklvalve.recording._assembly import Parts, assemble
+from sklvalve.recording._assembly import Parts, assemble, frame_columns, named_roles
 from sklvalve.recording.errors import InputError, hint
 from sklvalve.recording.reader import read_columns
 from sklvalve.recording.signal import ROLES, Signal, si_signal
@@ -26,6 +26,9 @@ _KIN = {
     "flow": ("simulated_flow",),
     "simulated_flow": ("flow",),
 }
+
+
+_MIN_ROWS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,9 +241,9 @@ class Recording:
             If there is no time, no role, or a column cannot be used.
         """
         sheet = valve or Valve()
-        columns, where = _frame_columns(frame, sheet.time), "data frame"
+        columns, where = frame_columns(frame, sheet.time), "data frame"
         if not sheet.roles:
-            sheet = replace(sheet, roles=_roles_of(columns, where))
+            sheet = replace(sheet, roles=named_roles(columns, where))
         return cls._assembled(columns, sheet, where, None)
 
     @classmethod
@@ -303,29 +306,3 @@ def read_recording(path: str | PathLike[str], valve: Valve | str | PathLike[str]
     if rows < _MIN_ROWS:
         raise InputError(f"{path}: only {rows} rows, too few for a recording; give at least {_MIN_ROWS}")
     return Recording._assembled(read.columns, sheet, str(path), read.sha256)
-
-
-_MIN_ROWS = 10
-
-
-def _frame_columns(frame: object, time: str) -> dict[str, object]:
-    if isinstance(frame, Mapping):
-        return dict(frame)
-    if not hasattr(frame, "columns"):
-        raise InputError(f"expected a data frame or a mapping of columns; got {type(frame).__name__}")
-    columns = {str(name): frame[name] for name in frame.columns}  # type: ignore[index]
-    index = getattr(frame, "index", None)
-    if time not in columns and index is not None:
-        values = np.asarray(index)
-        if getattr(index, "name", None) == time or values.dtype.kind == "M":
-            columns[time] = values
-    return columns
-
-
-def _roles_of(columns: Mapping[str, object], where: str) -> dict[str, Signal]:
-    roles = {name: si_signal(name) for name in columns if name in ROLES}
-    if not roles:
-        raise InputError(
-            f"{where}: no column is named after a role ({', '.join(ROLES)}); rename some, or give a Valve"
-        )
-    return roles

@@ -156,7 +156,7 @@ class Valve:
             written = {
                 key: plain(value, SCALES.get(key, 1.0)) for key, value in values.items() if value is not None
             }
-            if written and section != {"physics": []}:
+            if written and written != {"physics": []}:
                 data[name] = written
         data["recording"] = {"time": self.time}
         for role, signal in self.roles.items():
