@@ -43,15 +43,15 @@ class ValveRows:
 
     @cached_property
     def density(self):
-        return self._fluid.density(self._signals.get("temperature"))
+        return self._fluid.density(self._signals.get("temperature"), warn=self._settings.warn)
 
     @cached_property
     def vapour_pressure(self):
-        return self._fluid.vapour_pressure(self._signals.get("temperature"))
+        return self._fluid.vapour_pressure(self._signals.get("temperature"), warn=self._settings.warn)
 
     @cached_property
     def kinematic_viscosity(self):
-        return self._fluid.kinematic_viscosity(self._signals.get("temperature"))
+        return self._fluid.kinematic_viscosity(self._signals.get("temperature"), warn=self._settings.warn)
 
     @cached_property
     def critical_pressure(self):

@@ -22,6 +22,7 @@ WATER_ANTOINE = {"a": 8.07131, "b": 1730.63, "c": 233.426, "form": "log10_mmHg"}
 STANDARD_TEMPERATURE = 293.15
 """Temperature taken where none is given: 20 degC. [K]"""
 
+_SWITCHABLE = (water_density, water_vapour_pressure, water_kinematic_viscosity)
 _PROPERTIES = ("density", "vapour_pressure", "kinematic_viscosity")
 
 
@@ -56,24 +57,26 @@ class Fluid:
             return self.critical_pressure is not None
         return what in self.properties
 
-    def density(self, temperature=None):
+    def density(self, temperature=None, *, warn=True):
         """Density [kg/m3] at `temperature` [K]; None is 20 degC. ValueError where it is not given."""
-        return self._at("density", temperature)
+        return self._at("density", temperature, warn)
 
-    def vapour_pressure(self, temperature=None):
+    def vapour_pressure(self, temperature=None, *, warn=True):
         """Vapour pressure [Pa] at `temperature` [K]; None is 20 degC. ValueError where it is not given."""
-        return self._at("vapour_pressure", temperature)
+        return self._at("vapour_pressure", temperature, warn)
 
-    def kinematic_viscosity(self, temperature=None):
+    def kinematic_viscosity(self, temperature=None, *, warn=True):
         """Viscosity [m2/s] at `temperature` [K]; None is 20 degC. ValueError where it is not given."""
-        return self._at("kinematic_viscosity", temperature)
+        return self._at("kinematic_viscosity", temperature, warn)
 
-    def _at(self, what, temperature):
+    def _at(self, what, temperature, warn):
         if what not in self.properties:
             raise ValueError(f"the fluid {self.name!r} has no {what}: give {what}=... for it.")
         value = self.properties[what]
         if callable(value):
-            return value(STANDARD_TEMPERATURE if temperature is None else temperature)
+            temperature = STANDARD_TEMPERATURE if temperature is None else temperature
+            # a user's function owes nobody a switch for its warnings
+            return value(temperature, warn=warn) if value in _SWITCHABLE else value(temperature)
         if temperature is None or np.ndim(temperature) == 0:
             return float(value)
         return np.full(np.shape(temperature), float(value))
