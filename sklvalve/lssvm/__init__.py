@@ -1,1 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
+"""What data say: the least-squares support vector machine."""
+
+from sklvalve.lssvm.regressor import LSSVMRegressor
+
+__all__ = ["LSSVMRegressor"]

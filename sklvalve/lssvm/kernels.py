@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Kernels k(x, z) between the rows of two arrays, and the matrices made of them."""
+
+from functools import partial
+
+import numpy as np
+from scipy.spatial.distance import cdist
+from sklearn.metrics.pairwise import pairwise_kernels
+
+# Kernels that see differences of rows only, so that a common offset may be taken off for accuracy.
+SHIFT_INVARIANT = frozenset({"rbf", "laplacian"})
+
+# Numbers in one block of kernel values: 8 MiB, small enough to stay near the processor.
+BLOCK = 2**20
+
+
+def kernel_between(kernel, *, gamma=None, degree=3, coef0=1, kernel_params=None):
+    """Return the function that gives the kernel matrix between the rows of two arrays.
+
+    Parameters
+    ----------
+    kernel : {"rbf", "linear", "polynomial", "poly", "laplacian"} or callable
+        A callable takes two rows and returns one number.
+    gamma : float, default=None
+        Scale of rbf, laplacian and polynomial; None is one over the number of columns.
+    degree : int, default=3
+        Of the polynomial.
+    coef0 : float, default=1
+        Of the polynomial.
+    kernel_params : dict, default=None
+        Keywords for a callable.
+
+    Returns
+    -------
+    between : callable
+        ``between(A, B)`` is an ndarray of shape (rows of A, rows of B).
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> kernel_between("linear")(np.eye(2), np.ones((1, 2)))
+    array([[1.],
+           [1.]])
+    """
+    if callable(kernel):
+        return partial(pairwise_kernels, metric=kernel, **(kernel_params or {}))
+    if kernel == "linear":
+        return _linear
+    if kernel == "rbf":
+        return partial(_rbf, gamma=gamma)
+    if kernel == "laplacian":
+        return partial(_laplacian, gamma=gamma)
+    if kernel in ("polynomial", "poly"):
+        return partial(_polynomial, gamma=gamma, degree=degree, coef0=coef0)
+    raise ValueError(
+        f"kernel must be rbf, linear, polynomial, poly, laplacian or a callable of two rows, got {kernel!r}."
+    )
+
+
+def lower_gram(between, X):
+    """Lower triangle of the kernel matrix of the rows of X; what stands above the diagonal is undefined.
+
+    Fortran order, as the factorisation wants it. Memory beyond the result stays at a few blocks.
+    """
+    n = X.shape[0]
+    gram = np.empty((n, n), order="F")
+    for rows in row_blocks(n, n):
+        gram[rows.start :, rows] = between(X[rows], X[rows.start :]).T
+    return gram
+
+
+def kernel_product(between, A, B, weights):
+    """K(A, B) @ weights without ever holding K: rows of A are taken in blocks."""
+    product = np.empty((A.shape[0], weights.shape[1]))
+    for rows in row_blocks(A.shape[0], B.shape[0]):
+        product[rows] = between(A[rows], B) @ weights
+    return product
+
+
+def row_blocks(n_rows, n_columns):
+    """Slices that cover `n_rows` rows so that each block of the matrix has about `BLOCK` numbers."""
+    step = max(1, BLOCK // max(1, n_columns))
+    return [slice(start, min(start + step, n_rows)) for start in range(0, n_rows, step)]
+
+
+def _linear(A, B):
+    return A @ B.T
+
+
+def _rbf(A, B, *, gamma):
+    values = A @ B.T
+    values *= -2.0
+    values += np.einsum("ij,ij->i", A, A)[:, None]
+    values += np.einsum("ij,ij->i", B, B)
+    # Rounding leaves squared distances of equal rows a little below zero.
+    np.maximum(values, 0.0, out=values)
+    values *= -_scale(gamma, A)
+    return np.exp(values, out=values)
+
+
+def _laplacian(A, B, *, gamma):
+    values = cdist(A, B, metric="cityblock")
+    values *= -_scale(gamma, A)
+    return np.exp(values, out=values)
+
+
+def _polynomial(A, B, *, gamma, degree, coef0):
+    values = A @ B.T
+    values *= _scale(gamma, A)
+    values += coef0
+    return np.power(values, degree, out=values)
+
+
+def _scale(gamma, A):
+    return 1.0 / A.shape[1] if gamma is None else gamma

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The LS-SVM as a scikit-learn regressor."""
+
+from numbers import Integral, Real
+from typing import ClassVar
+
+import numpy as np
+from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, _fit_context
+from sklearn.utils._param_validation import Interval, StrOptions
+from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
+
+from sklvalve.lssvm.kernels import SHIFT_INVARIANT, kernel_between, kernel_product, lower_gram
+from sklvalve.lssvm.solvers import solve_lssvm
+
+
+class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    r"""Least-squares support vector machine for regression.
+
+    Fits :math:`f(x) = \sum_i \alpha_i k(x, x_i) + b` by one linear system. Kernel ridge regression is the
+    same model without the bias; the bias makes the fit independent of an offset of y. Use it for smooth
+    functions of a few scaled columns and up to some ten thousand rows: time grows with the cube of the rows
+    and memory with their square. Columns of different units should be scaled first, for example with
+    :class:`~sklearn.preprocessing.StandardScaler`.
+
+    Parameters
+    ----------
+    kernel : {"rbf", "linear", "polynomial", "poly", "laplacian", "precomputed"} or callable, default="rbf"
+        A callable takes two rows and returns one number. With "precomputed", X is the kernel matrix: of shape
+        (n_samples, n_samples) in `fit`, where only its lower triangle is read, and of shape
+        (n_queries, n_samples) in `predict`.
+    C : float, default=1.0
+        Weight of the squared errors against the size of the function; `1 / C` is the `alpha` of ridge
+        regression. About the variance of the signal over the variance of the noise.
+    gamma : float, default=None
+        Scale of the kernels rbf :math:`e^{-\gamma |x-z|^2}`, laplacian :math:`e^{-\gamma |x-z|_1}` and
+        polynomial :math:`(\gamma x^T z + c_0)^d`. None is one over the number of columns.
+    degree : int, default=3
+        Degree :math:`d` of the polynomial.
+    coef0 : float, default=1
+        Constant :math:`c_0` of the polynomial.
+    kernel_params : dict, default=None
+        Keywords for a callable kernel.
+    bias : {"free", "regularized", "none"}, default="free"
+        "free": :math:`b` costs nothing, equations 8 to 13 of the paper. "regularized": :math:`b^2 / 2` is
+        added to the cost, which the literature calls the unbiased LS-SVM. "none": :math:`b = 0`, kernel ridge
+        regression.
+
+    Attributes
+    ----------
+    dual_coef_ : ndarray of shape (n_fit,) or (n_fit, n_targets)
+        Weights :math:`\alpha` of the rows in `X_fit_`; with a precomputed kernel, of all rows.
+    intercept_ : float or ndarray of shape (n_targets,)
+        Bias :math:`b`.
+    X_fit_ : ndarray of shape (n_fit, n_features) or None
+        Rows of the fit whose weight is not zero; None with a precomputed kernel.
+    n_features_in_ : int
+        Number of columns seen in `fit`.
+    feature_names_in_ : ndarray of shape (n_features_in_,)
+        Names of the columns, where X had names.
+
+    See Also
+    --------
+    sklearn.kernel_ridge.KernelRidge : The same without bias.
+    sklearn.svm.SVR : Sparse solution, by another loss.
+
+    Notes
+    -----
+    Minimises :math:`\frac12 |w|^2 + \frac{C}{2} \sum_i s_i \xi_i^2` with
+    :math:`y_i = w^T \varphi(x_i) + b + \xi_i` and sample weights :math:`s_i`. The optimum solves
+
+    .. math::
+
+        \begin{bmatrix} 0 & 1^T \\ 1 & K + \mathrm{diag}(1 / (C s_i)) \end{bmatrix}
+        \begin{bmatrix} b \\ \alpha \end{bmatrix} = \begin{bmatrix} 0 \\ y \end{bmatrix} ,
+
+    by one Cholesky factorisation in place. Where the matrix is not positive definite, a
+    :class:`scipy.linalg.LinAlgWarning` tells that the least-squares solution was taken.
+
+    References
+    ----------
+    .. [1] J. A. K. Suykens et al., Least Squares Support Vector Machines, World Scientific, 2002.
+    .. [2] H.-Q. Wang et al., An unbiased LSSVM model for classification and regression, Soft Computing, 2010.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from sklvalve.lssvm import LSSVMRegressor
+    >>> opening = np.linspace(0, 1, 21)[:, None]
+    >>> kv = 50.0 ** (opening[:, 0] - 1)
+    >>> model = LSSVMRegressor(C=1e6, gamma=2.0).fit(opening, kv)
+    >>> model.predict([[0.525]]).round(3)
+    array([0.156])
+    """
+
+    _parameter_constraints: ClassVar[dict] = {
+        "kernel": [
+            StrOptions({"rbf", "linear", "polynomial", "poly", "laplacian", "precomputed"}),
+            callable,
+        ],
+        "C": [Interval(Real, 0, None, closed="neither")],
+        "gamma": [Interval(Real, 0, None, closed="neither"), None],
+        "degree": [Interval(Integral, 1, None, closed="left")],
+        "coef0": [Interval(Real, None, None, closed="neither")],
+        "kernel_params": [dict, None],
+        "bias": [StrOptions({"free", "regularized", "none"})],
+    }
+
+    def __init__(
+        self, kernel="rbf", *, C=1.0, gamma=None, degree=3, coef0=1, kernel_params=None, bias="free"
+    ):
+        self.kernel = kernel
+        self.C = C
+        self.gamma = gamma
+        self.degree = degree
+        self.coef0 = coef0
+        self.kernel_params = kernel_params
+        self.bias = bias
+
+    def __sklearn_tags__(self):
+        tags = super().__sklearn_tags__()
+        tags.input_tags.pairwise = self.kernel == "precomputed"
+        return tags
+
+    @_fit_context(prefer_skip_nested_validation=True)
+    def fit(self, X, y, sample_weight=None):
+        """Fit the model.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Rows to learn from, or the kernel matrix of shape (n_samples, n_samples).
+        y : array-like of shape (n_samples,) or (n_samples, n_targets)
+            Targets.
+        sample_weight : float or array-like of shape (n_samples,), default=None
+            Non-negative. A row of weight k counts as k equal rows, one of weight 0 as absent.
+
+        Returns
+        -------
+        self : LSSVMRegressor
+            The fitted model.
+
+        Raises
+        ------
+        ValueError
+            If the data are not finite numbers, a kernel matrix is not square, weights are negative or all
+            zero, or kernel values overflow.
+        """
+        X, y = validate_data(self, X, y, dtype=np.float64, multi_output=True, y_numeric=True)
+        ridge = self._ridge(sample_weight, X)
+        rows = np.isfinite(ridge)
+        targets = y.astype(np.float64).reshape(len(y), -1)[rows]
+        gram, product = self._fit_kernel(X, rows)
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            alpha, b = solve_lssvm(gram, product, targets, ridge[rows], bias=self.bias)
+        b = b - self._offset(alpha)
+        if self.kernel == "precomputed":
+            kept, alpha = alpha, np.zeros((len(y), targets.shape[1]))
+            alpha[rows] = kept
+        self.dual_coef_ = alpha[:, 0] if y.ndim == 1 else alpha
+        self.intercept_ = float(b[0]) if y.ndim == 1 else b
+        return self
+
+    def predict(self, X):
+        """Predict the target.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Rows, or their kernel values against the rows of the fit, of shape (n_samples, n_fit).
+
+        Returns
+        -------
+        y : ndarray of shape (n_samples,) or (n_samples, n_targets)
+            Predictions. Memory beyond them and X is bounded, whatever the number of rows.
+        """
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=np.float64, reset=False)
+        alpha = self.dual_coef_.reshape(len(self.dual_coef_), -1)
+        if self.kernel == "precomputed":
+            product = X @ alpha
+        else:
+            centre = self._centre()
+            product = kernel_product(self._between(), X - centre, self.X_fit_ - centre, alpha)
+            product += self._offset(alpha)
+        return (product[:, 0] if self.dual_coef_.ndim == 1 else product) + self.intercept_
+
+    def _ridge(self, sample_weight, X):
+        if sample_weight is None:
+            return np.full(len(X), 1.0 / self.C)
+        weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True)
+        with np.errstate(divide="ignore", over="ignore"):
+            ridge = 1.0 / (self.C * weight)
+        if not np.isfinite(ridge).any():
+            raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
+        return ridge
+
+    def _fit_kernel(self, X, rows):
+        """The functions that give the kernel matrix of the kept rows, and its product with a vector."""
+        if self.kernel == "precomputed":
+            if X.shape[0] != X.shape[1]:
+                raise ValueError(f"A precomputed kernel matrix must be square, got shape {X.shape}.")
+            self.X_fit_ = None
+            kernel_matrix = X if rows.all() else X[np.ix_(rows, rows)]
+            return lambda: np.array(kernel_matrix, order="F"), lambda v: kernel_matrix @ v
+        self.X_fit_ = X[rows]
+        centred = self.X_fit_ - self._centre()
+        between = self._between()
+        return lambda: lower_gram(between, centred), lambda v: kernel_product(between, centred, centred, v)
+
+    def _between(self):
+        return kernel_between(
+            self.kernel,
+            gamma=self.gamma,
+            degree=self.degree,
+            coef0=self.coef0,
+            kernel_params=self.kernel_params,
+        )
+
+    def _centre(self):
+        """Offset taken off all rows: it changes no prediction and keeps the digits of small differences."""
+        kernel = self.kernel if isinstance(self.kernel, str) else None
+        if kernel in SHIFT_INVARIANT or (kernel == "linear" and self.bias == "free"):
+            return self.X_fit_.mean(axis=0)
+        return np.zeros(self.X_fit_.shape[1])
+
+    def _offset(self, alpha):
+        """What `_centre` takes off the value of the linear kernel; others do not see it."""
+        if self.kernel != "linear":
+            return 0.0
+        centre = self._centre()
+        return centre @ ((self.X_fit_ - centre).T @ alpha)
