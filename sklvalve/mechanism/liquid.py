@@ -19,6 +19,8 @@ REFERENCE_DENSITY = 999.1026
 # Q = FLOW_CONSTANT Kv sqrt(dp / rho) in SI with Kv in m3/h; N1 = 0.1 itself holds for m3/h and kPa
 FLOW_CONSTANT = 0.1 / 3600.0 * np.sqrt(REFERENCE_DENSITY / 1000.0)
 
+_ROUNDING = 32.0 * np.finfo(float).eps
+
 
 def critical_pressure_ratio_factor(p_vapour, p_critical=WATER_CRITICAL_PRESSURE):
     r"""Liquid critical pressure ratio factor F_F, the paper's equation 5.
@@ -295,7 +297,8 @@ def liquid_outlet_pressure(
     drop = _turbulent_drop(flow, kv, density)
     p2 = p1 - drop
     if _with_choking(fl, p_vapour):
-        forward_limit = _choked_drop(p1, fl, p_vapour, p_critical)
+        # the flow of a choked valve must not come back as feasible by the rounding of its own root
+        forward_limit = _choked_drop(p1, fl, p_vapour, p_critical) * (1.0 - _ROUNDING)
         # flow backwards: p1 is then the known pressure behind the valve, p2 the wanted one before it
         backward = _pressure_before(-drop, p1, fl, p_vapour, p_critical)
         p2 = np.where(drop < 0.0, backward, np.where(drop < forward_limit, p2, np.nan))[()]

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Trim characteristics and their inverses."""
+
+import warnings
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+
+from sklvalve.mechanism import CHARACTERISTICS, ValidityWarning, opening_for_capacity, relative_capacity
+
+TABLE = [[0.0, 0.0], [0.2, 0.03], [0.5, 0.12], [0.8, 0.55], [1.0, 0.95]]
+RANGED = st.sampled_from(CHARACTERISTICS)
+
+
+@pytest.mark.parametrize(
+    ("kind", "rangeability", "opening", "phi"),
+    [
+        ("equal_percentage", 50.0, 0.5, 50.0**-0.5),
+        ("equal_percentage", 50.0, 0.75, 50.0**-0.25),
+        ("linear", 50.0, 0.5, 0.51),
+        ("linear", None, 0.3, 0.3),
+        ("quick_opening", None, 0.25, 0.5),
+        ("quick_opening", 2.0, 0.0, 0.5),
+        ("parabolic", None, 0.5, 0.25),
+        ("parabolic", 4.0, 0.5, 1.5**2 / 4.0),
+        ("hyperbolic", 50.0, 0.5, 1.0 / 25.5),
+    ],
+)
+def test_values(kind, rangeability, opening, phi):
+    assert_allclose(relative_capacity(opening, kind, rangeability=rangeability), phi, rtol=1e-14)
+
+
+@given(
+    RANGED, st.floats(1.5, 200.0), st.floats(0.0, 0.3), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20)
+)
+@settings(max_examples=50, deadline=None)
+def test_round_trip(kind, rangeability, shutoff, openings):
+    given_so = {"rangeability": rangeability, "shutoff": shutoff}
+    phi = relative_capacity(openings, kind, **given_so)
+    assert_allclose(opening_for_capacity(phi, kind, **given_so), openings, rtol=0.0, atol=1e-9)
+
+
+@given(st.sampled_from(["linear", "quick_opening", "parabolic"]), st.floats(0.0, 1.0))
+@settings(max_examples=50, deadline=None)
+def test_round_trip_from_zero(kind, opening):
+    phi = relative_capacity(opening, kind)
+    assert_allclose(relative_capacity(opening_for_capacity(phi, kind), kind), phi, rtol=1e-9, atol=1e-300)
+
+
+@given(st.floats(0.0, 0.3), st.lists(st.floats(0.0, 1.0), min_size=1, max_size=20))
+@settings(max_examples=50, deadline=None)
+def test_round_trip_through_a_table(shutoff, openings):
+    phi = relative_capacity(openings, TABLE, shutoff=shutoff)
+    again = opening_for_capacity(phi, TABLE, shutoff=shutoff)
+    assert_allclose(relative_capacity(again, TABLE, shutoff=shutoff), phi, rtol=0.0, atol=1e-12)
+    assert_allclose(again, openings, rtol=0.0, atol=1e-9)
+
+
+steps = st.lists(st.floats(0.01, 1.0), min_size=1, max_size=8)
+
+
+@given(steps, st.data())
+@settings(max_examples=50, deadline=None)
+def test_any_monotone_table_is_monotone_and_inverts(widths, data):
+    rises = data.draw(
+        st.lists(st.sampled_from([0.0, 0.01, 0.3, 1.0]), min_size=len(widths), max_size=len(widths))
+    )
+    if sum(rises) == 0.0:
+        rises[-1] = 1.0
+    opening = np.concatenate([[0.0], np.cumsum(widths) / sum(widths)])
+    opening[-1] = 1.0
+    table = np.column_stack([opening, np.concatenate([[0.0], np.cumsum(rises) / sum(rises)])])
+    phi = relative_capacity(np.linspace(0.0, 1.0, 201), table)
+    assert np.all(np.diff(phi) >= -1e-12)
+    assert_allclose(relative_capacity(opening_for_capacity(phi, table, warn=False), table), phi, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", CHARACTERISTICS)
+def test_shutoff_is_continuous_and_closes(kind):
+    below, at, above = relative_capacity(
+        [0.05 - 1e-9, 0.05, 0.05 + 1e-9], kind, rangeability=30.0, shutoff=0.05
+    )
+    assert relative_capacity(0.0, kind, rangeability=30.0, shutoff=0.05) == 0.0
+    assert_allclose([below, above], at, rtol=1e-6)
+    assert_allclose(relative_capacity(0.02, kind, rangeability=30.0, shutoff=0.05), 0.4 * at, rtol=1e-12)
+
+
+def test_table_passes_its_points():
+    opening, phi = np.transpose(TABLE)
+    assert_allclose(relative_capacity(opening, TABLE), phi, rtol=1e-14)
+    assert_allclose(opening_for_capacity(phi, TABLE), opening, rtol=1e-14)
+
+
+def test_flat_table_gives_the_smallest_opening():
+    table = [[0.0, 0.0], [0.4, 0.5], [0.6, 0.5], [1.0, 1.0]]
+    assert_allclose(opening_for_capacity(0.5, table), 0.4, rtol=1e-12)
+
+
+def test_outside_travel_is_the_end_and_said():
+    with pytest.warns(ValidityWarning, match="2 of 4 rows"):
+        phi = relative_capacity([-0.1, 0.5, 1.1, np.nan], "equal_percentage", rangeability=50.0)
+    assert_allclose(phi, [0.02, 50.0**-0.5, 1.0, np.nan], rtol=1e-14)
+
+
+def test_capacity_that_no_opening_gives():
+    with pytest.warns(ValidityWarning, match=r"2 of 4 rows .* outside \[0.02, 1\]"):
+        opening = opening_for_capacity([0.01, 0.02, 1.01, np.nan], "equal_percentage", rangeability=50.0)
+    assert_array_equal(np.isnan(opening), [True, False, True, True])
+
+
+def test_warn_false_is_quiet():
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        relative_capacity(1.1, "linear", warn=False)
+        opening_for_capacity(1.1, "linear", warn=False)
+
+
+def test_scalars_stay_scalars():
+    assert np.ndim(relative_capacity(0.5, TABLE)) == 0
+    assert np.ndim(opening_for_capacity(0.5, TABLE)) == 0
+    assert np.ndim(opening_for_capacity(0.5, "linear", shutoff=0.1)) == 0
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        ({"characteristic": "equal_percent"}, "unknown characteristic 'equal_percent': use one of linear"),
+        ({"characteristic": "equal_percentage"}, "needs a rangeability"),
+        ({"characteristic": "linear", "rangeability": 1.0}, "rangeability must be above 1; got 1.0"),
+        ({"characteristic": "linear", "shutoff": 1.0}, r"shutoff must be an opening in \[0, 1\); got 1.0"),
+        ({"characteristic": [0.0, 1.0]}, "two or more pairs"),
+        ({"characteristic": [[0.0, 0.0], [0.9, 1.0]]}, "must rise from 0 to 1"),
+        ({"characteristic": [[0.0, 0.0], [0.5, 0.6], [1.0, 0.5]]}, "never fall"),
+    ],
+)
+@pytest.mark.parametrize("function", [relative_capacity, opening_for_capacity])
+def test_bad_input(function, call, message):
+    with pytest.raises(ValueError, match=message):
+        function(0.5, **call)
