@@ -101,7 +101,9 @@ def relative_capacity(opening, characteristic, *, rangeability=None, shutoff=0.0
     opening = np.clip(opening, 0.0, 1.0)
     phi = trim.capacity(opening)
     if shutoff > 0.0:
-        phi = np.where(opening < shutoff, trim.capacity(shutoff) / shutoff * opening, phi)
+        phi = np.where(
+            opening < shutoff, trim.capacity(shutoff) * np.minimum(opening, shutoff) / shutoff, phi
+        )
     return phi[()]
 
 

@@ -198,8 +198,6 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
             If a role names no column, or a feature is unknown.
         """
         X = validate_data(self, X, dtype=np.float64, ensure_all_finite="allow-nan")
-        if isinstance(self.features, str):
-            raise ValueError(f"features must be a list of names; got the text {self.features!r}.")
         unknown = [name for name in self.features if name not in FEATURES]
         if unknown:
             raise ValueError(

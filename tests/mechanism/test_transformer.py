@@ -1,0 +1,287 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The transformer: columns by role, features by name, and the mechanism of a hybrid."""
+
+import pickle
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.linear_model import LinearRegression
+from sklearn.model_selection import GridSearchCV
+from sklearn.pipeline import make_pipeline
+
+from sklvalve.mechanism import (
+    ValidityWarning,
+    ValveMechanismTransformer,
+    choked_pressure_drop,
+    liquid_flow,
+    liquid_outlet_pressure,
+    relative_capacity,
+    vena_contracta_pressure,
+    water_density,
+    water_kinematic_viscosity,
+    water_vapour_pressure,
+)
+
+COLUMNS = ["t", "h", "pin", "pout", "F"]
+ROLES = {"opening": "h", "p1": "pin", "p2": "pout", "temperature": "t", "flow": "F"}
+VALVE = {"kv_rated": 40.0, "characteristic": "equal_percentage", "rangeability": 30.0, "fl": 0.8}
+
+
+def duties(n=200, seed=0):
+    """Turbulent, choked, reversed and zero drop, about hot water."""
+    rng = np.random.default_rng(seed)
+    temperature = rng.uniform(340.0, 370.0, n)
+    opening = rng.uniform(0.05, 1.0, n)
+    p1 = rng.uniform(4e5, 1e6, n)
+    p2 = p1 * rng.uniform(0.15, 0.95, n)
+    p1[:20], p2[:20] = p2[:20], p1[:20].copy()
+    p2[20] = p1[20]
+    X = np.column_stack([temperature, opening, p1, p2, np.zeros(n)])
+    X[:, 4] = own_flow(X)
+    return X
+
+
+def own_flow(X):
+    temperature, opening, p1, p2, _ = X.T
+    kv = 40.0 * relative_capacity(opening, "equal_percentage", rangeability=30.0)
+    known = {"fl": 0.8, "p_vapour": water_vapour_pressure(temperature)}
+    return liquid_flow(kv, p1, p2, water_density(temperature), **known)
+
+
+def by_position(**settings):
+    roles = {role: COLUMNS.index(name) for role, name in ROLES.items()}
+    return ValveMechanismTransformer(**{**roles, **VALVE, **settings})
+
+
+def test_every_feature_is_the_function_of_its_name():
+    X = duties()
+    temperature, opening, p1, p2, flow = X.T
+    names = list(ValveMechanismTransformer.available_features())
+    out = by_position(features=names, warn=False).fit_transform(X)
+    found = dict(zip(names, out.T, strict=True))
+    p_vapour, density = water_vapour_pressure(temperature), water_density(temperature)
+    drop_choked = choked_pressure_drop(np.maximum(p1, p2), p_vapour, 22.064e6, 0.8)
+    phi = relative_capacity(opening, "equal_percentage", rangeability=30.0)
+    known = {"fl": 0.8, "p_vapour": p_vapour, "warn": False}
+    ff = 0.96 - 0.28 * np.sqrt(p_vapour / 22.064e6)
+    expected = {
+        "opening": opening,
+        "dp": p1 - p2,
+        "sqrt_dp_over_density": np.sign(p1 - p2) * np.sqrt(np.abs(p1 - p2) / density),
+        "pressure_ratio": (p1 - p2) / (np.maximum(p1, p2) - ff * p_vapour),
+        "dp_choked": drop_choked,
+        "choked": (np.abs(p1 - p2) >= drop_choked).astype(float),
+        "ff": ff,
+        "p_vc": vena_contracta_pressure(p1, p2, 0.8, p_vapour=p_vapour),
+        "density": density,
+        "vapour_pressure": p_vapour,
+        "kinematic_viscosity": water_kinematic_viscosity(temperature),
+        "relative_capacity": phi,
+        "kv": 40.0 * phi,
+        "flow": flow,
+        "outlet_pressure": liquid_outlet_pressure(flow, 40.0 * phi, p1, density, **known),
+    }
+    assert set(expected) == set(names)
+    assert 0.1 < expected["choked"].mean() < 0.9
+    for name, values in expected.items():
+        assert_allclose(found[name], values, rtol=1e-12, err_msg=name)
+
+
+def test_names_and_positions_are_the_same():
+    pd = pytest.importorskip("pandas")
+    X = duties()
+    frame = pd.DataFrame(X, columns=COLUMNS)
+    by_name = ValveMechanismTransformer(**ROLES, **VALVE).fit(frame)
+    assert by_name.columns_ == {role: COLUMNS.index(name) for role, name in ROLES.items()}
+    assert_array_equal(by_name.transform(frame), by_position().fit_transform(X))
+    assert_array_equal(by_name.predict(frame), by_position().fit(X).predict(X))
+
+
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+def test_set_output(library):
+    pytest.importorskip(library)
+    names = ["dp", "flow"]
+    frame = by_position(features=names).set_output(transform=library).fit_transform(duties())
+    assert type(frame).__module__.startswith(library)
+    assert list(frame.columns) == names
+
+
+def test_flow_mechanism_is_its_own_inverse():
+    X = duties()
+    valve = by_position(warn=False).fit(X)
+    kv = np.random.default_rng(1).uniform(0.5, 40.0, len(X))
+    again = valve.invert(X, valve.forward(X, kv))
+    no_drop = X[:, 2] == X[:, 3]
+    assert_array_equal(np.isnan(again), no_drop)
+    assert_allclose(again[~no_drop], kv[~no_drop], rtol=1e-9)
+
+
+def test_outlet_pressure_mechanism_is_its_own_inverse():
+    X = duties()
+    valve = by_position(output="outlet_pressure", warn=False).fit(X)
+    kv = by_position(features=["kv"]).fit_transform(X)[:, 0]
+    p2 = valve.forward(X, kv)
+    assert_allclose(valve.predict(X), p2, rtol=0.0)
+    choked_ahead = by_position(features=["pressure_ratio"]).fit_transform(X)[:, 0] >= 0.64
+    assert 20 < choked_ahead.sum() < 180
+    assert_array_equal(np.isnan(p2), choked_ahead)
+    assert_allclose(p2[~choked_ahead], X[~choked_ahead, 3], rtol=1e-9)
+    # no flow tells nothing of the valve that it does not pass
+    undetermined = choked_ahead | (X[:, 4] == 0.0)
+    again = valve.invert(X, X[:, 3])
+    assert_array_equal(np.isnan(again), undetermined)
+    assert_allclose(again[~undetermined], kv[~undetermined], rtol=1e-9)
+
+
+@pytest.mark.parametrize("output", ["flow", "outlet_pressure"])
+@pytest.mark.parametrize("fl", [None, 0.8])
+def test_sensitivity_is_the_derivative(output, fl):
+    X = duties()
+    valve = by_position(output=output, fl=fl, warn=False).fit(X)
+    kv = by_position(features=["kv"]).fit_transform(X)[:, 0] * 1.1
+    step = 1e-6 * kv
+    slope = (valve.forward(X, kv + step) - valve.forward(X, kv - step)) / (2.0 * step)
+    found = valve.sensitivity(X, kv)
+    assert np.isfinite(slope).sum() > 50
+    assert_allclose(found, slope, rtol=1e-5, atol=1e-9)
+
+
+def test_predict_is_there_with_a_rated_capacity_only():
+    X = duties()
+    assert_allclose(by_position().fit(X).predict(X), own_flow(X), rtol=1e-12)
+    assert not hasattr(by_position(kv_rated=None), "predict")
+
+
+def test_without_temperature_the_liquid_is_at_20_degrees():
+    X = duties()
+    valve = by_position(temperature=None, features=["density"]).fit(X)
+    assert_allclose(valve.transform(X)[:, 0], water_density(293.15), rtol=0.0)
+
+
+def test_another_liquid():
+    X = duties()
+    oil = {"fluid": "oil", "density": 870.0, "vapour_pressure": 10.0, "critical_pressure": 2e6}
+    valve = by_position(**oil, fl=0.9).fit(X)
+    known = {"fl": 0.9, "p_vapour": 10.0, "p_critical": 2e6}
+    assert_allclose(valve.forward(X, 10.0), liquid_flow(10.0, X[:, 2], X[:, 3], 870.0, **known), rtol=1e-14)
+
+
+def test_fl_over_travel():
+    X = duties()
+    table = [[0.0, 0.95], [1.0, 0.75]]
+    valve = by_position(fl=table).fit(X)
+    p_vapour = water_vapour_pressure(X[:, 0])
+    fl = 0.95 - 0.2 * X[:, 1]
+    flow = liquid_flow(10.0, X[:, 2], X[:, 3], water_density(X[:, 0]), fl=fl, p_vapour=p_vapour)
+    assert_allclose(valve.forward(X, 10.0), flow, rtol=1e-12)
+
+
+def test_gaps_stay_gaps():
+    X = duties()
+    X[5, 2] = np.nan
+    X[7, 0] = np.nan
+    valve = by_position(features=["dp", "density", "flow"]).fit(X)
+    out = valve.transform(X)
+    assert_array_equal(np.isnan(out[5]), [True, False, True])
+    assert_array_equal(np.isnan(out[7]), [False, True, True])
+    assert np.isfinite(np.delete(out, [5, 7], axis=0)).all()
+
+
+def test_in_a_pipeline_and_a_grid():
+    X = duties()
+    y = own_flow(X)
+    model = make_pipeline(by_position(features=["flow"], warn=False), LinearRegression())
+    grid = GridSearchCV(model, {"valvemechanismtransformer__rangeability": [10.0, 30.0, 90.0]}, cv=3).fit(
+        X, y
+    )
+    assert grid.best_params_ == {"valvemechanismtransformer__rangeability": 30.0}
+    assert_allclose(grid.predict(X), y, rtol=1e-6, atol=1e-9)
+
+
+def test_copies():
+    X = duties()
+    valve = by_position().fit(X)
+    assert_array_equal(pickle.loads(pickle.dumps(valve)).predict(X), valve.predict(X))
+    assert clone(valve).get_params() == valve.get_params()
+
+
+def test_safe_saving():
+    skops = pytest.importorskip("skops.io")
+    X = duties()
+    valve = by_position().fit(X)
+    saved = skops.dumps(valve)
+    name = "sklvalve.mechanism.transformer.ValveMechanismTransformer"
+    assert skops.get_untrusted_types(data=saved) == [name]
+    assert_array_equal(skops.loads(saved, trusted=[name]).predict(X), valve.predict(X))
+
+
+class TestOutsideValidity:
+    def test_said_once_with_the_count(self):
+        X = duties()
+        X[:3, 1] = 1.2
+        with pytest.warns(ValidityWarning, match="3 of 200 rows have an opening outside") as said:
+            by_position(features=["kv", "flow"]).fit(X).transform(X)
+        assert len(said) == 1
+
+    def test_choked_outlet_pressure_is_said(self):
+        X = duties()
+        valve = by_position(output="outlet_pressure").fit(X)
+        with pytest.warns(ValidityWarning, match="ask for a flow that the valve cannot pass"):
+            valve.predict(X)
+
+
+class TestBadInput:
+    @pytest.mark.parametrize(
+        ("settings", "message"),
+        [
+            ({"p1": "P1"}, "p1='P1' is a name, but the columns have no names: give its position"),
+            ({"p1": 9}, r"p1=9 is no column of the data, which have 5: set p1="),
+            ({"features": ["dp", "delta"]}, "unknown feature 'delta' in features: use some of opening, dp"),
+            (
+                {"features": "dp"},
+                "The 'features' parameter of ValveMechanismTransformer must be an array-like",
+            ),
+            ({"p2": None}, "this needs the role 'p2', which has no column"),
+            ({"kv_rated": None, "features": ["kv"]}, "give kv_rated="),
+            ({"fl": None, "features": ["choked"]}, "give fl="),
+            ({"fluid": "mead"}, "unknown fluid 'mead'"),
+            ({"characteristic": "equal"}, "unknown characteristic 'equal'"),
+            ({"rangeability": 1.0}, "The 'rangeability' parameter of ValveMechanismTransformer must be"),
+            ({"fluid": "oil", "density": 870.0}, "the fluid 'oil' has no vapour_pressure"),
+            (
+                {"fluid": "oil", "density": 870.0, "vapour_pressure": 9.0},
+                "the fluid 'oil' has no critical_pressure",
+            ),
+        ],
+    )
+    def test_fit_says_what_is_wrong(self, settings, message):
+        with pytest.raises(ValueError, match=message):
+            by_position(**settings).fit(duties())
+
+    def test_unknown_column_name(self):
+        pd = pytest.importorskip("pandas")
+        frame = pd.DataFrame(duties(), columns=COLUMNS)
+        with pytest.raises(
+            ValueError, match=r"p1='P1' is not a column of the data[.] Columns: t, h, pin, pout, F"
+        ):
+            ValveMechanismTransformer(**{**ROLES, "p1": "P1"}).fit(frame)
+
+    def test_flow_is_needed_for_the_outlet_pressure(self):
+        X = duties()
+        valve = by_position(flow=None, output="outlet_pressure").fit(X)
+        with pytest.raises(ValueError, match="this needs the role 'flow'"):
+            valve.forward(X, 10.0)
+
+    def test_one_parameter_for_each_row(self):
+        X = duties()
+        with pytest.raises(
+            ValueError, match=r"parameter must have one value for each of the 200 rows; got shape \(3,\)"
+        ):
+            by_position().fit(X).forward(X, [1.0, 2.0, 3.0])
+
+    def test_not_fitted(self):
+        with pytest.raises(NotFittedError):
+            by_position().forward(duties(), 1.0)
