@@ -14,10 +14,9 @@ from sklvalve.mechanism.liquid import (
     choked_pressure_drop,
     critical_pressure_ratio_factor,
     liquid_flow,
-    liquid_inlet_pressure,
     liquid_kv,
-    liquid_outlet_pressure,
 )
+from sklvalve.mechanism.liquid_pressure import liquid_inlet_pressure, liquid_outlet_pressure
 from sklvalve.mechanism.orifice import (
     area_from_kv,
     estimate_fl,

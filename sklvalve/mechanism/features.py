@@ -10,8 +10,8 @@ from sklvalve.mechanism.liquid import (
     choked_pressure_drop,
     critical_pressure_ratio_factor,
     liquid_flow,
-    liquid_outlet_pressure,
 )
+from sklvalve.mechanism.liquid_pressure import liquid_outlet_pressure
 from sklvalve.mechanism.orifice import vena_contracta_pressure
 from sklvalve.mechanism.travel import at_travel
 

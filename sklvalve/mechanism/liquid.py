@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Liquid through a control valve, turbulent and choked: flow, sizing, outlet and inlet pressure.
+"""Liquid through a control valve, turbulent and choked: flow from capacity, and capacity from flow.
 
 IEC 60534-2-1 for incompressible fluids, written for arrays and in SI. Reducers need nothing more here: with
 the piping factors :math:`F_P` and :math:`F_{LP}` call any of these functions with ``kv * fp`` and
@@ -18,8 +18,6 @@ REFERENCE_DENSITY = 999.1026
 
 # Q = FLOW_CONSTANT Kv sqrt(dp / rho) in SI with Kv in m3/h; N1 = 0.1 itself holds for m3/h and kPa
 FLOW_CONSTANT = 0.1 / 3600.0 * np.sqrt(REFERENCE_DENSITY / 1000.0)
-
-_ROUNDING = 32.0 * np.finfo(float).eps
 
 
 def critical_pressure_ratio_factor(p_vapour, p_critical=WATER_CRITICAL_PRESSURE):
@@ -91,7 +89,7 @@ def choked_pressure_drop(p1, p_vapour, p_critical, fl):
     497
     """
     fl = np.asarray(fl, dtype=float)
-    return fl * fl * (np.asarray(p1, dtype=float) - _boiling_pressure(p_vapour, p_critical))
+    return fl * fl * (np.asarray(p1, dtype=float) - boiling_pressure(p_vapour, p_critical))
 
 
 def liquid_flow(
@@ -158,12 +156,12 @@ def liquid_flow(
     >>> round(float(q) * 3600.0)
     360
     """
-    kv, p1, p2, density = _floats(kv, p1, p2, density)
+    kv, p1, p2, density = floats(kv, p1, p2, density)
     dp = p1 - p2
     drop = np.abs(dp)
-    if _with_choking(fl, p_vapour):
+    if with_choking(fl, p_vapour):
         upstream = np.maximum(p1, p2)
-        drop = np.minimum(drop, _choked_drop(upstream, fl, p_vapour, p_critical))
+        drop = np.minimum(drop, choked_limit(upstream, fl, p_vapour, p_critical))
         if warn:
             warn_rows(upstream <= np.asarray(p_vapour), "liquid_flow", _BOILS)
     if warn:
@@ -217,7 +215,7 @@ def liquid_kv(
     >>> kv.round(0)
     array([165., 238.])
     """
-    flow, p1, p2, density = _floats(flow, p1, p2, density)
+    flow, p1, p2, density = floats(flow, p1, p2, density)
     unit_flow = liquid_flow(1.0, p1, p2, density, fl=fl, p_vapour=p_vapour, p_critical=p_critical, warn=False)
     with np.errstate(invalid="ignore", divide="ignore"):
         kv = np.where(unit_flow == 0.0, np.nan, flow / unit_flow)[()]
@@ -230,150 +228,14 @@ def liquid_kv(
     return kv
 
 
-def liquid_outlet_pressure(
-    flow,
-    kv,
-    p1,
-    density,
-    *,
-    fl=None,
-    p_vapour=None,
-    p_critical=WATER_CRITICAL_PRESSURE,
-    return_feasible=False,
-    warn=True,
-):
-    r"""Pressure behind the valve from the flow through it.
-
-    Parameters
-    ----------
-    flow : float or array-like
-        Volume flow; negative flow runs from `p2` to `p1`. [m3/s]
-    kv : float or array-like
-        Flow coefficient at the actual opening. [m3/h]
-    p1 : float or array-like
-        Inlet pressure, absolute. [Pa]
-    density, fl, p_vapour, p_critical, warn
-        As in `liquid_flow`.
-    return_feasible : bool, default=False
-        Also return the mask of rows that have an answer.
-
-    Returns
-    -------
-    p2 : float or ndarray
-        Outlet pressure, absolute. NaN where the valve cannot pass the flow: `kv` is not positive, or the flow
-        reaches the choked flow, from where on any lower `p2` gives the same flow. [Pa]
-    feasible : bool or ndarray of bool
-        Only with ``return_feasible=True``.
-
-    Raises
-    ------
-    ValueError
-        If `fl` is given without `p_vapour`.
-
-    Warns
-    -----
-    ValidityWarning
-        Rows that are infeasible; and, without `fl`, rows whose `p2` falls below zero absolute: they are
-        returned as they are, because without `fl` nobody said where choking sets in.
-
-    Notes
-    -----
-    .. math:: p_2 = p_1 - \frac{\rho_1}{\rho_0} \left(\frac{Q}{N_1 K_v}\right)^2
-              \quad\text{for}\quad \Delta p < F_L^2 (p_1 - F_F p_v)
-
-    A relative error of the flow counts twice in the drop.
-
-    References
-    ----------
-    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
-
-    Examples
-    --------
-    >>> p2 = liquid_outlet_pressure(300 / 3600, 165.0, 680e3, 965.4, fl=0.9, p_vapour=70.1e3)
-    >>> round(float(p2) / 1e3, 3)
-    360.573
-    """
-    flow, kv, p1, density = _floats(flow, kv, p1, density)
-    drop = _turbulent_drop(flow, kv, density)
-    p2 = p1 - drop
-    if _with_choking(fl, p_vapour):
-        # the flow of a choked valve must not come back as feasible by the rounding of its own root
-        forward_limit = _choked_drop(p1, fl, p_vapour, p_critical) * (1.0 - _ROUNDING)
-        # flow backwards: p1 is then the known pressure behind the valve, p2 the wanted one before it
-        backward = _pressure_before(-drop, p1, fl, p_vapour, p_critical)
-        p2 = np.where(drop < 0.0, backward, np.where(drop < forward_limit, p2, np.nan))[()]
-    if warn:
-        given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p1) | np.isnan(density))
-        lost = np.isnan(p2) & given
-        warn_rows(lost, "liquid_outlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
-        if fl is None:
-            warn_rows(p2 < 0.0, "liquid_outlet_pressure", "fall below zero absolute: give fl and p_vapour.")
-    return (p2, ~np.isnan(p2)) if return_feasible else p2
-
-
-def liquid_inlet_pressure(
-    flow, kv, p2, density, *, fl=None, p_vapour=None, p_critical=WATER_CRITICAL_PRESSURE, warn=True
-):
-    r"""Pressure before the valve from the flow and the pressure behind it.
-
-    Parameters
-    ----------
-    flow, kv : float or array-like
-        As in `liquid_outlet_pressure`.
-    p2 : float or array-like
-        Outlet pressure, absolute. [Pa]
-    density, fl, p_vapour, p_critical, warn
-        As in `liquid_flow`.
-
-    Returns
-    -------
-    p1 : float or ndarray
-        Inlet pressure, absolute; defined in choked flow too. NaN where `kv` is not positive or, for a flow
-        that runs backwards, where it is choked. [Pa]
-
-    Raises
-    ------
-    ValueError
-        If `fl` is given without `p_vapour`.
-
-    Notes
-    -----
-    With the turbulent drop :math:`\Delta p = (\rho_1/\rho_0)(Q / N_1 K_v)^2`
-
-    .. math:: p_1 = \max\left(p_2 + \Delta p,\; F_F p_v + \Delta p / F_L^2\right):
-
-    the second holds from the onset of choking on, and there the two are equal.
-
-    References
-    ----------
-    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
-
-    Examples
-    --------
-    >>> p1 = liquid_inlet_pressure(300 / 3600, 165.0, 360.573e3, 965.4, fl=0.9, p_vapour=70.1e3)
-    >>> round(float(p1) / 1e3, 2)
-    680.0
-    """
-    # the valve seen from its other side: the flow changes sign, the wanted pressure becomes the outlet
-    flow, kv, p2, density = _floats(flow, kv, p2, density)
-    p1 = liquid_outlet_pressure(
-        -flow, kv, p2, density, fl=fl, p_vapour=p_vapour, p_critical=p_critical, warn=False
-    )
-    if warn:
-        given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p2) | np.isnan(density))
-        lost = np.isnan(p1) & given
-        warn_rows(lost, "liquid_inlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
-    return p1
-
-
 _BOILS = "have liquid at or below its vapour pressure before the valve; those at or below F_F p_v give NaN."
 
 
-def _floats(*values):
+def floats(*values):
     return tuple(np.asarray(value, dtype=float) for value in values)
 
 
-def _with_choking(fl, p_vapour):
+def with_choking(fl, p_vapour):
     if fl is None:
         return False
     if p_vapour is None:
@@ -383,24 +245,11 @@ def _with_choking(fl, p_vapour):
     return True
 
 
-def _boiling_pressure(p_vapour, p_critical):
+def boiling_pressure(p_vapour, p_critical):
     return critical_pressure_ratio_factor(p_vapour, p_critical) * np.asarray(p_vapour, dtype=float)
 
 
-def _choked_drop(upstream, fl, p_vapour, p_critical):
+def choked_limit(upstream, fl, p_vapour, p_critical):
     """Onset of choking, NaN where no liquid enters (so that no root of a negative number is taken)."""
     limit = choked_pressure_drop(upstream, p_vapour, p_critical, fl)
     return np.where(limit > 0.0, limit, np.nan)[()]
-
-
-def _turbulent_drop(flow, kv, density):
-    """Drop with the sign of the flow; NaN where the valve is shut or the density is none."""
-    possible = (kv > 0.0) & (density > 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        speed = np.where(possible, flow / (FLOW_CONSTANT * kv), np.nan)[()]
-    return density * speed * np.abs(speed)
-
-
-def _pressure_before(drop, p_behind, fl, p_vapour, p_critical):
-    fl = np.asarray(fl, dtype=float)
-    return np.maximum(p_behind + drop, _boiling_pressure(p_vapour, p_critical) + drop / (fl * fl))
