@@ -28,9 +28,9 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         A callable takes two rows and returns one number. With "precomputed", X is the kernel matrix: of shape
         (n_samples, n_samples) in `fit`, where only its lower triangle is read, and of shape
         (n_queries, n_samples) in `predict`.
-    C : float, default=1.0
+    C : float, default=100.0
         Weight of the squared errors against the size of the function; `1 / C` is the `alpha` of ridge
-        regression. About the variance of the signal over the variance of the noise.
+        regression. Near the variance of the signal over that of the noise: the default suits 10 % noise.
     gamma : float, default=None
         Scale of the kernels rbf :math:`e^{-\gamma |x-z|^2}`, laplacian :math:`e^{-\gamma |x-z|_1}` and
         polynomial :math:`(\gamma x^T z + c_0)^d`. None is one over the number of columns.
@@ -106,7 +106,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     }
 
     def __init__(
-        self, kernel="rbf", *, C=1.0, gamma=None, degree=3, coef0=1, kernel_params=None, bias="free"
+        self, kernel="rbf", *, C=100.0, gamma=None, degree=3, coef0=1, kernel_params=None, bias="free"
     ):
         self.kernel = kernel
         self.C = C
