@@ -2,6 +2,16 @@
 """Recordings to try things on: made by a simulated plant, or read from a folder."""
 
 from sklvalve.datasets._plant_effects import CONCEALABLE
+from sklvalve.datasets.concealed import write_concealed
+from sklvalve.datasets.loaders import load_belimo, load_concealed, load_refinery_loops, load_watersafe
 from sklvalve.datasets.plant import make_valve_recording
 
-__all__ = ["CONCEALABLE", "make_valve_recording"]
+__all__ = [
+    "CONCEALABLE",
+    "load_belimo",
+    "load_concealed",
+    "load_refinery_loops",
+    "load_watersafe",
+    "make_valve_recording",
+    "write_concealed",
+]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What one plant is made of and what happens to it: drawn valve, actuator, line, commands, disturbances, noise."""
+"""What one plant is made of and what happens to it, drawn: hardware, commands, disturbances, noise."""
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
@@ -33,7 +33,7 @@ def steps(rng, n, low, high, dwell, ramp):
 
 
 def water(celsius):
-    """Density [kg/m3] by Kell (1975) and vapour pressure [Pa] by Goff and Gratch (1946), of water at 0 to 100 degC."""
+    """Water below 100 degC: density [kg/m3], Kell 1975, and vapour pressure [Pa], Goff and Gratch 1946."""
     t = np.asarray(celsius, dtype=float)
     above = (
         999.83952
@@ -56,7 +56,7 @@ def water(celsius):
 
 
 def jet_floor(vapour_pressure):
-    """Lowest pressure [Pa] the jet reaches before it boils: a power law near the handbooks' curve up to 10 bar."""
+    """Lowest pressure [Pa] the jet reaches before it boils: a power law near the handbooks' curve."""
     return vapour_pressure * (0.965 - 0.26 * (vapour_pressure / 22.064e6) ** 0.45)
 
 
@@ -85,7 +85,7 @@ def sheet_trim(characteristic, rangeability, shutoff, x):
 
 
 def draw_trims(rng, sheet):
-    """The true trim and the one that a wrong characteristic tends to, as tables of kv [m3/h] on an even grid of opening."""
+    """The true trim and what a wrong one tends to, kv [m3/h], and F_L, on an even grid of opening."""
     x = np.linspace(0.0, 1.0, TRIM_POINTS)
     low = sheet["shutoff"]
     sheet_phi = sheet_trim(sheet["characteristic"], sheet["rangeability"], low, x)
@@ -120,15 +120,15 @@ def draw_hardware(rng, sheet):
         "preload": 20e3 * area,
         "mass": 3.0,
         "damping": rng.uniform(2500.0, 5000.0),
-        "plug_area": rng.uniform(-1.2e-4, 1.8e-4),
+        "plug_area": rng.uniform(-0.4e-4, 0.6e-4),
         "stribeck": rng.uniform(1e-3, 2.5e-3),
         "c_fill": rng.uniform(1.8e-8, 2.6e-8),
         "c_vent": rng.uniform(3.5e-8, 5e-8),
         "c_tube": rng.uniform(5e-8, 7e-8),
         "v_tube": 1.0e-3,
         "v_chamber": rng.uniform(3.5e-3, 5.5e-3),
-        "gain": rng.uniform(7.0, 10.0),
-        "reset_time": float(rng.choice([0.0, 8.0, 15.0])),
+        "gain": rng.uniform(4.0, 6.5),
+        "reset_time": float(rng.choice([0.0, 0.0, 12.0])),
         "converter_lag": rng.uniform(0.05, 0.12),
         "overlap": rng.uniform(0.01, 0.03),
     }
@@ -143,7 +143,7 @@ def draw_hardware(rng, sheet):
         "position_lag": rng.uniform(0.1, 0.3),
     }
     controller = {
-        "gain": rng.uniform(0.45, 0.8) / (2.0 * kv),
+        "gain": rng.uniform(0.25, 0.45) / (2.0 * kv),
         "reset_time": rng.uniform(6.0, 12.0),
         "low": 0.02,
         "high": 1.0,
@@ -169,14 +169,14 @@ def draw_hardware(rng, sheet):
     return pack(ACTUATOR, actuator), pack(LINE, line), pack(CONTROLLER, controller), healthy
 
 
-def draw_surroundings(rng, n, loop, hot):
+def draw_surroundings(rng, n, loop):
     """Source and tank pressure [Pa] before line losses, water temperature [degC], one value a second."""
     source = 820e3 + 12e3 * wander(rng, n, 150.0) + 4e3 * wander(rng, n, 20.0)
     source += steps(rng, n, -30e3, 30e3, (500.0, 1500.0), (5.0, 40.0))
     low, high = (200e3, 500e3) if loop == "wide" else (240e3, 330e3) if loop == "closed" else (210e3, 420e3)
     dwell = (350.0, 1000.0) if loop == "wide" else (900.0, 2500.0)
     tank = steps(rng, n, low, high, dwell, (5.0, 60.0)) + 4e3 * wander(rng, n, 60.0)
-    middle = rng.uniform(65.0, 75.0) if hot else rng.uniform(30.0, 50.0)
+    middle = rng.uniform(60.0, 75.0) if rng.uniform() < 0.2 else rng.uniform(25.0, 50.0)
     period = rng.uniform(4000.0, 9000.0)
     cycle = rng.uniform(2.0, 4.0) * np.sin(2.0 * np.pi * (np.arange(n) / period + rng.uniform()))
     return source, np.maximum(tank, 1.6e5), middle + cycle + 0.6 * wander(rng, n, 120.0)
@@ -226,7 +226,7 @@ def draw_setpoint(rng, n, kv):
 
 
 def draw_noise(rng, n, kv, level):
-    """Sensor noise by recorded column, in the column's unit, and the water's turbulence as a share of flow."""
+    """Sensor noise by column, in the column's unit, and the water's turbulence as a share of flow."""
     flow = 0.0022 * rng.standard_normal(n) + 0.001 * wander(rng, n, rng.uniform(6.0, 12.0))
     flow += 0.001 * wander(rng, n, rng.uniform(300.0, 1000.0))
     noise = {
@@ -236,6 +236,12 @@ def draw_noise(rng, n, kv, level):
         "P2": 0.25 * rng.standard_normal(n) + 0.15 * wander(rng, n, 400.0),
         "T1": 0.05 * rng.standard_normal(n),
     }
-    zero = {"F": 0.0, "X": 0.0, "P1": rng.uniform(-1.2, 1.2), "P2": rng.uniform(-1.2, 1.2), "T1": rng.uniform(-0.3, 0.3)}
+    zero = {
+        "F": 0.0,
+        "X": 0.0,
+        "P1": rng.uniform(-1.2, 1.2),
+        "P2": rng.uniform(-1.2, 1.2),
+        "T1": rng.uniform(-0.3, 0.3),
+    }
     turbulence = 0.002 * wander(rng, n, 2.0)
     return {name: level * value + zero[name] for name, value in noise.items()}, level * turbulence

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What the plant can conceal: each effect is a change to columns of the schedule, of a size that zero makes vanish."""
+"""What the plant can conceal: each effect changes columns of the schedule and vanishes at size zero."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,13 +17,13 @@ class Concealed:
     told: str | None  # its name in the truth; None: no catalogue holds it
     block: str
     moves: str  # the signal by which its size is judged: "opening" or "flow"
-    low: float
+    low: float  # from the start, a smaller one could be a tolerance of the sheet
     high: float
     unit: str
     apply: Callable
     sized: bool = True  # whether a drawn size is scaled until it matters as much as it should
+    limit: bool = False  # low and high are quantiles of the healthy opening at which it limits the travel
     signed: bool = False
-    hot: bool = False  # whether the water is warm
 
 
 def _add(column, scale=lambda kv: 1.0):
@@ -49,7 +49,8 @@ def _multiply(column):
 
 def _stiction(schedule, size, active, surroundings):
     _at_least("stick")(schedule, size, active, surroundings)
-    _at_least("coulomb")(schedule, 0.35 * size, active, surroundings)
+    share = surroundings["rng"].uniform(0.35, 0.75)
+    _at_least("coulomb")(schedule, share * size, active, surroundings)
 
 
 def _friction(schedule, size, active, surroundings):
@@ -89,7 +90,9 @@ def _trim_rotation(schedule, size, active, surroundings):
 def _thermal_bow(schedule, size, active, surroundings):
     """The stem bows while body and bonnet differ in temperature, and pulls the plug with it."""
     celsius = surroundings["celsius"]
-    body = lfilter([1.0 / 600.0], [1.0, -1.0 + 1.0 / 600.0], celsius, zi=[celsius[0] * (1.0 - 1.0 / 600.0)])[0]
+    body = lfilter([1.0 / 600.0], [1.0, -1.0 + 1.0 / 600.0], celsius, zi=[celsius[0] * (1.0 - 1.0 / 600.0)])[
+        0
+    ]
     bow = celsius - body
     schedule["plug_offset"][:] += size * bow / max(np.sqrt(np.mean(bow * bow)), 1e-9) * active
 
@@ -117,40 +120,70 @@ def _per_span(kv):
 
 
 EFFECTS = {
-    "backlash": Concealed("backlash", "valve", "flow", 0.02, 0.06, "1", _add("plug_play")),
-    "linkage_backlash": Concealed("backlash", "actuator", "opening", 0.03, 0.08, "1", _add("link_play")),
-    "stiction": Concealed("stiction", "actuator", "opening", 400.0, 800.0, "N", _stiction),
-    "friction": Concealed("friction", "actuator", "opening", 400.0, 800.0, "N", _friction),
-    "positioner_deadband": Concealed("positioner_deadband", "actuator", "opening", 0.02, 0.05, "1", _add("dead_zone")),
+    "backlash": Concealed("backlash", "valve", "flow", 0.015, 0.06, "1", _add("plug_play")),
+    "linkage_backlash": Concealed("backlash", "actuator", "opening", 0.025, 0.06, "1", _add("link_play")),
+    "stiction": Concealed("stiction", "actuator", "opening", 350.0, 700.0, "N", _stiction),
+    "friction": Concealed("friction", "actuator", "opening", 300.0, 700.0, "N", _friction),
+    "positioner_deadband": Concealed(
+        "positioner_deadband", "actuator", "opening", 0.012, 0.04, "1", _add("dead_zone")
+    ),
     "supply_pressure_drop": Concealed(
-        "supply_pressure_drop", "actuator", "opening", 0.76, 0.87, "1", _supply_drop, sized=False
+        "supply_pressure_drop", "actuator", "opening", 0.7, 0.93, "1", _supply_drop, sized=False, limit=True
     ),
-    "dead_time": Concealed("dead_time", "actuator", "opening", 5.0, 12.0, "s", _add("dead_time"), sized=False),
-    "actuator_lag": Concealed("actuator_lag", "actuator", "opening", 8.0, 20.0, "s", _add("lag"), sized=False),
-    "slew_limit": Concealed("slew_limit", "actuator", "opening", 40.0, 120.0, "s", _add("stroke_time"), sized=False),
-    "choked_flow": Concealed("choked_flow", "valve", "flow", 0.2, 0.4, "1", _choked, sized=False, hot=True),
-    "seat_leakage": Concealed("seat_leakage", "valve", "flow", 0.03, 0.08, "kv_rated", _add("leak_kv", _per_rated)),
-    "bypass_open": Concealed("bypass_open", "valve", "flow", 0.03, 0.08, "kv_rated", _add("bypass_kv", _per_rated)),
-    "erosion": Concealed("erosion", "valve", "flow", 0.04, 0.1, "kv_rated", _add("erosion_kv", _per_rated)),
-    "clogging": Concealed("clogging", "valve", "flow", 0.2, 0.45, "1", _clogging, sized=False),
-    "wrong_characteristic": Concealed("wrong_characteristic", "valve", "flow", 0.25, 0.6, "1", _add("blend"), sized=False),
-    "piping_reducers": Concealed("piping_reducers", "line", "flow", 0.8, 2.5, "1", _add("fittings"), sized=False),
-    "capacity_error": Concealed("capacity_error", "valve", "flow", 0.2, 0.35, "1", _multiply("capacity"), False, True),
-    "sedimentation": Concealed("sedimentation", "valve", "flow", 0.1, 0.25, "1", _growing("capacity", -1.0)),
+    "dead_time": Concealed("dead_time", "actuator", "opening", 4.5, 9.0, "s", _add("dead_time"), sized=False),
+    "actuator_lag": Concealed(
+        "actuator_lag", "actuator", "opening", 8.0, 20.0, "s", _add("lag"), sized=False
+    ),
+    "slew_limit": Concealed(
+        "slew_limit", "actuator", "opening", 40.0, 120.0, "s", _add("stroke_time"), sized=False
+    ),
+    "choked_flow": Concealed("choked_flow", "valve", "flow", 0.16, 0.35, "1", _choked),
+    "seat_leakage": Concealed(
+        "seat_leakage", "valve", "flow", 0.015, 0.06, "kv_rated", _add("leak_kv", _per_rated)
+    ),
+    "bypass_open": Concealed(
+        "bypass_open", "valve", "flow", 0.015, 0.06, "kv_rated", _add("bypass_kv", _per_rated)
+    ),
+    "erosion": Concealed("erosion", "valve", "flow", 0.03, 0.1, "kv_rated", _add("erosion_kv", _per_rated)),
+    "clogging": Concealed("clogging", "valve", "flow", 0.65, 0.92, "1", _clogging, sized=False, limit=True),
+    "wrong_characteristic": Concealed("wrong_characteristic", "valve", "flow", 0.22, 0.6, "1", _add("blend")),
+    "piping_reducers": Concealed("piping_reducers", "line", "flow", 0.8, 2.5, "1", _add("fittings")),
+    "capacity_error": Concealed(
+        "capacity_error", "valve", "flow", 0.25, 0.4, "1", _multiply("capacity"), signed=True
+    ),
+    "sedimentation": Concealed("sedimentation", "valve", "flow", 0.06, 0.25, "1", _growing("capacity", -1.0)),
     "position_sensor_bias": Concealed(
-        "position_sensor_bias", "measurement", "flow", 0.025, 0.05, "1", _add("sensor_bias"), signed=True
+        "position_sensor_bias", "measurement", "flow", 0.02, 0.05, "1", _add("sensor_bias"), signed=True
     ),
-    "flow_meter_gain": Concealed("flow_meter_gain", "measurement", "flow", 0.2, 0.35, "1", _multiply("meter_gain"), False, True),
+    "flow_meter_gain": Concealed(
+        "flow_meter_gain", "measurement", "flow", 0.25, 0.4, "1", _multiply("meter_gain"), signed=True
+    ),
     "flow_meter_bias": Concealed(
-        "flow_meter_bias", "measurement", "flow", 0.02, 0.05, "span", _add("meter_bias", _per_span), signed=True
+        "flow_meter_bias",
+        "measurement",
+        "flow",
+        0.015,
+        0.05,
+        "span",
+        _add("meter_bias", _per_span),
+        signed=True,
     ),
     "flow_meter_drift": Concealed(
-        "flow_meter_drift", "measurement", "flow", 0.03, 0.08, "span", _growing("meter_bias", 1.0), signed=True
+        "flow_meter_drift",
+        "measurement",
+        "flow",
+        0.02,
+        0.08,
+        "span",
+        _growing("meter_bias", 1.0),
+        signed=True,
     ),
-    "sensor_lag": Concealed("sensor_lag", "measurement", "flow", 6.0, 20.0, "s", _add("meter_lag"), sized=False),
-    "trim_rotation": Concealed(None, "valve", "flow", 0.05, 0.12, "1", _trim_rotation),
-    "thermal_bow": Concealed(None, "valve", "flow", 0.015, 0.04, "1", _thermal_bow),
-    "hydrate_pulses": Concealed(None, "valve", "flow", 0.1, 0.25, "1", _hydrate_pulses),
+    "sensor_lag": Concealed(
+        "sensor_lag", "measurement", "flow", 6.0, 20.0, "s", _add("meter_lag"), sized=False
+    ),
+    "trim_rotation": Concealed(None, "valve", "flow", 0.03, 0.12, "1", _trim_rotation),
+    "thermal_bow": Concealed(None, "valve", "flow", 0.008, 0.04, "1", _thermal_bow),
+    "hydrate_pulses": Concealed(None, "valve", "flow", 0.04, 0.25, "1", _hydrate_pulses),
 }
 
 CONCEALABLE = tuple(EFFECTS)

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The plant's compiled time loop: positioner, pneumatics, stem, plug, water column, meters.
 
-Everything compiled stays in this one file: numba's cache notices a change of the file of the outermost function
-only, so a helper elsewhere could be changed and go on running in its old form.
+Everything compiled stays in this one file: numba's cache notices a change of the file of the outermost
+function only, so a helper elsewhere could be changed and go on running in its old form.
 """
 
 import numpy as np
 from numba import njit
 
-# Columns of the schedule: what may change from second to second. An effect is a change to some of these columns.
+# Columns of the schedule: what may change from second to second. An effect is a change to some of these
+# columns.
 COLUMNS = (
     "capacity",  # factor on the trim's capacity [1]
     "blend",  # 0: the true trim, 1: another one; between, geometric mean [1]
@@ -34,9 +35,9 @@ COLUMNS = (
     "meter_bias",  # of the flow meter [m3/h]
     "meter_lag",  # of the flow meter, first order [s]
 )
-_INDEX = {name: i for i, name in enumerate(COLUMNS)}
-(CAPACITY, BLEND, OPEN_MAX, LEAK, BYPASS, EROSION, FITTINGS, FL_FACTOR, CHOKING, PLUG_PLAY, LINK_PLAY, PLUG_OFFSET) = range(12)
-(SENSOR_BIAS, SUPPLY, DEAD_ZONE, DEAD_TIME, LAG, STROKE_TIME, COULOMB, STICK, METER_GAIN, METER_BIAS, METER_LAG) = range(12, 23)
+CAPACITY, BLEND, OPEN_MAX, LEAK, BYPASS, EROSION, FITTINGS, FL_FACTOR, CHOKING = range(9)
+PLUG_PLAY, LINK_PLAY, PLUG_OFFSET, SENSOR_BIAS, SUPPLY, DEAD_ZONE, DEAD_TIME, LAG = range(9, 17)
+STROKE_TIME, COULOMB, STICK, METER_GAIN, METER_BIAS, METER_LAG = range(17, 23)
 
 # Scalars of one drawn actuator, and of one drawn line, in the order the loop reads them.
 ACTUATOR = (
@@ -58,7 +59,7 @@ SHARE = np.array([0.5, 0.3, 0.2])
 
 @njit(cache=True)
 def _nozzle(conductance, p_a, p_b):
-    """Mass flow [kg/s] from a to b by ISO 6358, linear within 1 % of pressure balance, where the root is too steep."""
+    """Mass flow [kg/s] from a to b by ISO 6358, linear near balance, where the root is too steep."""
     up, down, sign = (p_a, p_b, 1.0) if p_a >= p_b else (p_b, p_a, -1.0)
     ratio = down / up
     if ratio <= CRITICAL:
@@ -86,8 +87,9 @@ def _zone(error, half):
 
 
 @njit(cache=True)
-def _stem_step(h, x, v, force, coulomb, stick, stribeck, mass, damping, stiffness, friction, slipping):
+def _stem_step(h, x, v, force, rub, mass, damping, stiffness, friction, slipping):
     """One step of the stem under generalised Maxwell-slip friction, elastic elements taken implicitly."""
+    coulomb, stick, stribeck = rub
     limit = coulomb + (stick - coulomb) * np.exp(-((v / stribeck) ** 2))
     held = 0.0
     elastic = 0.0
@@ -98,7 +100,9 @@ def _stem_step(h, x, v, force, coulomb, stick, stribeck, mass, damping, stiffnes
         else:
             elastic += SHARE[i] * stick / SHEAR[i]
         held += friction[i]
-    v_new = (v + h / mass * (force - held)) / (1.0 + h / mass * damping + h * h / mass * (elastic + stiffness))
+    v_new = (v + h / mass * (force - held)) / (
+        1.0 + h / mass * damping + h * h / mass * (elastic + stiffness)
+    )
     turned = v_new * v < 0.0
     if turned:
         v_new = 0.0 if slipping[0] else v_new
@@ -125,7 +129,7 @@ def _table(values, x):
 
 @njit(cache=True)
 def _valve_flow(plug, p1, p2, rho, p_liquid, row, trim, other, fl_table, size4, knee, bypass_fl):
-    """Volume flow [m3/h] through trim, leak and bypass; `p_liquid` is the lowest pressure the jet can reach."""
+    """Volume flow [m3/h] through trim, leak and bypass; `p_liquid` is the least pressure in the jet."""
     x = min(plug, row[OPEN_MAX])
     kv = _table(trim, x)
     if row[BLEND] > 0.0:
@@ -152,11 +156,11 @@ def run_plant(schedule, command, auto, setpoint, source, tank, rho, p_liquid, tu
               trim, other, fl_table, actuator, line, controller):  # fmt: skip
     """March the whole loop, one row a second.
 
-    Returns an array of columns command, stem reading [1], plug [1], p1 [Pa], p2 [Pa], flow at the meter without noise [m3/h],
-    turbulent flow at the meter [m3/h].
+    Returns an array of columns command, stem reading [1], plug [1], p1 [Pa], p2 [Pa], flow at the meter
+    without noise [m3/h], turbulent flow at the meter [m3/h].
     """
-    (area, travel, stiffness, preload, mass, damping, plug_area, stribeck,
-     c_fill, c_vent, c_tube, v_tube, v_chamber, gain, reset_time, converter_lag, overlap) = actuator  # fmt: skip
+    area, travel, stiffness, preload, mass, damping, plug_area, stribeck = actuator[:8]
+    c_fill, c_vent, c_tube, v_tube, v_chamber, gain, reset_time, converter_lag, overlap = actuator[8:]
     pump_loss, outlet_loss, inertance, size4, knee, bypass_fl, pressure_lag, position_lag = line
     kc, ti, low, high = controller
     n = schedule.shape[0]
@@ -176,11 +180,25 @@ def run_plant(schedule, command, auto, setpoint, source, tank, rho, p_liquid, tu
     integral = 0.0
     signal = cv
     limited = cv
+    aim = cv
     p_signal = p_chamber
     stem = cv
     plug = cv
     reading = cv
-    q = _valve_flow(plug, source[0], tank[0], rho[0], p_liquid[0], schedule[0], trim, other, fl_table, size4, knee, bypass_fl)
+    q = _valve_flow(
+        plug,
+        source[0],
+        tank[0],
+        rho[0],
+        p_liquid[0],
+        schedule[0],
+        trim,
+        other,
+        fl_table,
+        size4,
+        knee,
+        bypass_fl,
+    )
     p1 = source[0] - pump_loss * q * q
     p2 = tank[0] + outlet_loss * q * q
     meter = q
@@ -223,23 +241,29 @@ def run_plant(schedule, command, auto, setpoint, source, tank, rho, p_liquid, tu
             else:
                 limited = signal
 
+            # what asks less than the dead zone leaves the aim, and with it the air, as they are
+            aim = _play(limited, aim, 2.0 * row[DEAD_ZONE])
             for _ in range(FINE // COARSE):
                 felt = x / travel + row[SENSOR_BIAS]
                 e = _zone(limited - felt, row[DEAD_ZONE])
-                wish = P_ATM + (preload / area + limited * bench) + bench * (gain * e + integral)
+                wish = P_ATM + (preload / area + aim * bench) + bench * (gain * e + integral)
                 p_signal += h / converter_lag * (wish - p_signal)
                 spool = (p_signal - p_tube) / 2.0e4
                 spool = min(max(_zone(spool, overlap), -1.0), 1.0)
                 if abs(spool) < 0.5 and reset_time > 0.0:
                     integral = min(max(integral + h * gain * e / reset_time, -0.3), 0.3)
-                inflow = _nozzle(c_fill * spool, row[SUPPLY], p_tube) if spool > 0.0 else -_nozzle(-c_vent * spool, p_tube, P_ATM)
+                inflow = (
+                    _nozzle(c_fill * spool, row[SUPPLY], p_tube)
+                    if spool > 0.0
+                    else -_nozzle(-c_vent * spool, p_tube, P_ATM)
+                )
                 between = _nozzle(c_tube, p_tube, p_chamber)
                 p_tube = max(p_tube + h * RT_AIR / v_tube * (inflow - between), P_ATM)
                 volume = v_chamber + area * max(x, 0.0)
                 p_chamber = max(p_chamber + h * (RT_AIR * between - p_chamber * area * v) / volume, P_ATM)
                 force = area * (p_chamber - P_ATM) - preload - stiffness * x + plug_area * (m1 - m2)
-                x, v = _stem_step(h, x, v, force, row[COULOMB], row[STICK], stribeck, mass, damping, stiffness,
-                                  friction, slipping)  # fmt: skip
+                rub = (row[COULOMB], row[STICK], stribeck)
+                x, v = _stem_step(h, x, v, force, rub, mass, damping, stiffness, friction, slipping)
                 if x <= 0.0 or x >= travel:
                     x = min(max(x, 0.0), travel)
                     v = 0.0
@@ -248,7 +272,9 @@ def run_plant(schedule, command, auto, setpoint, source, tank, rho, p_liquid, tu
             stem = _play(x / travel, stem, row[LINK_PLAY])
             plug = _play(stem, plug, row[PLUG_PLAY])
             seen = min(max(plug + row[PLUG_OFFSET], 0.0), 1.0)
-            target = _valve_flow(seen, p1, p2, rho[k], p_liquid[k], row, trim, other, fl_table, size4, knee, bypass_fl)
+            target = _valve_flow(
+                seen, p1, p2, rho[k], p_liquid[k], row, trim, other, fl_table, size4, knee, bypass_fl
+            )
             # rigid column of water: its time constant follows from inertance, flow and drop
             column = max(inertance * q / (2.0 * max(p1 - p2, 1e3)), 1.5 * hh)
             q += hh / column * (target - q)

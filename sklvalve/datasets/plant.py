@@ -4,13 +4,9 @@
 import numpy as np
 from sklearn.utils import Bunch, check_random_state
 
-from sklvalve.datasets import _plant_draw as draw
+from sklvalve.datasets._plant_draw import LOOPS
 from sklvalve.datasets._plant_effects import CONCEALABLE, EFFECTS
-from sklvalve.datasets._plant_loop import COLUMNS, run_plant
-
-COMMAND, READING, PLUG, P1, P2, FLOW, FLOW_TURBULENT = range(7)
-SPAN_PER_KV = 1.5
-RESOLUTION = {"X": 0.05, "P1": 0.1, "P2": 0.1, "T1": 0.01, "F": 0.001}
+from sklvalve.datasets._plant_rig import FLOW, PLUG, READING, Plant
 
 
 def make_valve_recording(
@@ -29,60 +25,65 @@ def make_valve_recording(
 ):
     """Record a simulated control-valve loop in which an effect is concealed.
 
-    A globe valve with a pneumatic positioner passes water between a pump and a tank. The plant is finer than the
-    simulations that diagnose it, and shares no code with them: two pneumatic volumes with choked ISO 6358 nozzles, a
-    stem under generalised Maxwell-slip friction with a Stribeck curve,
+    A globe valve with a pneumatic positioner passes water between a pump and a tank. The plant is finer
+    than the simulations that diagnose it, and shares no code with them: two pneumatic volumes with choked
+    ISO 6358 nozzles, a stem under generalised Maxwell-slip friction with a Stribeck curve,
 
     .. math:: m \\dot v = A p - F_0 - k x - b v - F_f + A_p (p_1 - p_2),
 
-    play between stem and plug, a trim that departs from the sheet within its tolerance, a recovery factor that falls with
-    travel, a soft choking knee
+    play between stem and plug, a trim that departs from the sheet within its tolerance, a recovery factor
+    that falls with travel, a soft choking knee
 
     .. math:: Q = C(x) \\sqrt{\\Delta p_e / \\rho}, \\quad
         \\Delta p_e = \\Delta p \\, (1 + (\\Delta p / \\Delta p_c)^n)^{-1/n},
 
-    the inertia of the water column, and meters with filters, zero offsets, wandering noise and quantisation. Sheet, hardware,
-    commands, disturbances and noise are drawn from `random_state`; an effect does not change the other draws, so that the
-    same seed with `strength=0` is the same plant without it.
+    the inertia of the water column, and meters with filters, zero offsets, wandering noise and
+    quantisation. Sheet, hardware, commands, disturbances and noise are drawn from `random_state`; an effect
+    does not change the other draws, so that the same seed with `strength=0` is the same plant without it.
 
     Parameters
     ----------
     effect : str, list of str or None, default=None
         What to conceal, of `sklvalve.datasets.CONCEALABLE`. None: a healthy valve within its tolerances.
     strength : float, list of float or None, default=None
-        Size of each effect in the unit that `truth["strengths"]` gives; zero is healthy. Shares of travel [1] for plays, dead
-        zone (half width), stem offsets and the blocked part of the travel (clogging); [N] of breakaway for
-        stiction and friction; [s] for lags, dead time and the time of a full stroke (slew_limit); share of the supply (gauge)
-        that is lost; share of F_L that is lost (choked_flow); share of rated kv for leak, bypass, erosion; sum of loss
-        coefficients on the nominal size (piping_reducers); share of the flow span (1.5 kv_rated m3/h) for
-        meter bias and drift; share of capacity or reading otherwise. None: drawn to move flow or opening by 1.5 to 5 % of
-        the span, rms over the rows where it acts, as far as the effect can.
+        Size of each effect in the unit that `truth["strengths"]` gives; zero is healthy. Shares of travel
+        [1] for plays, dead zone (half width), stem offsets and the blocked part of the travel (clogging);
+        [N] of breakaway for stiction and friction; [s] for lags, dead time and the time of a full stroke
+        (slew_limit); share of the supply (gauge) that is lost; share of F_L that is lost (choked_flow);
+        share of rated kv for leak, bypass, erosion; sum of loss coefficients on the nominal size
+        (piping_reducers); share of the flow span (1.5 kv_rated m3/h) for meter bias and drift; share of
+        capacity or reading otherwise. None: drawn to move flow or opening by 1.5 to 5 % of the span, rms
+        over the rows where it acts, as far as the effect can.
     onset : float or None, default=0.0
-        When the effects begin [s]. None: drawn, in half of the cases from the start, else within the middle of the recording.
+        When the effects begin [s]. None: drawn, in half of the cases from the start, else within the middle
+        of the recording.
     n_samples, n_later : int, default=5760 and 1440
         Rows, one a second, of the recording and of what follows it.
     loop : {"wide", "closed", "mixed"} or None, default=None
-        Command over most of the travel, a flow controller with set-point steps, or the one half after the other. None: drawn.
+        Command over most of the travel, a flow controller with set-point steps, or the one half after the
+        other. None: drawn.
     noise : float, default=1.0
         Factor on the sensors' noise and the turbulence; 1 is about 0.3 % of flow span and 0.13 % of travel.
     concealed : bool, default=True
-        False adds to `frame` and `later` what no plant records: `true_opening` (of the plug) [%] and `flow_without_noise` [m3/h].
+        False adds to `frame` and `later` what no plant records: `true_opening` (of the plug) [%] and
+        `flow_without_noise` [m3/h].
     sheet_physics : sequence of str, default=("choked_flow",)
-        What `valve["simulation"]["physics"]` says the simulation holds already. Where it leaves choking out and the
-        flow chokes, the truth names choked_flow.
+        What `valve["simulation"]["physics"]` says the simulation holds already. Where it leaves choking out
+        and the flow chokes, the truth names choked_flow.
     random_state : int, RandomState instance or None, default=None
         Source of all draws.
     return_truth : bool, default=True
-        Whether the result has `truth` and `flow_without_noise`; False also spares their reference run where `strength` is given.
+        Whether the result has `truth` and `flow_without_noise`.
 
     Returns
     -------
     recording : :class:`~sklearn.utils.Bunch`
-        `frame` and `later` : DataFrame with time [s], CV, X [%], P1, P2 [kPa, absolute], T1 [degC], F [m3/h], and SP [m3/h] where the
-        loop is closed; `valve` : dict, as in a valve.toml; `truth` : dict; `flow_without_noise` : DataFrame over both.
-        `truth["flow_rms_change"]` and `truth["opening_rms_change"]` compare, from the onset on, with the same plant under the same
-        command without the effects [% of the largest flow, % of travel]; `truth["rms_where_acting"]` is the larger of the
-        two over the rows where the change exceeds a fifth of its 99th percentile.
+        `frame` and `later` : DataFrame with time [s], CV, X [%], P1, P2 [kPa, absolute], T1 [degC], F
+        [m3/h], and SP [m3/h] where the loop is closed; `valve` : dict, as in a valve.toml; `truth` : dict;
+        `flow_without_noise` : DataFrame over both. `truth["flow_rms_change"]` and
+        `truth["opening_rms_change"]` compare, from the onset on, with the same plant under the same command
+        without the effects [% of the largest flow, % of travel]; `truth["rms_where_acting"]` is the
+        same over the rows where the change exceeds a fifth of its 99th percentile.
 
     Raises
     ------
@@ -93,8 +94,9 @@ def make_valve_recording(
 
     Notes
     -----
-    Water at 0 to 100 degC, turbulent flow. Nozzles: ISO 6358-1:2013. Friction: Al-Bender, Lampaert, Swevers, IEEE Trans. Automatic
-    Control 50 (2005) 1883. Sizing relations: IEC 60534-2-1. Density: Kell 1975. Vapour pressure: Goff and Gratch 1946.
+    Water at 0 to 100 degC, turbulent flow. Nozzles: ISO 6358-1:2013. Friction: Al-Bender, Lampaert,
+    Swevers, IEEE Trans. Automatic Control 50 (2005) 1883. Sizing relations: IEC 60534-2-1. Density: Kell
+    1975. Vapour pressure: Goff and Gratch 1946.
 
     Examples
     --------
@@ -108,13 +110,14 @@ def make_valve_recording(
     pd = _pandas()
     names, sizes = _check(effect, strength, onset, n_samples, n_later, loop, noise)
     seeds = np.random.SeedSequence(check_random_state(random_state).randint(2**31 - 1)).spawn(3)
-    plant = _Plant(np.random.default_rng(seeds[0]), names, loop, noise, n_samples + n_later)
+    plant = Plant(np.random.default_rng(seeds[0]), names, loop, noise, n_samples + n_later)
     rng = np.random.default_rng(seeds[1])
     if onset is None:
         onset = 0.0 if rng.uniform() < 0.5 else float(round(rng.uniform(0.3, 0.65) * n_samples))
     effect_seed = int(seeds[2].generate_state(1)[0])
-    strengths = _draw_sizes(rng, names, sizes)
-    out, strengths, change = _settle_sizes(plant, strengths, sizes, onset, effect_seed, rng, return_truth)
+    strengths = _draw_sizes(rng, plant, names, sizes, onset)
+    target = rng.uniform(1.8, 4.5)
+    out, strengths, change = _settle_sizes(plant, strengths, sizes, onset, effect_seed, target)
 
     table = pd.DataFrame(plant.record(out))
     if not concealed:
@@ -123,81 +126,12 @@ def make_valve_recording(
     result = Bunch(
         frame=table.iloc[:n_samples].reset_index(drop=True),
         later=table.iloc[n_samples:].reset_index(drop=True),
-        valve=_valve(plant, sheet_physics),
+        valve=plant.valve_table(sheet_physics),
     )
     if return_truth:
         result.truth = _truth(plant, out, strengths, onset, effect_seed, sheet_physics, noise, change)
         result.flow_without_noise = pd.DataFrame({"time": table["time"], "flow": np.round(out[:, FLOW], 3)})
     return result
-
-
-class _Plant:
-    """One drawn plant and its surroundings; runs with any effects without drawing anew."""
-
-    def __init__(self, rng, names, loop, noise, n):
-        self.n = n
-        total = n + draw.WARM_UP
-        drawn = str(rng.choice(draw.LOOPS, p=[0.5, 0.35, 0.15]))
-        self.loop = drawn if loop is None else loop
-        self.sheet = draw.draw_sheet(rng)
-        self.kv = self.sheet["kv_rated"]
-        self.trim, self.other, self.fl = draw.draw_trims(rng, self.sheet)
-        self.actuator, self.line, self.controller, self.healthy = draw.draw_hardware(rng, self.sheet)
-        hot = any(EFFECTS[name].hot for name in names)
-        self.source, self.tank, self.celsius = draw.draw_surroundings(rng, total, self.loop, hot)
-        self.rho, vapour = draw.water(self.celsius)
-        self.floor = draw.jet_floor(vapour)
-        self.command = np.round(draw.draw_command(rng, total), 4)
-        self.setpoint = np.round(draw.draw_setpoint(rng, total, self.kv), 2)
-        self.noise, self.turbulence = draw.draw_noise(rng, total, self.kv, noise)
-        second = np.arange(total)
-        self.auto = {"wide": second < 0, "closed": second >= 60, "mixed": second >= draw.WARM_UP + n // 2}[self.loop]
-        if self.loop == "closed":
-            self.command[:] = 0.6
-
-    def schedule(self, strengths, onset, seed):
-        table = np.tile(np.array([self.healthy[name] for name in COLUMNS]), (self.n + draw.WARM_UP, 1))
-        columns = {name: table[:, i] for i, name in enumerate(COLUMNS)}
-        # an effect from the start acts in the warm-up too
-        begin = 0 if onset <= 0.0 else draw.WARM_UP + int(np.ceil(onset))
-        active = (np.arange(table.shape[0]) >= begin).astype(float)
-        for i, (name, size) in enumerate(strengths.items()):
-            if name == "no_choking":
-                columns["choking"][:] = 0.0
-            elif size != 0.0:
-                rng = np.random.default_rng([seed, i])
-                EFFECTS[name].apply(columns, size, active, {"kv": self.kv, "celsius": self.celsius, "rng": rng})
-        return table
-
-    def run(self, strengths, onset, seed, replay=None):
-        """Rows of the loop's output after the warm-up, and with it the command of all rows, to be replayed."""
-        auto, command = (self.auto, self.command) if replay is None else (np.zeros_like(self.auto), replay)
-        out = run_plant(
-            self.schedule(strengths, onset, seed), command, auto, self.setpoint, self.source, self.tank, self.rho, self.floor,
-            self.turbulence, self.noise["F"], self.trim, self.other, self.fl, self.actuator, self.line, self.controller,
-        )  # fmt: skip
-        return out[draw.WARM_UP :], out[:, COMMAND]
-
-    def record(self, out):
-        """What the instruments wrote down."""
-        clean = {
-            "X": 100.0 * out[:, READING],
-            "P1": 1e-3 * out[:, P1],
-            "P2": 1e-3 * out[:, P2],
-            "T1": self.celsius[draw.WARM_UP :],
-            "F": out[:, FLOW_TURBULENT],
-        }
-        table = {"time": np.arange(self.n), "CV": np.round(100.0 * out[:, COMMAND], 2)}
-        for name, value in clean.items():
-            step = RESOLUTION[name]
-            noisy = value + self.noise[name][draw.WARM_UP :]
-            table[name] = np.round(np.round(noisy / step) * step, 3)
-        table["F"] = np.maximum(table["F"], 0.0)
-        table["X"] = np.clip(table["X"], -2.5, 102.5)
-        if self.loop != "wide":
-            auto = self.auto[draw.WARM_UP :]
-            table["SP"] = np.where(auto, self.setpoint[draw.WARM_UP :], np.nan)
-        return table
 
 
 def _check(effect, strength, onset, n_samples, n_later, loop, noise):
@@ -207,14 +141,18 @@ def _check(effect, strength, onset, n_samples, n_later, loop, noise):
             raise ValueError(f"effect must be one of {', '.join(CONCEALABLE)}; got {name!r}.")
     if len(set(names)) < len(names):
         raise ValueError(f"effect must name each effect once; got {names}.")
-    sizes = [None] * len(names) if strength is None else list(np.atleast_1d(np.asarray(strength, dtype=float)))
+    sizes = (
+        [None] * len(names) if strength is None else list(np.atleast_1d(np.asarray(strength, dtype=float)))
+    )
     if len(sizes) != len(names):
-        raise ValueError(f"strength must give one number per effect; got {len(sizes)} for {len(names)} effects.")
+        raise ValueError(
+            f"strength must give one number per effect; got {len(sizes)} for {len(names)} effects."
+        )
     for name, size in zip(names, sizes, strict=True):
         if size is not None and (not np.isfinite(size) or (size < 0.0 and not EFFECTS[name].signed)):
             raise ValueError(f"strength of {name} must be a finite number, zero or above; got {size}.")
-    if loop is not None and loop not in draw.LOOPS:
-        raise ValueError(f"loop must be one of {', '.join(draw.LOOPS)}, or None to draw it; got {loop!r}.")
+    if loop is not None and loop not in LOOPS:
+        raise ValueError(f"loop must be one of {', '.join(LOOPS)}, or None to draw it; got {loop!r}.")
     if n_samples < 1 or n_later < 0:
         raise ValueError(f"n_samples must be 1 or more and n_later 0 or more; got {n_samples} and {n_later}.")
     if onset is not None and not 0.0 <= onset < n_samples:
@@ -224,17 +162,22 @@ def _check(effect, strength, onset, n_samples, n_later, loop, noise):
     return names, sizes
 
 
-def _draw_sizes(rng, names, sizes):
+def _draw_sizes(rng, plant, names, sizes, onset):
     drawn = {}
     for name, size in zip(names, sizes, strict=True):
         effect = EFFECTS[name]
         own = rng.uniform(effect.low, effect.high) * (rng.choice([-1.0, 1.0]) if effect.signed else 1.0)
+        if size is None and effect.limit:
+            healthy, _ = plant.run({}, 0.0, 0)
+            limit = float(np.quantile(healthy[int(onset) :, READING], own))
+            # the supply must fall to the bench pressure of that opening
+            own = 1.0 - (20.0 + 80.0 * limit) / 340.0 if name == "supply_pressure_drop" else 1.0 - limit
         drawn[name] = float(own if size is None else size)
     return drawn
 
 
 def _change(out, healthy, onset):
-    """Change of flow [% of the largest] and opening [%]: rms from the onset on, and rms over the rows where it acts."""
+    """Change of flow [% of the largest] and opening [%]: rms from the onset on, and where it acts."""
     begin = int(np.ceil(onset))
     span = max(healthy[:, FLOW].max(), 1e-9)
     flow = 100.0 * (out[begin:, FLOW] - healthy[begin:, FLOW]) / span
@@ -251,30 +194,33 @@ def _change(out, healthy, onset):
     }
 
 
-def _settle_sizes(plant, strengths, given, onset, seed, rng, return_truth):
-    """Run, and where a size was left open and the effect allows it, scale it until it moves what it should."""
-    target = rng.uniform(1.8, 4.5)
-    free = [name for name, size in zip(strengths, given, strict=True) if size is None and EFFECTS[name].sized]
-    single = len(strengths) == 1 and bool(free)
-    for _ in range(4):
+def _settle_sizes(plant, strengths, given, onset, seed, target):
+    """Run; where one size was left open and the effect allows it, scale it until it matters enough."""
+    names = list(strengths)
+    free = len(names) == 1 and given[0] is None and EFFECTS[names[0]].sized
+    for attempt in range(5):
         out, command = plant.run(strengths, onset, seed)
-        if not strengths or (not return_truth and not single):
-            return out, strengths, {"flow": 0.0, "opening": 0.0, "where": {"flow": 0.0, "opening": 0.0}}
         healthy, _ = plant.run({}, onset, seed, replay=command)
         change = _change(out, healthy, onset)
-        if not single:
+        if not free or attempt == 4:
             break
-        name = free[0]
-        reached = change["where"][EFFECTS[name].moves]
-        if 0.8 * target <= reached <= 1.25 * target:
+        effect, size = EFFECTS[names[0]], strengths[names[0]]
+        goal = target * (0.6 if effect.moves == "opening" else 1.0)
+        reached = change["where"][effect.moves]
+        low = effect.low if onset <= 0.0 else 0.25 * effect.low
+        scaled = abs(size) * np.clip(goal / max(reached, 1e-6), 0.4, 2.5)
+        new = float(np.copysign(np.clip(scaled, low, 1.5 * effect.high), size))
+        if 0.85 * goal <= reached <= 1.18 * goal or new == size:
             break
-        strengths = {name: strengths[name] * float(np.clip(target / max(reached, 1e-6), 0.4, 2.5))}
+        strengths = {names[0]: new}
     return out, strengths, change
 
 
 def _chokes(plant, out, strengths, onset, seed):
     """Whether choking moves the flow by half a percent of span, rms where it acts."""
-    free, _ = plant.run(strengths | {"no_choking": 1.0}, onset, seed, replay=plant.run(strengths, onset, seed)[1])
+    free, _ = plant.run(
+        strengths | {"no_choking": 1.0}, onset, seed, replay=plant.run(strengths, onset, seed)[1]
+    )
     return _change(out, free, 0.0)["where"]["flow"] >= 0.5
 
 
@@ -303,34 +249,11 @@ def _truth(plant, out, strengths, onset, seed, sheet_physics, noise, change):
     }
 
 
-def _valve(plant, sheet_physics):
-    kpa = {"unit": "kPa", "gauge": False}
-    return {
-        "valve": {"tag": "FV-101"} | plant.sheet,
-        "fluid": {"name": "water"},
-        "actuator": {
-            "fail": "closed",
-            "supply_pressure": 340.0,
-            "spring_range": [20.0, 100.0],
-            "effective_area": 290.0,
-            "positioner": True,
-        },
-        "simulation": {"physics": list(sheet_physics)},
-        "recording": {
-            "time": "time",
-            "command": {"column": "CV", "unit": "%"},
-            "opening": {"column": "X", "unit": "%"},
-            "p1": {"column": "P1"} | kpa,
-            "p2": {"column": "P2"} | kpa,
-            "temperature": {"column": "T1", "unit": "degC"},
-            "flow": {"column": "F", "unit": "m3/h"},
-        },
-    }
-
-
 def _pandas():
     try:
         import pandas
     except ImportError:
-        raise ImportError('Recordings are made as data frames; install pandas with: pip install "sklvalve[io]"') from None
+        raise ImportError(
+            'Recordings are made as data frames; install pandas with: pip install "sklvalve[io]"'
+        ) from None
     return pandas

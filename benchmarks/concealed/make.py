@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draw recordings with concealed effects into a folder, for a blind trial.
+
+    python benchmarks/concealed/make.py FOLDER --seed 7 --healthy 12 --each 2 --pairs 6
+
+writes one folder per record, named record_000, record_001, ... in an order drawn by the seed, so that a
+name tells nothing. In each:
+
+    recording.csv.gz             what to diagnose: time [s], CV, X [%], P1, P2 [kPa], T1 [degC], F [m3/h],
+    SP where a loop is closed valve.toml                   what the engineer knows later.csv.gz
+    what comes after, to predict truth.json                   what is concealed; not for the eyes of the
+    diagnosis flow_without_noise.csv.gz    the flow behind the noise, over recording and later, for the
+    judge
+
+A third of the healthy records command the whole travel, a third run in a closed loop, a third do so with
+2.5 times the noise. Effects are drawn one per record, of a size that matters where it acts, from the start
+or from a moment on. With --pairs, two effects of different blocks share a record. `seal.txt` holds the
+SHA-256 of every truth.json: commit it before a trial, so that nobody can change the truth afterwards. The
+same arguments give the same files.
+"""
+
+import argparse
+import hashlib
+from pathlib import Path
+
+import numpy as np
+
+from sklvalve.datasets import CONCEALABLE, write_concealed
+
+# Pairs whose members live in different blocks or regions, so that both can be told from one record.
+PAIRS = (
+    ("choked_flow", "backlash"),
+    ("stiction", "seat_leakage"),
+    ("positioner_deadband", "flow_meter_bias"),
+    ("dead_time", "clogging"),
+    ("supply_pressure_drop", "seat_leakage"),
+    ("linkage_backlash", "choked_flow"),
+)
+
+
+def plan(rng, healthy, each, pairs, effects):
+    """List of (effects, settings), in a drawn order."""
+    cases: list[tuple[list[str], dict]] = []
+    for i in range(healthy):
+        loop = (None, "wide", "closed")[(i + 1) % 3]
+        cases.append(([], {"loop": loop, "noise": 2.5 if loop is None else 1.0}))
+    cases += [([name], {"onset": None}) for name in effects for _ in range(each)]
+    cases += [(list(PAIRS[i % len(PAIRS)]), {"loop": "wide"}) for i in range(pairs)]
+    return [cases[i] for i in rng.permutation(len(cases))]
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description="Draw recordings with concealed effects into a folder.")
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--healthy", type=int, default=12, help="records with nothing in them")
+    parser.add_argument("--each", type=int, default=2, help="records per effect")
+    parser.add_argument("--pairs", type=int, default=0, help="records with two effects")
+    parser.add_argument(
+        "--effects", nargs="+", choices=CONCEALABLE, default=list(CONCEALABLE), metavar="NAME"
+    )
+    options = parser.parse_args(arguments)
+
+    rng = np.random.default_rng(options.seed)
+    cases = plan(rng, options.healthy, options.each, options.pairs, options.effects)
+    seal = []
+    for i, (effects, settings) in enumerate(cases):
+        folder = options.folder / f"record_{i:03d}"
+        write_concealed(folder, effects, **settings, random_state=int(rng.integers(2**31)))
+        seal.append(f"{hashlib.sha256((folder / 'truth.json').read_bytes()).hexdigest()}  {folder.name}")
+        print(f"{folder.name} written ({i + 1} of {len(cases)})", flush=True)
+    (options.folder / "seal.txt").write_text("\n".join(seal) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
