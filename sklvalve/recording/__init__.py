@@ -4,6 +4,7 @@
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording, read_recording
+from sklvalve.recording.screening import screen_recording
 from sklvalve.recording.valve import Valve, read_valve
 
 __all__ = [
@@ -13,4 +14,5 @@ __all__ = [
     "noise_floor",
     "read_recording",
     "read_valve",
+    "screen_recording",
 ]

@@ -81,10 +81,10 @@ def _require_likely(
     if role in OPENING_ROLES:
         low, high = np.nanquantile(si, [0.01, 0.99])
         if low < -0.5 or high > 1.5:
-            likely = "%" if signal.unit == "1" else "1"
+            likely = "is the unit '%'" if signal.unit == "1" else "is it scaled to another range"
             raise InputError(
                 f"{where}: values from {np.nanmin(recorded):g} to {np.nanmax(recorded):g} are no {role} in "
-                f"unit {signal.unit!r}; is the unit {likely!r}, or the column another one?"
+                f"unit {signal.unit!r}; {likely}, or the column another one?"
             )
     elif signal.quantity == "pressure" and np.nanmedian(si) < 0.0:
         raise InputError(
