@@ -94,7 +94,7 @@ def usable_rows(values, meaning, remedy):
         raise ValueError(f"{meaning} in none of the {len(values)} rows: {remedy}.")
     if missing:
         warnings.warn(
-            f"{meaning} in {len(rows)} of {len(values)} rows; the other {missing} are not used.",
+            f"{meaning} in {len(rows)} of {len(values)} rows; left out: {missing}.",
             ValidityWarning,
             stacklevel=4,
         )

@@ -6,7 +6,7 @@ from sklearn.base import BaseEstimator
 
 
 class Gain(BaseEstimator):
-    """output = parameter * (2 + tanh(column)); works with any number of columns, so the check suite can use it."""
+    """output = parameter * (2 + tanh(column / 10)), for any number of columns, as the check suite wants."""
 
     def __init__(self, column=0):
         self.column = column
