@@ -14,6 +14,7 @@ from sklvalve.mechanism.liquid import (
 from sklvalve.mechanism.liquid_pressure import liquid_outlet_pressure
 from sklvalve.mechanism.orifice import vena_contracta_pressure
 from sklvalve.mechanism.travel import at_travel
+from sklvalve.mechanism.validity import MissingDatum
 
 
 class ValveRows:
@@ -25,13 +26,21 @@ class ValveRows:
         self._fluid = fluid
 
     def signal(self, role):
-        """Measured signal of a role; ValueError with the mend where the role has no column."""
+        """Measured signal of a role; MissingDatum with the mend where the role has no column."""
         values = self._signals.get(role)
         if values is None:
-            raise ValueError(
+            raise MissingDatum(
                 f"this needs the role {role!r}, which has no column: set {role}= to a name or position."
             )
         return values
+
+    def can_give(self, name):
+        """Whether the roles, the valve and the fluid suffice for a feature."""
+        try:
+            getattr(self, name)
+        except MissingDatum:
+            return False
+        return True
 
     @cached_property
     def opening(self):
@@ -56,7 +65,7 @@ class ValveRows:
     @cached_property
     def critical_pressure(self):
         if self._fluid.critical_pressure is None:
-            raise ValueError(
+            raise MissingDatum(
                 f"the fluid {self._fluid.name!r} has no critical_pressure: give critical_pressure=... [Pa]."
             )
         return self._fluid.critical_pressure
@@ -65,7 +74,7 @@ class ValveRows:
     def fl(self):
         fl = self._settings.fl
         if fl is None:
-            raise ValueError("this needs the pressure recovery factor of the valve: give fl=...")
+            raise MissingDatum("this needs the pressure recovery factor of the valve: give fl=...")
         return at_travel(fl, None if np.ndim(fl) == 0 else self.opening)
 
     @cached_property
@@ -118,7 +127,9 @@ class ValveRows:
     @cached_property
     def kv(self):
         if self._settings.kv_rated is None:
-            raise ValueError("this needs the rated flow coefficient of the valve: give kv_rated=... [m3/h].")
+            raise MissingDatum(
+                "this needs the rated flow coefficient of the valve: give kv_rated=... [m3/h]."
+            )
         return self._settings.kv_rated * self.relative_capacity
 
     @cached_property
@@ -162,6 +173,16 @@ FEATURES = {
     "outlet_pressure": "outlet pressure by the mechanism from the flow [Pa]",
 }
 """Every feature by name: each is an attribute of `ValveRows`."""
+
+DEFAULT_FEATURES = (
+    "relative_capacity",
+    "dp",
+    "sqrt_dp_over_density",
+    "pressure_ratio",
+    "density",
+    "vapour_pressure",
+)
+"""The features that need no datum of the valve but its characteristic."""
 
 
 def compute_features(rows, names, n_rows):

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mechanism.liquid import WATER_CRITICAL_PRESSURE
-from sklvalve.mechanism.validity import warn_rows
+from sklvalve.mechanism.validity import MissingDatum, warn_rows
 from sklvalve.mechanism.water import water_density, water_kinematic_viscosity, water_vapour_pressure
 
 GAS_CONSTANT = 8.314462618
@@ -71,7 +71,7 @@ class Fluid:
 
     def _at(self, what, temperature, warn):
         if what not in self.properties:
-            raise ValueError(f"the fluid {self.name!r} has no {what}: give {what}=... for it.")
+            raise MissingDatum(f"the fluid {self.name!r} has no {what}: give {what}=... for it.")
         value = self.properties[what]
         if callable(value):
             temperature = STANDARD_TEMPERATURE if temperature is None else temperature

@@ -11,7 +11,7 @@ from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import _check_feature_names_in, check_is_fitted, validate_data
 
-from sklvalve.mechanism.features import FEATURES, ValveRows, compute_features
+from sklvalve.mechanism.features import DEFAULT_FEATURES, FEATURES, ValveRows, compute_features
 from sklvalve.mechanism.fluid import Fluid, fluid_from
 from sklvalve.mechanism.liquid import choked_pressure_drop, liquid_kv
 
@@ -61,8 +61,10 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
         Likewise. [Pa]
     critical_pressure : float, default=None
         Likewise. [Pa]
-    features : list of str
-        Names of the columns that `transform` gives; `available_features` lists them all.
+    features : list of str, default=None
+        Names of the columns that `transform` gives; `available_features` lists them all. None takes, as far
+        as roles and fluid allow, relative_capacity, dp, sqrt_dp_over_density, pressure_ratio, density and
+        vapour_pressure.
     output : {"flow", "outlet_pressure"}, default="flow"
         What `forward` and `predict` give: flow from the pressures, or `p2` from flow and `p1`.
     warn : bool, default=True
@@ -72,6 +74,8 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
     ----------
     columns_ : dict
         Position of each role's column.
+    features_ : list of str
+        Names of the columns that `transform` gives.
     n_features_in_ : int
         Number of columns seen in `fit`.
     feature_names_in_ : ndarray of shape (n_features_in_,)
@@ -119,7 +123,7 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
         "kinematic_viscosity": _PROPERTY,
         "vapour_pressure": _PROPERTY,
         "critical_pressure": [Interval(Real, 0, None, closed="neither"), None],
-        "features": ["array-like"],
+        "features": ["array-like", None],
         "output": [StrOptions({"flow", "outlet_pressure"})],
         "warn": ["boolean"],
     }
@@ -142,14 +146,7 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
         kinematic_viscosity=None,
         vapour_pressure=None,
         critical_pressure=None,
-        features=(
-            "relative_capacity",
-            "dp",
-            "sqrt_dp_over_density",
-            "pressure_ratio",
-            "density",
-            "vapour_pressure",
-        ),
+        features=None,
         output="flow",
         warn=True,
     ):
@@ -198,7 +195,7 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
             If a role names no column, or a feature is unknown.
         """
         X = validate_data(self, X, dtype=np.float64, ensure_all_finite="allow-nan")
-        unknown = [name for name in self.features if name not in FEATURES]
+        unknown = [name for name in self.features or () if name not in FEATURES]
         if unknown:
             raise ValueError(
                 f"unknown feature {unknown[0]!r} in features: use some of {', '.join(FEATURES)}."
@@ -209,8 +206,14 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
             for role in _ROLES
             if (where := getattr(self, role)) is not None
         }
-        # the first row tells at once whether the features can be had from these roles and this fluid
-        compute_features(self._rows(X[:1], warn=False), self.features, 1)
+        # the first row tells at once what can be had from these roles and this fluid, and what is wrong
+        rows = self._rows(X[:1], warn=False)
+        _ = rows.choking
+        if self.features is None:
+            self.features_ = [name for name in DEFAULT_FEATURES if rows.can_give(name)]
+        else:
+            self.features_ = [str(name) for name in self.features]
+            compute_features(rows, self.features_, 1)
         return self
 
     def transform(self, X):
@@ -224,10 +227,10 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
         Returns
         -------
         features : ndarray of shape (n_samples, n_features_out)
-            In the order of `features`; a data frame after ``set_output``.
+            In the order of `features_`; a data frame after ``set_output``.
         """
         X = self._check(X)
-        return compute_features(self._rows(X), self.features, X.shape[0])
+        return compute_features(self._rows(X), self.features_, X.shape[0])
 
     def get_feature_names_out(self, input_features=None):
         """Names of the columns that `transform` gives.
@@ -243,7 +246,7 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
         """
         check_is_fitted(self)
         _check_feature_names_in(self, input_features)
-        return np.asarray(self.features, dtype=object)
+        return np.asarray(self.features_, dtype=object)
 
     @available_if(lambda self: self.kv_rated is not None)
     def predict(self, X):

@@ -28,6 +28,10 @@ class ValidityWarning(UserWarning):
     """
 
 
+class MissingDatum(ValueError):
+    """Something was asked for that needs a datum which nobody gave; the message says which."""
+
+
 def warn_rows(bad, where, what, *, stacklevel=3):
     """Warn with the count of rows where `bad` is true; silent where there is none."""
     count = int(np.count_nonzero(bad))

@@ -155,6 +155,20 @@ def test_predict_is_there_with_a_rated_capacity_only():
     assert not hasattr(by_position(kv_rated=None), "predict")
 
 
+def test_default_features_are_those_that_can_be_had():
+    X = duties()
+    everything = by_position().fit(X)
+    assert list(everything.get_feature_names_out()) == [
+        "relative_capacity", "dp", "sqrt_dp_over_density", "pressure_ratio", "density", "vapour_pressure",
+    ]  # fmt: skip
+    without_p2 = by_position(p2=None, output="outlet_pressure", warn=False).fit(X)
+    assert without_p2.features_ == ["relative_capacity", "density", "vapour_pressure"]
+    assert without_p2.transform(X).shape == (200, 3)
+    assert_array_equal(
+        without_p2.predict(X), by_position(output="outlet_pressure", warn=False).fit(X).predict(X)
+    )
+
+
 def test_without_temperature_the_liquid_is_at_20_degrees():
     X = duties()
     valve = by_position(temperature=None, features=["density"]).fit(X)
@@ -244,7 +258,7 @@ class TestBadInput:
                 {"features": "dp"},
                 "The 'features' parameter of ValveMechanismTransformer must be an array-like",
             ),
-            ({"p2": None}, "this needs the role 'p2', which has no column"),
+            ({"p2": None, "features": ["dp"]}, "this needs the role 'p2', which has no column"),
             ({"kv_rated": None, "features": ["kv"]}, "give kv_rated="),
             ({"fl": None, "features": ["choked"]}, "give fl="),
             ({"fluid": "mead"}, "unknown fluid 'mead'"),
