@@ -24,6 +24,7 @@ from sklvalve.mechanism.orifice import (
     orifice_flow,
     vena_contracta_pressure,
 )
+from sklvalve.mechanism.piping import combined_recovery_factor, fitting_loss, piping_factor
 from sklvalve.mechanism.transformer import ValveMechanismTransformer
 from sklvalve.mechanism.travel import at_travel
 from sklvalve.mechanism.validity import ValidityWarning
@@ -41,8 +42,10 @@ __all__ = [
     "at_travel",
     "choked_pressure_drop",
     "clausius_clapeyron",
+    "combined_recovery_factor",
     "critical_pressure_ratio_factor",
     "estimate_fl",
+    "fitting_loss",
     "fluid_from",
     "liquid_flow",
     "liquid_inlet_pressure",
@@ -51,6 +54,7 @@ __all__ = [
     "opening_for_capacity",
     "orifice_area",
     "orifice_flow",
+    "piping_factor",
     "relative_capacity",
     "vena_contracta_pressure",
     "water_density",
