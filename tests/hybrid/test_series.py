@@ -12,6 +12,7 @@ from sklearn.model_selection import GridSearchCV, KFold
 from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import FunctionTransformer, StandardScaler
+from sklearn.utils.validation import _get_feature_names
 
 from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
 from sklvalve.lssvm import LSSVMRegressor
@@ -286,6 +287,8 @@ def test_polars_frames_work():
     pl = pytest.importorskip("polars")
     opening, p1, p2, kv = valve_data(n=60)
     X = pl.DataFrame({"x": opening, "p1": p1, "p2": p2})
+    if _get_feature_names(X) is None:
+        pytest.skip("this scikit-learn does not read the column names of this polars")
     y = liquid_flow(kv, p1, p2, 998.2)
     mechanism = ValveMechanismTransformer(opening="x", p1="p1", p2="p2")
     model = SeriesHybridRegressor(mechanism, link="log", regressor_columns=["x"]).fit(X, y)
