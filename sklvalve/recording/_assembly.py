@@ -2,6 +2,7 @@
 """Columns and a valve's roles to signals in SI, and the checks that need the signals."""
 
 from collections.abc import Mapping
+from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
@@ -130,7 +131,8 @@ def frame_columns(frame: object, time: str) -> dict[str, object]:
     index = getattr(frame, "index", None)
     if time not in columns and index is not None:
         values = np.asarray(index)
-        if getattr(index, "name", None) == time or values.dtype.kind == "M":
+        dates = values.dtype.kind == "M" or (len(values) > 0 and isinstance(values[0], datetime))
+        if getattr(index, "name", None) == time or dates:
             columns[time] = values
     return columns
 

@@ -26,7 +26,7 @@ def screen_gaps(recording: Recording) -> list[Finding]:
     wide = np.flatnonzero(step > 1.5 * typical)
     if len(wide):
         detail = (
-            f"{len(wide)} times rows are missing, up to {step.max():g} s between samples of {typical:g} s"
+            f"rows missing between samples of {typical:g} s; gaps: {len(wide)}, longest: {step.max():g} s"
         )
         found.append(finding("gap", None, detail, [(int(row), int(row) + 2) for row in wide]))
     for role, values in recording.signals.items():
@@ -34,9 +34,7 @@ def screen_gaps(recording: Recording) -> list[Finding]:
         if spans:
             missing = sum(stop - start for start, stop in spans)
             longest = max(stop - start for start, stop in spans)
-            detail = (
-                f"{missing} of {len(values)} values are missing, in {len(spans)} gaps of up to {longest} rows"
-            )
+            detail = f"{missing} of {len(values)} values missing; gaps: {len(spans)}, longest: {longest} rows"
             found.append(finding("gap", role, detail, spans))
     return found
 
@@ -59,8 +57,8 @@ def _straight_lines(time: NDArray[np.float64], values: NDArray[np.float64]) -> s
     runs straight, but always at the same slope; between a historian's points each line has its own.
     """
     slope = np.diff(values) / np.diff(time)
-    written = max(_written_step(values), quantum(values))
-    room = 2.1 * written / np.diff(time)[1:] if written else 1e-9 * np.nanmax(np.abs(slope), initial=0.0)
+    written = max(_written_step(values), quantum(values), 1e-8 * np.nanmax(np.abs(values), initial=0.0))
+    room = 2.1 * written / np.diff(time)[1:]
     bends = np.abs(np.diff(slope)) > room
     lines = [(start, stop + 2) for start, stop in runs(~bends & (slope[1:] != 0.0)) if stop - start >= 4]
     slopes = [(values[stop - 1] - values[start]) / (time[stop - 1] - time[start]) for start, stop in lines]

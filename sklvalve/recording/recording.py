@@ -203,7 +203,7 @@ class Recording:
         digits = 10 - int(np.ceil(np.log10(largest))) if largest > 0.0 else 10
         distinct = np.unique(np.round(recorded, digits))
         step = np.diff(distinct).min() * self.signal(role).slope if len(distinct) > 1 else 0.0
-        return float(f"{step:.9g}")
+        return float(f"{step:.11g}")
 
     def to_frame(self) -> "DataFrame":
         """Data frame with a column for each role, in SI, and the seconds from the first sample as index.

@@ -62,4 +62,7 @@ def screen_recording(recording: Recording) -> list[Finding]:
     >>> [(found["finding"], found["rows"]) for found in screen_recording(recording)]
     [('gap', [[100, 110]])]
     """
-    return [found for screen in _SCREENS for found in screen(recording)]
+    found = [each for screen in _SCREENS for each in screen(recording)]
+    # a course redrawn from few points, or cut at an end of the range, stands still without being frozen
+    explained = {each["role"] for each in found if each["finding"] in ("compressed", "saturated")}
+    return [each for each in found if each["finding"] != "frozen" or each["role"] not in explained]
