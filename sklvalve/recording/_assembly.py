@@ -81,7 +81,7 @@ def _require_likely(
     middle = float(np.nanmedian(recorded))
     if role in OPENING_ROLES:
         low, high = np.nanquantile(si, [0.01, 0.99])
-        if low < -0.5 or high > 1.5:
+        if low < -0.25 or high > 1.25:
             likely = "is the unit '%'" if signal.unit == "1" else "is it scaled to another range"
             raise InputError(
                 f"{where}: values from {np.nanmin(recorded):g} to {np.nanmax(recorded):g} are no {role} in "

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.errors import InputError
 
+_MEND = "correct it, or leave the cell empty where nothing was measured"
 _GAPS = ("", "nan", "none", "<na>", "nat")
 
 
@@ -18,7 +19,7 @@ def is_gap(item: object) -> bool:
     return str(item).strip().lower() in _GAPS
 
 
-def to_numbers(values: object, where: str) -> NDArray[np.float64]:
+def to_numbers(values: object, where: str, mend: str = _MEND) -> NDArray[np.float64]:
     """Numbers of a column, NaN where a cell holds nothing.
 
     Parameters
@@ -27,6 +28,8 @@ def to_numbers(values: object, where: str) -> NDArray[np.float64]:
         Cells as read.
     where : str
         File and column, for messages.
+    mend : str
+        What to do about a text, for messages.
 
     Returns
     -------
@@ -50,7 +53,7 @@ def to_numbers(values: object, where: str) -> NDArray[np.float64]:
         try:
             numbers[row] = np.nan if is_gap(item) else _number(item)
         except (TypeError, ValueError):
-            raise InputError(f"{where}, row {row + 1}: {_not_a_number(item)}") from None
+            raise InputError(f"{where}, row {row + 1}: {_not_a_number(item, mend)}") from None
     return numbers
 
 
@@ -60,10 +63,10 @@ def _number(item: object) -> float:
     return float(item)  # type: ignore[arg-type]
 
 
-def _not_a_number(item: object) -> str:
+def _not_a_number(item: object, mend: str) -> str:
     shown = repr(item) if isinstance(item, str) else f"{item}"
     if len(shown) > 60:
         shown = shown[:57] + "..."
     if isinstance(item, str) and re.fullmatch(r"\s*[+-]?\d+,\d+\s*", item):
         return f"{shown} is no number; write decimals with a point"
-    return f"{shown} is no number; correct it, or leave the cell empty where nothing was measured"
+    return f"{shown} is no number; {mend}"

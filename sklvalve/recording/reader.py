@@ -108,7 +108,12 @@ def _decode(file: Path, content: bytes) -> str:
 
 def _header(file: Path, text: str) -> list[str]:
     lines = (line for line in io.StringIO(text) if line.strip())
-    header = [name.strip() for name in next(csv.reader(lines), [])]
+    try:
+        header = [name.strip() for name in next(csv.reader(lines), [])]
+    except csv.Error as error:
+        raise InputError(
+            f"{file}: the first line is no line of CSV ({error}); export the recording again"
+        ) from None
     if not any(header):
         raise InputError(
             f"{file}: the file holds no column names in its first line; export the recording again"

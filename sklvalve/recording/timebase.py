@@ -42,7 +42,7 @@ def read_time(values: object, where: str) -> TimeBase:
     """
     column = _as_texts(np.asarray(values))
     if column.dtype.kind in "fiu" or _looks_numeric(column):
-        stamps = to_numbers(column, where)
+        stamps = to_numbers(column, where, "correct the time or drop the row")
         bad = np.flatnonzero(~np.isfinite(stamps))
         if len(bad):
             raise InputError(

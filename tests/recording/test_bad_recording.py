@@ -81,6 +81,7 @@ def sentence_for(tmp_path, content, name="recording.csv", valve=VALVE):
         (table().encode("utf-16"), ["UTF-16"]),
         (table(F={4: "12°"}).encode("latin-1"), ["line 5", "UTF-8"]),
         (gzip.compress(table().encode()), ["gzip", "name it .csv.gz"]),
+        ("t" * 200_000, ["first line is no line of CSV"]),
         (b"PK\x03\x04rest", ["workbook", "CSV"]),
         (b"PAR1restPAR1", ["Parquet", "name it .parquet"]),
     ],

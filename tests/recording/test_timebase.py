@@ -57,7 +57,7 @@ def test_numbers_as_text_are_seconds():
         (["2024-01-01T00:00", None], ["t, row 2", "missing"]),
         (["2024-01-01T02:59", "2024-01-01T02:00"], ["t, row 2", "comes after", "clocks"]),
         (["2024-01-01T02:00", "2024-01-01T02:00"], ["t, row 2", "stands twice"]),
-        ([1.0, "two"], ["t, row 2", "'two' is no number"]),
+        ([1.0, "two"], ["t, row 2", "'two' is no number; correct the time or drop the row"]),
         ([1.0, np.inf], ["t, row 2", "infinite"]),
         ([1.0, 1.0], ["t, row 2", "stands twice"]),
         ([2.0, 1.0], ["t, row 2", "time 1 comes after 2"]),
