@@ -6,11 +6,12 @@
 writes one folder per record, named record_000, record_001, ... in an order drawn by the seed, so that a
 name tells nothing. In each:
 
-    recording.csv.gz             what to diagnose: time [s], CV, X [%], P1, P2 [kPa], T1 [degC], F [m3/h],
-    SP where a loop is closed valve.toml                   what the engineer knows later.csv.gz
-    what comes after, to predict truth.json                   what is concealed; not for the eyes of the
-    diagnosis flow_without_noise.csv.gz    the flow behind the noise, over recording and later, for the
-    judge
+    recording.csv.gz           what to diagnose: time [s], CV, X [%], P1, P2 [kPa], T1 [degC], F [m3/h];
+                               SP [m3/h] where a loop is closed
+    valve.toml                 what the engineer knows
+    later.csv.gz               what comes after, to predict
+    truth.json                 what is concealed; not for the eyes of the diagnosis
+    flow_without_noise.csv.gz  the flow behind the noise, over recording and later, for the judge
 
 A third of the healthy records command the whole travel, a third run in a closed loop, a third do so with
 2.5 times the noise. Effects are drawn one per record, of a size that matters where it acts, from the start

@@ -203,7 +203,10 @@ def _small_steps(rng, length):
 
 def _near_seat(rng, length):
     """Slow approach to the seat and a stay on it."""
-    return np.clip(steps(rng, length, -0.03, 0.16, (40.0, 90.0), (5.0, 60.0)), 0.0, 1.0)
+    command = np.clip(steps(rng, length, -0.02, 0.16, (30.0, 70.0), (5.0, 60.0)), 0.0, 1.0)
+    begin = int(rng.uniform(0.0, length - 80.0))
+    command[begin : begin + int(rng.uniform(40.0, 80.0))] = 0.0
+    return command
 
 
 def draw_command(rng, n):

@@ -134,12 +134,11 @@ def load_belimo(folder):
     FileNotFoundError
         If the file is missing.
     """
-    frame = _frame(
-        folder,
-        "campaign_20hz.csv.gz",
-        ("timestamp", "test_id", "setpoint_position_%"),
-        parse_dates=["timestamp"],
-    )
+    frame = _frame(folder, "campaign_20hz.csv.gz", ("timestamp", "test_id", "setpoint_position_%"))
+    import pandas as pd
+
+    # whole seconds are written without their fraction, so no single format fits all rows
+    frame["timestamp"] = pd.to_datetime(frame["timestamp"], format="ISO8601", utc=True)
     start = frame.groupby("test_id")["timestamp"].transform("min")
     frame["time"] = (frame["timestamp"] - start).dt.total_seconds()
     return Bunch(frame=frame)
