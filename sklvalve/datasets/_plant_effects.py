@@ -22,6 +22,7 @@ class Concealed:
     unit: str
     apply: Callable
     sized: bool = True  # whether a drawn size is scaled until it matters as much as it should
+    needs_wide: bool = False  # whether a calm loop off the seat shows nothing of it
     limit: bool = False  # low and high are quantiles of the healthy opening at which it limits the travel
     signed: bool = False
 
@@ -135,7 +136,15 @@ EFFECTS = {
         "actuator_lag", "actuator", "opening", 8.0, 20.0, "s", _add("lag"), sized=False
     ),
     "slew_limit": Concealed(
-        "slew_limit", "actuator", "opening", 40.0, 120.0, "s", _add("stroke_time"), sized=False
+        "slew_limit",
+        "actuator",
+        "opening",
+        40.0,
+        120.0,
+        "s",
+        _add("stroke_time"),
+        sized=False,
+        needs_wide=True,
     ),
     "choked_flow": Concealed("choked_flow", "valve", "flow", 0.16, 0.35, "1", _choked),
     "seat_leakage": Concealed(
@@ -144,7 +153,9 @@ EFFECTS = {
     "bypass_open": Concealed(
         "bypass_open", "valve", "flow", 0.015, 0.06, "kv_rated", _add("bypass_kv", _per_rated)
     ),
-    "erosion": Concealed("erosion", "valve", "flow", 0.03, 0.1, "kv_rated", _add("erosion_kv", _per_rated)),
+    "erosion": Concealed(
+        "erosion", "valve", "flow", 0.03, 0.1, "kv_rated", _add("erosion_kv", _per_rated), needs_wide=True
+    ),
     "clogging": Concealed("clogging", "valve", "flow", 0.65, 0.92, "1", _clogging, sized=False, limit=True),
     "wrong_characteristic": Concealed("wrong_characteristic", "valve", "flow", 0.22, 0.6, "1", _add("blend")),
     "piping_reducers": Concealed("piping_reducers", "line", "flow", 0.8, 2.5, "1", _add("fittings")),

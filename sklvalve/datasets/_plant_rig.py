@@ -18,8 +18,8 @@ class Plant:
         self.n = n
         total = n + draw.WARM_UP
         drawn = str(rng.choice(draw.LOOPS, p=[0.5, 0.35, 0.15]))
-        if "erosion" in names:
-            drawn = "wide"  # no loop that stays off the seat shows it
+        if any(EFFECTS[name].needs_wide for name in names):
+            drawn = "wide"
         self.loop = drawn if loop is None else loop
         self.sheet = draw.draw_sheet(rng)
         self.kv = self.sheet["kv_rated"]

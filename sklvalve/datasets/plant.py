@@ -8,6 +8,8 @@ from sklvalve.datasets._plant_draw import LOOPS
 from sklvalve.datasets._plant_effects import CONCEALABLE, EFFECTS
 from sklvalve.datasets._plant_rig import FLOW, PLUG, READING, Plant
 
+COUNTS = 0.5  # percent of span or travel, rms where the effect acts
+
 
 def make_valve_recording(
     effect=None,
@@ -83,7 +85,8 @@ def make_valve_recording(
         `flow_without_noise` : DataFrame over both. `truth["flow_rms_change"]` and
         `truth["opening_rms_change"]` compare, from the onset on, with the same plant under the same command
         without the effects [% of the largest flow, % of travel]; `truth["rms_where_acting"]` is the
-        same over the rows where the change exceeds a fifth of its 99th percentile.
+        same over the rows where the change exceeds a fifth of its 99th percentile, and `truth["counts"]`
+        says whether it reaches half a percent.
 
     Raises
     ------
@@ -243,6 +246,7 @@ def _truth(plant, out, strengths, onset, seed, sheet_physics, noise, change):
         "physics": list(sheet_physics),
         "loop": plant.loop,
         "noise": float(noise),
+        "counts": max(change["where"].values()) >= COUNTS,
         "flow_rms_change": round(change["flow"], 4),
         "opening_rms_change": round(change["opening"], 4),
         "rms_where_acting": {name: round(value, 4) for name, value in change["where"].items()},
