@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Where and when a mismatch acts, in words."""
+
+import re
+
+from sklvalve.report.words import number, percent
+
+# signal -> what it is called, factor and offset from SI to what is shown, unit shown
+_SIGNALS: dict[str, tuple[str, float, float, str]] = {
+    "opening": ("opening", 100.0, 0.0, "%"),
+    "command": ("command", 100.0, 0.0, "%"),
+    "pressure_ratio": ("pressure ratio dp/(p1 - FF pv)", 1.0, 0.0, ""),
+    "dp": ("pressure drop", 1e-3, 0.0, "kPa"),
+    "temperature": ("temperature", 1.0, -273.15, "degC"),
+    "flow": ("flow", 3600.0, 0.0, "m3/h"),
+    "rate": ("rate of travel", 100.0, 0.0, "%/s"),
+    "reynolds": ("valve Reynolds number", 1.0, 0.0, ""),
+}
+
+
+def region_words(region: dict) -> str:
+    """Words for one region: ``below 12 % opening while closing``.
+
+    Parameters
+    ----------
+    region : dict
+        An item of ``location.regions``; bounds in SI, None where the region is open.
+    """
+    name, factor, offset, unit = _SIGNALS.get(
+        region["signal"], (str(region["signal"]).replace("_", " "), 1.0, 0.0, "")
+    )
+    low, high = region.get("low"), region.get("high")
+    if region["signal"] in ("opening", "command"):
+        low = None if low is not None and low <= 0.005 else low
+        high = None if high is not None and high >= 0.995 else high
+    shown = [None if bound is None else number(factor * bound + offset) for bound in (low, high)]
+    words = _bounds(name, shown[0], shown[1], f" {unit}" if unit else "")
+    if region.get("direction"):
+        words += f" while {region['direction']}"
+    return words
+
+
+def _bounds(name: str, low: str | None, high: str | None, unit: str) -> str:
+    at = f"{unit} {name}" if unit == " %" else unit
+    before = "" if unit == " %" else f"{name} "
+    if low is None and high is None:
+        return f"at every {name}"
+    if low is None:
+        return f"{before}below {high}{at}"
+    if high is None:
+        return f"{before}above {low}{at}"
+    return f"{before}between {low} and {high}{at}"
+
+
+def regions_words(location: dict) -> str:
+    """Words for all regions of a location, or an empty text where none stands out."""
+    return " and ".join(_placed(region) for region in location.get("regions") or [])
+
+
+def _placed(region: dict) -> str:
+    words = region_words(region)
+    if words.startswith(("at ", "below ", "above ", "between ")):
+        return words
+    name, bound, rest = re.split(r" (?=below|above|between)(\w+) ", words, maxsplit=1)
+    return f"where the {name} is {bound} {rest}"
+
+
+def share_words(region: dict) -> str:
+    """Words for the rows that a region holds."""
+    share = region.get("share")
+    return "" if share is None else f"{percent(share)} of the rows"
+
+
+def duration(seconds: float) -> str:
+    """Time from the first sample: seconds, and hours or days where seconds would not be read."""
+    if seconds < 36_000.0:
+        return f"{seconds:.0f} s"
+    if seconds < 864_000.0:
+        return f"{seconds / 3600.0:.1f} h"
+    return f"{seconds / 86400.0:.1f} days"
+
+
+def onset_words(location: dict) -> str:
+    """Since when: from the start, or from a time after the first sample."""
+    onset = location.get("onset")
+    return "from the start" if onset is None else f"from {duration(onset)} on"
+
+
+def since_words(location: dict) -> str:
+    """Since when, for a table."""
+    onset = location.get("onset")
+    return "the start" if onset is None else f"{duration(onset)} after the first sample"
+
+
+def intervals_words(location: dict, limit: int = 4) -> str:
+    """Times at which the mismatch acts, the first few of them."""
+    spans = [f"{duration(start)} to {duration(stop)}" for start, stop in location.get("intervals") or []]
+    if len(spans) > limit:
+        spans = [*spans[:limit], f"and {len(spans) - limit} more"]
+    return ", ".join(spans)

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The tables of a diagnosis as rows of words, shared by text, Markdown and HTML."""
+
+from typing import NamedTuple
+
+from sklvalve.report.place import intervals_words, region_words, share_words, since_words
+from sklvalve.report.words import (
+    block_words,
+    class_words,
+    interval,
+    number,
+    percent,
+    role_words,
+    spoken,
+    sure,
+)
+
+MODELS = {"nominal": "nominal", "black_box": "black box", "corrected": "corrected"}
+_MEASURES = {"rmse": "RMSE", "mape": "mean error, % of flow", "err_max": "largest error, %"}
+
+
+class Explanation(NamedTuple):
+    """One thing that was found."""
+
+    name: str
+    probability: float
+    sure: str
+    blocks: str
+    members: list[tuple[str, float, str]]
+    parameters: list[tuple[str, str]]
+    sentence: str
+    separated_by: str
+
+
+def explanations(d: dict) -> list[Explanation]:
+    """Everything found, strongest first, with parameters and intervals in words."""
+    return [
+        Explanation(
+            name=class_words(effect["members"], limit=5),
+            probability=effect["probability"],
+            sure=sure(effect["probability"]),
+            blocks=block_words(effect["blocks"]),
+            members=[
+                (spoken(member["name"]), member["probability"], percent(member["probability"]))
+                for member in effect["members"]
+            ],
+            parameters=[
+                (name.replace("_", " "), interval(parameter))
+                for name, parameter in (effect.get("parameters") or {}).items()
+            ],
+            sentence=effect.get("sentence") or "",
+            separated_by=effect.get("separated_by") or "",
+        )
+        for effect in d.get("effects") or []
+    ]
+
+
+def places(d: dict) -> list[tuple[str, str]]:
+    """Where and when: (what, words)."""
+    location = d.get("location") or {}
+    rows = []
+    if location.get("blocks"):
+        rows.append(("Part", block_words(location["blocks"], "and")))
+    for region in location.get("regions") or []:
+        share = share_words(region)
+        rows.append(("Region", region_words(region) + (f", {share}" if share else "")))
+    if location.get("blocks") or location.get("regions") or location.get("intervals"):
+        rows.append(("Since", since_words(location)))
+    if location.get("intervals"):
+        rows.append(("Times", intervals_words(location)))
+    return rows
+
+
+def errors(d: dict) -> list[tuple[str, list[str]]]:
+    """Errors on held-out rows: (signal and measure, one cell for each of `MODELS`)."""
+    rows = []
+    for role, fit in (d.get("fit") or {}).items():
+        for key, words in _MEASURES.items():
+            values = (fit or {}).get(key)
+            if not values:
+                continue
+            scale, unit = (100.0, "% of travel") if fit["unit"] == "1" else (1.0, fit["unit"])
+            if key == "rmse":
+                words = f"{words} [{unit}]"
+            else:
+                scale = 1.0
+                words = words if role == "flow" else words.replace("of flow", f"of {role}")
+            cells = [values.get(model) for model in MODELS]
+            rows.append(
+                (f"{role} {words}", ["-" if cell is None else number(scale * cell) for cell in cells])
+            )
+    return rows
+
+
+def skills(d: dict) -> list[str]:
+    """How much of what could be explained is explained, a sentence for each signal."""
+    lines = []
+    for role, fit in (d.get("fit") or {}).items():
+        skill = (fit or {}).get("skill")
+        if skill is None:
+            continue
+        low, high = fit.get("skill_ci95") or (None, None)
+        words = f"Skill of {role}: {number(skill)}"
+        if low is not None and high is not None:
+            words += f" [{number(low)} to {number(high)}]"
+        lines.append(f"{words} (1 explains all but noise, 0 no more than nominal)")
+    return lines
+
+
+def unseen_words(d: dict) -> str:
+    """On how many rows the errors were taken, none of which served to find anything."""
+    counts = [
+        fit["held_out_rows"] for fit in (d.get("fit") or {}).values() if fit and fit.get("held_out_rows")
+    ]
+    return f"on {max(counts)} unseen rows" if counts else "on unseen rows"
+
+
+def untestable(d: dict) -> list[tuple[str, str]]:
+    """Effects that this recording could not be asked about: (effect, what it needs)."""
+    return [(spoken(item["name"]), _needs(item.get("needs"))) for item in d.get("not_testable") or []]
+
+
+def _needs(needs: object) -> str:
+    if isinstance(needs, list | tuple):
+        return ", ".join(role_words(str(need)) for need in needs)
+    return role_words(str(needs)) if needs else "another recording"
+
+
+def data_findings(d: dict) -> list[tuple[str, str, str]]:
+    """What is wrong with the data themselves: (signal, finding, detail)."""
+    return [
+        (role_words(item.get("role")), item["finding"].replace("_", " "), item.get("detail") or "")
+        for item in d.get("data") or []
+    ]
+
+
+def provenance(d: dict) -> list[tuple[str, str]]:
+    """What the diagnosis was made from and with."""
+    names = {"sklvalve": "sklvalve version", "recording_sha256": "SHA-256 of the recording"}
+    return [
+        (names.get(key, key.replace("_", " ")), "unknown" if value is None else str(value))
+        for key, value in (d.get("provenance") or {}).items()
+    ]

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The first thing that a person reads: the diagnosis in one sentence."""
+
+from sklvalve.report.place import onset_words, regions_words
+from sklvalve.report.words import (
+    block_words,
+    class_words,
+    either,
+    interval,
+    number,
+    p_words,
+    percent,
+    spoken,
+    sure,
+    with_unit,
+)
+
+_COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
+
+
+def summary_sentence(d: dict) -> str:
+    """Say the diagnosis in one plain sentence.
+
+    What is missing, how large it is, where and since when it acts, how sure that is, and what including it
+    does to the error on rows that were not used to find it ("unseen").
+
+    Parameters
+    ----------
+    d : dict
+        A diagnosis as ``Diagnosis.to_dict()`` gives it, or read back from diagnosis.json.
+
+    Returns
+    -------
+    sentence : str
+
+    Raises
+    ------
+    ValueError
+        If the verdict is none of the four.
+
+    Examples
+    --------
+    >>> from sklvalve.report import summary_sentence
+    >>> mismatch = {"detected": False, "p_value": 0.43, "alpha": 0.01}
+    >>> summary_sentence({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}})
+    'Nothing is missing: simulation and recording agree within noise and data-sheet tolerances (p = 0.43).'
+    """
+    sentences = {
+        "no_mismatch": _agreement,
+        "named": _named,
+        "none_of_these": _unknown,
+        "cannot_tell": _undecided,
+    }
+    if d["verdict"] not in sentences:
+        raise ValueError(f"verdict must be one of {', '.join(sentences)}; got {d['verdict']!r}")
+    return sentences[d["verdict"]](d)
+
+
+def _agreement(d: dict) -> str:
+    p_value = p_words(d["mismatch"].get("p_value"))
+    if d["mismatch"].get("detected"):
+        return (
+            "Nothing that matters is missing: simulation and recording differ by more than noise "
+            f"({p_value}), but by less than the data-sheet tolerances and the size that counts."
+        )
+    return (
+        "Nothing is missing: simulation and recording agree within noise and data-sheet tolerances "
+        f"({p_value})."
+    )
+
+
+def _named(d: dict) -> str:
+    effects = d["effects"]
+    if len(effects) == 1:
+        effect = effects[0]
+        return (
+            f"The simulation leaves out {class_words(effect['members'])} ({sure(effect['probability'])}): "
+            f"{_size(effect)}acting {_place(d, effect['blocks'])}{_gain(d)}."
+        )
+    count = _COUNTS.get(len(effects), str(len(effects)))
+    found = [
+        f"{class_words(effect['members'])} {block_words(effect['blocks'])} "
+        f"({_size(effect)}{sure(effect['probability'])})"
+        for effect in effects
+    ]
+    listed = "; ".join(f"{place}. {words}" for place, words in enumerate(found, start=1))
+    return f"The simulation leaves out {count} things: {listed}; they show {_place(d, [])}{_gain(d)}."
+
+
+def _unknown(d: dict) -> str:
+    besides = ""
+    if d.get("effects"):
+        besides = f"Besides {either([class_words(effect['members']) for effect in d['effects']], 'and')}, "
+    return (
+        f"{besides}{'something' if besides else 'Something'} is missing that no known effect explains: it "
+        f"acts {_place(d, d['location']['blocks'])} and follows from the recorded signals, so it is no noise "
+        f"({p_words(d['mismatch'].get('p_value'))}){_gain(d)}."
+    )
+
+
+def _undecided(d: dict) -> str:
+    sentence = (
+        f"Something is missing ({p_words(d['mismatch'].get('p_value'))}), but this recording cannot "
+        f"tell what: it acts {_place(d, d['location']['blocks'])}"
+    )
+    likely = sorted(
+        (member for effect in d.get("effects") or [] for member in effect["members"]),
+        key=lambda member: -member["probability"],
+    )
+    if likely:
+        listed = [f"{spoken(member['name'])} ({percent(member['probability'])})" for member in likely[:3]]
+        sentence += f"; likeliest is {', then '.join(listed)}"
+    if d.get("next_test"):
+        sentence += "; the next test named below would decide"
+    return sentence + "."
+
+
+def _size(effect: dict) -> str:
+    """The first parameter, which is the effect's size, with its interval."""
+    for name, parameter in (effect.get("parameters") or {}).items():
+        return f"{name.replace('_', ' ')} {interval(parameter)}, "
+    return ""
+
+
+def _place(d: dict, blocks: list[str]) -> str:
+    parts = [block_words(blocks), regions_words(d["location"]), onset_words(d["location"])]
+    return " ".join(part for part in parts if part)
+
+
+def _gain(d: dict) -> str:
+    """What including the finding does to the error, for the signal that it helps most."""
+    best = None
+    for role, fit in (d.get("fit") or {}).items():
+        rmse = (fit or {}).get("rmse") or {}
+        before, after = rmse.get("nominal"), rmse.get("corrected")
+        if before and after is not None:
+            share = after / before
+            if best is None or share < best[0]:
+                best = (share, role, fit, before, after)
+    if best is None:
+        return ""
+    share, role, fit, before, after = best
+    them = "a learned correction" if d["verdict"] == "none_of_these" else "it"
+    if d["verdict"] == "named" and len(d["effects"]) > 1:
+        them = "them"
+    scale, unit = (100.0, "%") if fit["unit"] == "1" else (1.0, fit["unit"])
+    rows = f"{fit['held_out_rows']} unseen rows" if fit.get("held_out_rows") else "unseen rows"
+    if share > 0.98:
+        return f", though the {role} error on {rows} does not fall with {them}"
+    return (
+        f"; with {them} the {role} error on {rows} falls from {number(scale * before)} "
+        f"to {with_unit(scale * after, unit)}"
+    )

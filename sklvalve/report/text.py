@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A diagnosis as a few lines for the terminal, or as Markdown."""
+
+from textwrap import fill
+
+from sklvalve.report import rows
+from sklvalve.report.sentence import summary_sentence
+
+__all__ = ["summary_sentence", "to_markdown", "to_text"]
+
+_WIDTH = 96
+_INDENT = 14
+
+
+def to_text(d: dict) -> str:
+    """Lay a diagnosis out as plain text for a terminal.
+
+    Parameters
+    ----------
+    d : dict
+        A diagnosis as ``Diagnosis.to_dict()`` gives it.
+
+    Returns
+    -------
+    text : str
+        Lines of ASCII, as far as the diagnosis itself is, of at most 96 characters.
+
+    Examples
+    --------
+    >>> from sklvalve.report import to_text
+    >>> mismatch = {"detected": False, "p_value": 0.43, "alpha": 0.01}
+    >>> print(to_text({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}}))
+    Finding       Nothing is missing: simulation and recording agree within noise and data-sheet
+                  tolerances (p = 0.43).
+    """
+    lines = [_line("Finding", summary_sentence(d))]
+    found = rows.explanations(d)
+    for count, item in enumerate(found, start=1):
+        label = "Candidate" if d["verdict"] == "cannot_tell" else "Explanation"
+        label += f" {count}" if len(found) > 1 else ""
+        lines += ["", _line(label, f"{item.name} {item.blocks}: {item.sure}")]
+        if len(item.members) > 1:
+            lines.append(_line("", "; ".join(f"{name} {share}" for name, _, share in item.members)))
+        lines += [_line("", f"{name} {value}") for name, value in item.parameters]
+        lines += [_line("", words) for words in (item.sentence,) if words]
+        if item.separated_by and len(item.members) > 1:
+            lines.append(_line("", f"To tell them apart: {item.separated_by}"))
+    lines += _block([_line(label, words) for label, words in rows.places(d)])
+    lines += _block(_error_lines(d))
+    lines += _block(
+        [_line("Not testable", _listed([f"{name} (needs {needs})" for name, needs in rows.untestable(d)]))]
+        if rows.untestable(d)
+        else []
+    )
+    lines += _block([_line("Next test", d["next_test"])] if d.get("next_test") else [])
+    lines += _block(
+        [
+            _line("Data" if first else "", f"{role}, {finding}: {detail}")
+            for first, (role, finding, detail) in _numbered(rows.data_findings(d))
+        ]
+    )
+    return "\n".join(lines)
+
+
+def to_markdown(d: dict) -> str:
+    """Lay a diagnosis out as Markdown, with the same content as `to_text`.
+
+    Parameters
+    ----------
+    d : dict
+        A diagnosis as ``Diagnosis.to_dict()`` gives it.
+
+    Returns
+    -------
+    text : str
+
+    Examples
+    --------
+    >>> from sklvalve.report import to_markdown
+    >>> mismatch = {"detected": False, "p_value": 0.43, "alpha": 0.01}
+    >>> print(to_markdown({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}}))
+    **Nothing is missing: simulation and recording agree within noise and data-sheet tolerances (p = 0.43).**
+    """
+    parts = [f"**{summary_sentence(d)}**"]
+    for item in rows.explanations(d):
+        lines = [f"### {item.name[:1].upper()}{item.name[1:]} ({item.sure}, {item.blocks})"]
+        if item.sentence:
+            lines.append(item.sentence)
+        if item.parameters:
+            lines.append(_table(("parameter", "value [95 % interval]"), item.parameters))
+        if len(item.members) > 1:
+            lines.append(
+                _table(("could be", "probability"), [(name, share) for name, _, share in item.members])
+            )
+            if item.separated_by:
+                lines.append(f"To tell them apart: {item.separated_by}")
+        parts.append("\n\n".join(lines))
+    if rows.places(d):
+        parts.append("### Where\n\n" + _table(("what", "where"), rows.places(d)))
+    if rows.errors(d):
+        cells = [(name, *values) for name, values in rows.errors(d)]
+        table = _table((f"error {rows.unseen_words(d)}", *rows.MODELS.values()), cells)
+        parts.append("### Proof\n\n" + "\n\n".join([table, *rows.skills(d)]))
+    if rows.untestable(d):
+        parts.append("### Not testable\n\n" + _table(("effect", "needs"), rows.untestable(d)))
+    if d.get("next_test"):
+        parts.append(f"### Next test\n\n{d['next_test']}")
+    if rows.data_findings(d):
+        table = _table(("signal", "finding", "detail"), rows.data_findings(d))
+        parts.append("### The data themselves\n\n" + table)
+    return "\n\n".join(parts)
+
+
+def _line(label: str, words: str) -> str:
+    # a long word, such as a path, is left whole rather than broken
+    return fill(
+        words,
+        _WIDTH,
+        initial_indent=f"{label:<{_INDENT}}",
+        subsequent_indent=" " * _INDENT,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+
+
+def _block(lines: list[str]) -> list[str]:
+    return ["", *lines] if lines else []
+
+
+def _numbered(items: list) -> list:
+    return [(place == 0, item) for place, item in enumerate(items)]
+
+
+def _listed(items: list[str]) -> str:
+    return "; ".join(items)
+
+
+def _error_lines(d: dict) -> list[str]:
+    table = rows.errors(d)
+    if not table:
+        return []
+    unseen = rows.unseen_words(d)
+    width = max(len(unseen), *(len(name) for name, _ in table))
+    head = " ".join(f"{name:>11}" for name in rows.MODELS.values())
+    lines = [f"{'Error':<{_INDENT}}{unseen:<{width}} {head}"]
+    for name, cells in table:
+        lines.append(f"{'':<{_INDENT}}{name:<{width}} " + " ".join(f"{cell:>11}" for cell in cells))
+    return lines + [_line("", words) for words in rows.skills(d)]
+
+
+def _table(head: tuple[str, ...], body: list) -> str:
+    lines = [head, tuple("---" for _ in head), *body]
+    return "\n".join("| " + " | ".join(_cell(cell) for cell in line) + " |" for line in lines)
+
+
+def _cell(words: str) -> str:
+    return " ".join(words.split()).replace("|", "\\|")

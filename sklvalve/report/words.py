@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Names and numbers as a plant engineer says them."""
+
+from collections.abc import Iterable, Sequence
+from math import isfinite
+
+EFFECTS = {
+    "stiction": "stiction",
+    "friction": "raised friction of the stem",
+    "backlash": "backlash",
+    "presliding": "give of the packing before it slides",
+    "positioner_deadband": "a dead band of the positioner",
+    "spring_fault": "a faulty actuator spring",
+    "supply_pressure_drop": "low air supply pressure",
+    "actuator_leak": "an air leak of the actuator",
+    "rod_bend": "a bent or twisted stem",
+    "actuator_lag": "a slow actuator",
+    "slew_limit": "a limited stroking speed",
+    "dead_time": "a dead time between command and stem",
+    "transducer_fault": "a fault of the I/P transducer",
+    "positioner_feedback_fault": "a fault of the positioner's feedback",
+    "stem_load": "a flow force that shifts the stem",
+    "tight_shutoff": "a tight shut-off setting of the positioner",
+    "positioner_characteriser": "a characteriser in the positioner",
+    "stuck_valve": "a stuck stem",
+    "capacity_error": "a capacity other than the data sheet's",
+    "wrong_characteristic": "a trim characteristic other than the data sheet's",
+    "clogging": "clogging that caps the opening",
+    "sedimentation": "deposits growing in the trim",
+    "erosion": "erosion of the trim near the seat",
+    "seat_leakage": "seat leakage",
+    "bypass_open": "an open bypass",
+    "external_leakage": "a leak to the outside",
+    "choked_flow": "choked flow",
+    "cavitation": "cavitation",
+    "flashing": "flashing",
+    "viscous_flow": "viscous, no longer turbulent flow",
+    "gas_expansion": "expansion of the gas",
+    "density_change": "a change of density",
+    "viscosity_change": "a change of viscosity",
+    "piping_reducers": "reducers or fittings at the valve",
+    "line_loss": "pressure loss of the line",
+    "flow_inertia": "inertia of the liquid in the line",
+    "two_phase": "gas carried in the liquid",
+    "flow_meter_gain": "a wrong span of the flow meter",
+    "flow_meter_bias": "a shifted zero of the flow meter",
+    "flow_meter_drift": "a drift of the flow meter",
+    "position_sensor_bias": "a shifted zero of the position sensor",
+    "position_sensor_gain": "a wrong span of the position sensor",
+    "inlet_pressure_bias": "a shifted zero of the inlet pressure sensor",
+    "outlet_pressure_bias": "a shifted zero of the outlet pressure sensor",
+    "sensor_lag": "a slow sensor",
+}
+
+BLOCKS = {
+    "actuator": "in the actuator",
+    "valve": "in the valve",
+    "line": "in the line",
+    "measurement": "in the measurement",
+}
+
+ROLES = {"p1": "inlet pressure", "p2": "outlet pressure", None: "times"}
+
+VERDICTS = {
+    "no_mismatch": "nothing is missing",
+    "named": "missing physics found and named",
+    "none_of_these": "missing physics that no known effect explains",
+    "cannot_tell": "something is missing, but this recording cannot tell what",
+}
+
+
+def spoken(name: str) -> str:
+    """Words for an effect, or its name without underscores where it has none."""
+    return EFFECTS.get(name, name.replace("_", " "))
+
+
+def role_words(role: str | None) -> str:
+    """Words for a role."""
+    return ROLES.get(role, str(role).replace("_", " "))
+
+
+def either(items: Sequence[str], last: str = "or") -> str:
+    """Words joined as a list is spoken: a, b or c."""
+    if len(items) < 2:
+        return "".join(items)
+    return f"{', '.join(items[:-1])} {last} {items[-1]}"
+
+
+def class_words(members: Iterable[dict], limit: int = 3) -> str:
+    """Words for a class of effects that cannot be told apart, most probable first."""
+    names = [spoken(member["name"]) for member in members]
+    if len(names) > limit:
+        names = [*names[: limit - 1], f"one of {len(names) - limit + 1} others"]
+    return either(names)
+
+
+def block_words(blocks: Sequence[str], last: str = "or") -> str:
+    """Words for the places where an effect may sit: in the actuator or in the valve."""
+    return either([BLOCKS.get(block, f"in the {block}") for block in blocks], last)
+
+
+def number(value: float | None) -> str:
+    """Three significant digits without an exponent where a person would write none."""
+    if value is None or not isfinite(value):
+        return "unknown"
+    short = f"{value:.3g}"
+    if "e" in short and 1e-4 <= abs(value) < 1e7:
+        short = f"{float(short):.7f}".rstrip("0").rstrip(".")
+    return short
+
+
+def with_unit(value: float | None, unit: str | None) -> str:
+    """Value and unit as they are written; a pure number has none."""
+    return number(value) + (f" {unit}" if unit and unit != "1" else "")
+
+
+def interval(parameter: dict) -> str:
+    """Value of a parameter with its 95 % interval."""
+    bounds = parameter.get("ci95") or [None, None]
+    words = with_unit(parameter["value"], parameter.get("unit"))
+    if None in bounds:
+        return words
+    return f"{words} [{number(bounds[0])} to {number(bounds[1])}]"
+
+
+def percent(share: float | None) -> str:
+    """A share of one as percent: whole numbers where that is fine enough."""
+    if share is None or not isfinite(share):
+        return "unknown"
+    value = 100.0 * share
+    if value < 1.0 or 99.0 < value < 100.0:
+        return f"{value:.1f} %"
+    return f"{value:.0f} %"
+
+
+def sure(probability: float) -> str:
+    """How sure a finding is; certainty is never claimed."""
+    return "more than 99 % sure" if probability > 0.99 else f"{100.0 * probability:.0f} % sure"
+
+
+def p_words(p_value: float | None) -> str:
+    """P-value as it is usually printed."""
+    if p_value is None:
+        return "p unknown"
+    return "p < 0.001" if p_value < 0.001 else f"p = {number(p_value)}"

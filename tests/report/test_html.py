@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import os
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+from sklvalve.report import write_report
+from sklvalve.report.drawing import decimate
+from sklvalve.report.signals import outline, residual_map
+from tests.report import examples
+
+pytest.importorskip("jinja2", reason='needs pip install "sklvalve[report]"')
+pytest.importorskip("matplotlib", reason='needs pip install "sklvalve[report]"')
+
+VOID = {"meta", "br", "hr", "img", "link", "input"}
+
+
+class _Page(HTMLParser):
+    """Checks nesting and collects what a browser would act upon."""
+
+    def __init__(self):
+        super().__init__()
+        self.open, self.ids, self.attributes, self.tags, self.text = [], [], [], [], ""
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.attributes += attrs
+        self.ids += [value for name, value in attrs if name == "id"]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.handle_starttag(tag, attrs)
+        if tag not in VOID:
+            self.open.pop()
+
+    def handle_endtag(self, tag):
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def _read(path):
+    page = _Page()
+    page.feed(path.read_text(encoding="utf-8"))
+    page.close()
+    assert page.open == []
+    return page
+
+
+@pytest.mark.parametrize("make", examples.ALL)
+def test_page_is_whole_small_and_alone(make, tmp_path):
+    path = tmp_path / "report.html"
+    write_report(path, examples.diagnosis(make()), title="FV-101")
+    assert path.stat().st_size < 2_000_000
+    assert os.listdir(tmp_path) == ["report.html"]
+    page = _read(path)
+    assert len(page.ids) == len(set(page.ids))
+    assert not {"script", "link", "iframe", "object"} & set(page.tags)
+    for name, value in page.attributes:
+        assert "//" not in (value or ""), (name, value)
+        if name in ("href", "xlink:href") or (value or "").startswith("url("):
+            target = re.search(r"#([^)]+)", value)[1]
+            assert target in page.ids
+    assert "url(http" not in path.read_text(encoding="utf-8")
+    assert page.tags.count("svg") == 6
+    svg_labels = [value for name, value in page.attributes if name == "aria-label"]
+    assert all(svg_labels)
+
+
+@pytest.mark.parametrize(
+    "lacking", [{"opening": False}, {"pressures": False}, {"flow": False}, {"flow": False, "opening": False}]
+)
+def test_page_with_signals_missing(lacking, tmp_path):
+    made = examples.diagnosis(examples.named(), n=400, **lacking)
+    for model in ("nominal", "corrected"):
+        made.traces[model] = {
+            role: values for role, values in made.traces[model].items() if lacking.get(role, True)
+        }
+    write_report(tmp_path / "report.html", made)
+    assert "seat leakage" in _read(tmp_path / "report.html").text
+
+
+def test_words_from_outside_are_escaped(tmp_path):
+    evil = "<script>alert(1)</script>"
+    made = examples.named()
+    made["data"] = [{"finding": evil, "role": evil, "detail": evil}]
+    made["provenance"] |= {"note": evil}
+    made["next_test"] = evil
+    made["not_testable"] = [{"name": evil, "needs": evil}]
+    made["effects"] = [
+        examples.LEAK
+        | {"sentence": evil, "separated_by": evil, "members": [{"name": evil, "probability": 1.0}]}
+    ]
+    diagnosis = examples.diagnosis(made, n=400)
+    diagnosis.traces["units"]["flow"] = evil
+    path = tmp_path / "report.html"
+    write_report(path, diagnosis, title=evil, source=evil)
+    assert evil not in path.read_text(encoding="utf-8")
+    page = _read(path)
+    assert "script" not in page.tags
+    assert page.text.count(evil) >= 6
+
+
+def test_reports_of_the_same_diagnosis_are_equal(tmp_path):
+    for name in ("one.html", "two.html"):
+        write_report(tmp_path / name, examples.diagnosis(examples.named(), n=400))
+    assert (tmp_path / "one.html").read_bytes() == (tmp_path / "two.html").read_bytes()
+
+
+def test_failed_writing_leaves_nothing(tmp_path):
+    (tmp_path / "report.html").mkdir()
+    with pytest.raises(OSError):
+        write_report(tmp_path / "report.html", examples.diagnosis(examples.named(), n=400))
+    assert os.listdir(tmp_path) == ["report.html"]
+
+
+def test_long_recording_stays_small(tmp_path):
+    path = tmp_path / "report.html"
+    write_report(path, examples.diagnosis(examples.named(), n=86_400))
+    assert path.stat().st_size < 2_000_000
+
+
+def test_thinning_keeps_peaks_ends_and_gaps():
+    rng = np.random.default_rng(1)
+    x = np.arange(20_000.0)
+    y = rng.standard_normal(20_000)
+    y[7_321], y[15_002] = 40.0, -40.0
+    y[3_000:4_000] = np.nan
+    thin_x, thin_y = decimate(x, y)
+    assert len(thin_x) <= 1501
+    assert np.nanmax(thin_y) == 40.0
+    assert np.nanmin(thin_y) == -40.0
+    assert thin_x[-1] == x[-1]
+    assert np.isnan(thin_y[(thin_x > 3_050) & (thin_x < 3_950)]).all()
+    assert np.all(np.diff(thin_x) >= 0.0)
+
+
+def test_short_course_is_kept_as_it_is():
+    x = np.arange(100.0)
+    assert decimate(x, x)[0] is x
+
+
+def test_residual_map_falls_and_outlines_what_was_flagged():
+    shape = residual_map(examples.traces(6000))
+    before, after = (np.nanmean(np.abs(shape.means[model])) for model in ("nominal", "corrected"))
+    assert after < 0.5 * before
+    assert shape.flagged.any()
+    border = {point for segment in outline(shape) for point in segment}
+    assert min(x for x, _ in border) >= shape.x[0]
+    assert max(x for x, _ in border) < 20.0

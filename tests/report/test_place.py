@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import pytest
+
+from sklvalve.report.place import duration, intervals_words, onset_words, region_words, regions_words
+from sklvalve.report.words import class_words, number, p_words, percent, spoken, sure
+
+
+@pytest.mark.parametrize(
+    ("signal", "low", "high", "direction", "words"),
+    [
+        ("opening", 0.0, 0.12, None, "below 12 % opening"),
+        ("opening", 0.66, 1.0, None, "above 66 % opening"),
+        ("opening", 0.12, 0.4, "closing", "between 12 and 40 % opening while closing"),
+        ("opening", 0.0, 1.0, "opening", "at every opening while opening"),
+        ("pressure_ratio", 0.52, None, None, "pressure ratio dp/(p1 - FF pv) above 0.52"),
+        ("dp", 1e5, 3e5, None, "pressure drop between 100 and 300 kPa"),
+        ("temperature", None, 323.15, None, "temperature below 50 degC"),
+        ("novel_signal", 1.0, 2.0, None, "novel signal between 1 and 2"),
+    ],
+)
+def test_regions_in_words(signal, low, high, direction, words):
+    region = {"signal": signal, "low": low, "high": high, "direction": direction, "share": 0.1}
+    assert region_words(region) == words
+
+
+def test_several_regions_are_joined():
+    regions = [
+        {"signal": "opening", "low": 0.0, "high": 0.1, "direction": None, "share": 0.1},
+        {"signal": "dp", "low": 1e5, "high": None, "direction": None, "share": 0.1},
+    ]
+    words = regions_words({"regions": regions})
+    assert words == "below 10 % opening and where the pressure drop is above 100 kPa"
+
+
+@pytest.mark.parametrize(
+    ("seconds", "words"), [(812.4, "812 s"), (36_000.0, "10.0 h"), (1_000_000.0, "11.6 days")]
+)
+def test_durations(seconds, words):
+    assert duration(seconds) == words
+
+
+def test_times():
+    assert onset_words({"onset": None}) == "from the start"
+    assert onset_words({"onset": 30.0}) == "from 30 s on"
+    spans = [[10.0 * k, 10.0 * k + 5.0] for k in range(6)]
+    assert intervals_words({"intervals": spans}).endswith("30 s to 35 s, and 2 more")
+
+
+def test_certainty_is_never_claimed():
+    assert sure(1.0) == "more than 99 % sure"
+    assert sure(0.87) == "87 % sure"
+    assert p_words(0.0) == "p < 0.001"
+    assert percent(0.0004) == "0.0 %"
+
+
+@pytest.mark.parametrize(
+    ("value", "words"),
+    [
+        (0.0, "0"),
+        (1234.5, "1230"),
+        (0.000123456, "0.000123"),
+        (-2.0, "-2"),
+        (None, "unknown"),
+        (2e9, "2e+09"),
+    ],
+)
+def test_numbers_are_written_as_people_write_them(value, words):
+    assert number(value) == words
+
+
+def test_large_classes_are_cut_short():
+    members = [{"name": name} for name in ("stiction", "backlash", "dead_time", "new_effect")]
+    assert class_words(members) == "stiction, backlash or one of 2 others"
+    assert spoken("new_effect") == "new effect"

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import copy
+import json
+
+import pytest
+
+from sklvalve.report import summary_sentence, to_markdown, to_text
+from tests.report import examples
+
+
+def test_sentence_when_nothing_is_missing():
+    sentence = summary_sentence(examples.no_mismatch())
+    assert sentence.startswith("Nothing is missing")
+    assert "p = 0.43" in sentence
+
+
+def test_sentence_when_the_difference_is_real_but_too_small_to_count():
+    made = examples.no_mismatch()
+    made["mismatch"] |= {"detected": True, "p_value": 1e-6}
+    sentence = summary_sentence(made)
+    assert sentence.startswith("Nothing that matters is missing")
+    assert "p < 0.001" in sentence
+
+
+def test_sentence_names_class_size_place_onset_certainty_and_gain():
+    assert summary_sentence(examples.named()) == (
+        "The simulation leaves out seat leakage or an open bypass (97 % sure): leak kv 0.8 m3/h "
+        "[0.7 to 0.9], acting in the valve below 12 % opening from 812 s on; with it the flow error on "
+        "1440 unseen rows falls from 1.9 to 0.22 m3/h."
+    )
+
+
+def test_sentence_lists_two_things():
+    sentence = summary_sentence(examples.named_twice())
+    assert "leaves out two things: 1. backlash in the actuator (" in sentence
+    assert "2. seat leakage or an open bypass in the valve (" in sentence
+    assert "more than 99 % sure" in sentence
+
+
+def test_sentence_of_what_no_effect_explains_names_none():
+    sentence = summary_sentence(examples.none_of_these())
+    assert "no known effect explains" in sentence
+    assert "leakage" not in sentence
+    besides = examples.none_of_these() | {"effects": [examples.PLAY]}
+    assert summary_sentence(besides).startswith("Besides backlash, something is missing")
+
+
+def test_sentence_of_an_undecided_recording_points_to_the_test():
+    sentence = summary_sentence(examples.cannot_tell())
+    assert "cannot tell what" in sentence
+    assert "likeliest is seat leakage (45 %), then erosion" in sentence
+    assert sentence.endswith("the next test named below would decide.")
+
+
+def test_sentence_owns_up_where_the_error_does_not_fall():
+    made = examples.named()
+    made["fit"]["flow"]["rmse"]["corrected"] = 1.9
+    assert "though the flow error on 1440 unseen rows does not fall with it" in summary_sentence(made)
+
+
+def test_opening_as_a_fraction_is_told_in_percent():
+    made = examples.named()
+    made["fit"] = {"opening": made["fit"]["flow"] | {"unit": "1"}}
+    made["fit"]["opening"]["rmse"] = {"nominal": 0.021, "black_box": None, "corrected": 0.004}
+    assert "falls from 2.1 to 0.4 %." in summary_sentence(made)
+    assert "opening RMSE [% of travel]" in to_text(made)
+
+
+def test_unknown_verdict_is_refused():
+    with pytest.raises(ValueError, match="verdict must be one of no_mismatch"):
+        summary_sentence(examples.named() | {"verdict": "perhaps"})
+
+
+@pytest.mark.parametrize("make", examples.ALL)
+@pytest.mark.parametrize("render", [to_text, to_markdown])
+def test_all_verdicts_render_with_every_part(make, render):
+    made = make()
+    before = copy.deepcopy(made)
+    text = render(made)
+    assert made == before, "rendering must not change the diagnosis"
+    assert "viscous" in text
+    assert "temperature" in text
+    assert "steps of 0.5 % of travel" in text
+    for effect in made["effects"]:
+        assert effect["sentence"] in " ".join(text.split())
+    if made["next_test"]:
+        assert made["next_test"] in text
+    if made["fit"]:
+        assert "0.22" in text
+        assert "black box" in text
+
+
+@pytest.mark.parametrize("make", examples.ALL)
+def test_text_is_plain_narrow_and_survives_json(make):
+    made = make()
+    text = to_text(made)
+    assert text.isascii()
+    assert max(len(line) for line in text.splitlines()) <= 96
+    assert to_text(json.loads(json.dumps(made))) == text
+
+
+def test_missing_numbers_leave_gaps_not_errors():
+    made = examples.named()
+    made["effects"][0] = examples.LEAK | {
+        "parameters": {"leak_kv": {"value": 0.8, "unit": "m3/h", "ci95": [None, None]}}
+    }
+    made["fit"]["flow"] |= {"rmse": {"nominal": None, "black_box": None, "corrected": None}, "skill": None}
+    text = to_text(made)
+    assert "leak kv 0.8 m3/h" in text
+    assert "falls" not in text
+    made["fit"] = {"flow": None}
+    assert "Error" not in to_text(made)
+
+
+def test_table_cells_cannot_break_markdown():
+    made = examples.named()
+    made["data"] = [{"finding": "gap", "role": None, "detail": "a|b\nc"}]
+    assert "| times | gap | a\\|b c |" in to_markdown(made)
