@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What an effect is: a change to one stage of the chain, with what a person needs to know of it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A parameter of an effect.
+
+    Parameters
+    ----------
+    name : str
+    unit : str
+        SI unit, ``"1"`` for a share.
+    low, high : float
+        What is physically possible.
+    starts : tuple of float
+        Where fits begin: at several sizes, for a dead band has no slope at zero.
+    log : bool, default=False
+        Whether a fit moves its logarithm.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+    starts: tuple
+    log: bool = False
+
+
+class Effect:
+    """One kind of physics that a simulation may leave out.
+
+    Attributes
+    ----------
+    name : str
+        Name of the catalogue.
+    key : str
+        Name of this form of it; the same as `name` where there is only one form.
+    block : {"actuator", "valve", "line", "measurement"}
+        Where it sits.
+    stage : str
+        Stage of the chain that it changes.
+    needs : tuple of str
+        Roles without which it cannot be tested.
+    phrase : str
+        What a person reads; may name the parameters.
+    separated_by : str
+        The test that tells it from what it is confused with.
+    damadics : str
+        Fault of the benchmark with the same physics, or ``""``.
+    """
+
+    name = key = block = stage = phrase = separated_by = damadics = ""
+    needs: tuple = ()
+    parameters: tuple = ()
+
+    def quantities(self, chain):
+        """Parameters with the bounds that hold for this valve."""
+        return self.parameters
+
+    def apply(self, value, p, chain):
+        """What the stage makes, `value`, with the effect of parameters `p`."""
+        raise NotImplementedError
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        """Whether parameters `p` lie beyond what a data sheet leaves open; `late`: it began in the record."""
+        return True
+
+    def possible(self, chain):
+        """Whether the effect makes sense for this valve at all."""
+        return True

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A rated capacity that is not the sheet's."""
+
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.effects.flow_meter_gain import FlowMeterGain
+
+
+class CapacityError(FlowMeterGain):
+    r"""Capacity off by one factor at every opening: :math:`K_v' = (1 + g) K_v`."""
+
+    name = key = "capacity_error"
+    block, stage = "valve", "capacity"
+    parameters = (Quantity("gain", "1", -0.9, 2.0, (0.1, -0.1)),)
+    phrase = "the valve's capacity is {gain:+.0%} off its data sheet"
+    damadics = ""

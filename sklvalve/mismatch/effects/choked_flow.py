@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Flow that no longer follows the outlet pressure."""
+
+import numpy as np
+
+from sklvalve.mechanism import at_travel
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class ChokedFlow(Effect):
+    r"""Choking, or choking earlier than the sheet's F_L says.
+
+    .. math:: \Delta p_{eff} = \min(\Delta p,\; F_L^2 (p_1 - F_F p_v))
+
+    with a rounded corner, as real valves have it. IEC 60534-2-1.
+    """
+
+    name = key = "choked_flow"
+    block, stage = "valve", "choking"
+    parameters = (
+        Quantity("fl", "1", 0.25, 0.99, (0.85, 0.65, 0.5)),
+        Quantity("knee", "1", 3.0, 40.0, (12.0,), log=True),
+    )
+    needs = ("flow", "p1", "p2")
+    phrase = "the flow chokes (F_L about {fl:.2f})"
+    separated_by = "Lower the outlet pressure at a fixed opening through the knee: choked flow stops rising."
+    damadics = "f7"
+
+    def possible(self, chain):
+        return chain.margin is not None
+
+    def apply(self, value, p, chain):
+        n = len(chain.time)
+        return {"fl": np.full(n, p["fl"]), "knee": np.full(n, p["knee"])}
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        if not chain.choking or late:
+            return True
+        sheet = chain.valve.fl
+        typical = float(np.mean(at_travel(sheet, np.linspace(0.1, 1.0, 10)))) if sheet is not None else 0.9
+        return abs(p["fl"] / typical - 1.0) > tolerance.recovery

@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A flow meter whose span is wrong."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class FlowMeterGain(Effect):
+    r"""Recorded flow is off in proportion: :math:`F' = (1 + g) F`."""
+
+    name = key = "flow_meter_gain"
+    block, stage = "measurement", "flow_meter"
+    parameters = (Quantity("gain", "1", -0.9, 2.0, (0.1, -0.1)),)
+    needs = ("flow",)
+    phrase = "the flow reads {gain:+.0%} off"
+    separated_by = "A second meter, or a known volume: no signal of the valve tells a meter's span from capacity."
+    damadics = "f19"
+
+    def apply(self, value, p, chain):
+        return value * (1.0 + p["gain"])
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return late or abs(p["gain"]) > tolerance.capacity

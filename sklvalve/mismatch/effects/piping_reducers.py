@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Resistance in series with the trim."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class PipingReducers(Effect):
+    r"""Fittings at the valve that cost pressure with the square of the flow.
+
+    .. math:: K_v' = K_v / \sqrt{1 + \zeta (K_v / K_{v,rated})^2}
+
+    the piping factor F_P of IEC 60534-2-1; it grows with the opening, the same at every pressure drop.
+    """
+
+    name = key = "piping_reducers"
+    block, stage = "line", "line"
+    parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
+    needs = ("flow",)
+    phrase = "fittings or line in series with the valve cost {loss:.2g} times its own loss when fully open"
+    separated_by = "Pressure taps directly at the valve; no signal beyond them tells reducers from a line loss."
+
+    def apply(self, value, p, chain):
+        return value / np.sqrt(1.0 + p["loss"] * (value / chain.trim.rated) ** 2)

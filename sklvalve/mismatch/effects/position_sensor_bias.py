@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A position sensor that reads off by a constant."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class PositionSensorBias(Effect):
+    """Recorded opening is off by a constant, the stem is where the positioner wants it.
+
+    Both residuals show it: the opening by the bias itself, the flow by what the bias does to the capacity.
+    """
+
+    name = key = "position_sensor_bias"
+    block, stage = "measurement", "position_sensor"
+    parameters = (Quantity("bias", "1", -0.5, 0.5, (0.03, -0.03)),)
+    needs = ("opening", "command")
+    phrase = "the position sensor reads {bias:+.1%} of travel off"
+    separated_by = "Drive the valve to both stops and read the sensor there."
+    damadics = "f13"
+
+    def apply(self, value, p, chain):
+        return value + p["bias"]
+
+    def invert(self, value, p, chain):
+        """True opening of a recorded one."""
+        return value - p["bias"]
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return late or abs(p["bias"]) > tolerance.position_zero
+
+    def possible(self, chain):
+        return chain.measured is not None
+
+
+class PositionSensorBiasInLoop(PositionSensorBias):
+    """The biased sensor is also the positioner's: the position reads right and the flow contradicts it."""
+
+    key = "position_sensor_bias_loop"
+    stage = "plug"
+    needs = ("opening", "flow")
+
+    def apply(self, value, p, chain):
+        return value - p["bias"]

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Flow beside the trim, through a seat that does not close."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class SeatLeakage(Effect):
+    r"""Leak through the seat, a capacity in parallel at every opening: :math:`K_v' = K_v + K_{leak}`."""
+
+    name = key = "seat_leakage"
+    block, stage = "valve", "capacity"
+    parameters = (Quantity("leak_kv", "m3/h", 0.0, 1.0, (0.3,)),)
+    needs = ("flow",)
+    phrase = "the seat leaks (kv {leak_kv:.2g} m3/h)"
+    separated_by = "Close the valve for 60 s at two pressure drops, once with the bypass blocked off."
+    damadics = "f6"
+
+    def quantities(self, chain):
+        scale = chain.trim.rated
+        return tuple(
+            Quantity(q.name, q.unit, 0.0, 0.5 * scale, (0.005 * scale, 0.03 * scale)) for q in self.parameters
+        )
+
+    def apply(self, value, p, chain):
+        return value + p["leak_kv"]

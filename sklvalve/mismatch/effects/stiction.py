@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A stem that sticks and then slips."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class Stiction(Effect):
+    r"""Friction at rest that far exceeds friction in motion.
+
+    .. math:: |F_f| \le F_s \text{ at rest}, \quad F_f = F_c \operatorname{sgn} v + (F_s - F_c) e^{-(v/v_s)^2}
+        \operatorname{sgn} v
+
+    The stem stays while the pressure under the diaphragm changes, then jumps; with a positioner that
+    integrates it hunts. Forces in travels of the spring.
+    """
+
+    name = key = "stiction"
+    block, stage = "actuator", "actuator"
+    parameters = (
+        Quantity("static_friction", "1", 0.02, 0.6, (0.06, 0.2), log=True),
+        Quantity("sliding_share", "1", 0.1, 0.95, (0.4,)),
+    )
+    needs = ("command",)
+    phrase = "the stem sticks and slips (friction at rest {static_friction:.0%} of the spring's range)"
+    separated_by = "Ramp the command slowly through a reversal with the actuator's pressure recorded: jumps are stiction."
+    damadics = "f4"
+
+    def apply(self, value, p, chain):
+        sliding = p["static_friction"] * p["sliding_share"]
+        changed = dict(value)
+        changed["coulomb"] = np.maximum(value["coulomb"], sliding)
+        changed["stick"] = np.full_like(value["stick"], p["static_friction"] - sliding)
+        return changed

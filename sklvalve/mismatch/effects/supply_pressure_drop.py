@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Air supply too low."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class SupplyPressureDrop(Effect):
+    r"""Supply of gauge pressure (1 - d) p_s: travel driven by air ends where the spring balances it.
+
+    .. math:: x_{max} = ((1 - d) p_s - p_{low}) / (p_{high} - p_{low})
+
+    Filling is slow near that end; venting is as before.
+    """
+
+    name = key = "supply_pressure_drop"
+    block, stage = "actuator", "actuator"
+    parameters = (Quantity("drop", "1", 0.1, 0.97, (0.5, 0.75, 0.85)),)
+    needs = ("command",)
+    phrase = "the air supply is {drop:.0%} below its rated pressure"
+    separated_by = "Stroke the valve fully both ways: low supply ends the air-driven travel early and slows filling only."
+    damadics = "f16"
+
+    def apply(self, value, p, chain):
+        atmosphere = 101_325.0 / chain.spring_span
+        low = atmosphere + (1.0 - p["drop"]) * (chain.supply - atmosphere)
+        return value | {"supply": np.full_like(value["supply"], low)}

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A trim of another characteristic than the sheet's."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class WrongCharacteristic(Effect):
+    r"""Capacity that departs from the sheet's curve, smoothly and far.
+
+    .. math:: \ln K_v' = \ln K_v + s (x - 1) + 4 b x (1 - x)
+
+    :math:`s` changes the rangeability by :math:`e^s`, :math:`b` bows the curve (towards linear or parabolic).
+    """
+
+    name = key = "wrong_characteristic"
+    block, stage = "valve", "capacity"
+    parameters = (
+        Quantity("slope", "1", -4.0, 4.0, (0.3, -0.3)),
+        Quantity("bow", "1", -2.0, 2.0, (0.0,)),
+    )
+    needs = ("flow",)
+    phrase = "the trim does not have the characteristic of its data sheet"
+    separated_by = "A slow staircase over the whole travel at three pressure drops."
+
+    def possible(self, chain):
+        return chain.trim.known
+
+    def apply(self, value, p, chain):
+        x = chain.plug
+        return value * np.exp(p["slope"] * (x - 1.0) + 4.0 * p["bow"] * x * (1.0 - x))

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which physics: effects taken up one by one, each fitted together with the calibration, and their rivals."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from sklvalve.mismatch.onset import fit_with_onset
+from sklvalve.mismatch.workbench import Member
+
+# two explanations are told apart from this profile-likelihood distance on (3 % confusion)
+DISTINGUISHABLE = 14.0
+# what an onset must gain: it is one of as many as there are rows
+_ONSET_PRICE = 10.0
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """One thing found: an effect, and those the recording cannot tell from it.
+
+    Attributes
+    ----------
+    member : Member
+        The most likely explanation.
+    rivals : list of (Member, Model, float)
+        Explanations in its place, with their models and probabilities, the best first.
+    gain : float
+        Log likelihood that the explanation adds to the rest of the hypothesis.
+    sizes : dict
+        Channel -> change that it makes, share of span [1].
+    """
+
+    member: Member
+    rivals: list
+    gain: float
+    sizes: dict
+
+
+@dataclass(eq=False)
+class Explanation:
+    """Result of the search.
+
+    Attributes
+    ----------
+    nominal : Model
+        The calibrated simulation without further effects, under the final noise.
+    model : Model
+        With the effects taken up.
+    findings : list of Finding
+    tried : dict
+        Effect key -> (gain of its best single fit, sizes), at the first step.
+    """
+
+    nominal: object
+    model: object
+    findings: list
+    tried: dict = field(default_factory=dict)
+
+
+def price(workbench, member):
+    """Log likelihood that the parameters of an effect must earn (half a log of the rows for each)."""
+    rows = max(len(workbench.recording), 50)
+    cost = 0.5 * len(member.effect.parameters) * np.log(rows)
+    return cost + (_ONSET_PRICE if member.onset is not None else 0.0)
+
+
+def worth(workbench, model):
+    """Log likelihood of a hypothesis less the price of its effects."""
+    return model.log_likelihood - sum(price(workbench, m) for m in model.members)
+
+
+def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
+    """Search of the effects that the recording asks for.
+
+    Parameters
+    ----------
+    workbench : Workbench
+        With its noise learnt from `nominal`.
+    nominal : Model
+        The calibrated simulation.
+    effects : sequence of Effect
+        Candidates.
+    threshold : float
+        Log likelihood that an effect must add beyond its price.
+    most : int, default=4
+        Largest number of effects.
+    report : callable, default=None
+        Called with the share done.
+
+    Returns
+    -------
+    explanation : Explanation
+    """
+    model, tried = nominal, {}
+    for step in range(most):
+        found = _step(workbench, model, effects, report, step / (most + 1))
+        if step == 0:
+            tried = {
+                m.members[-1].effect.key: (m.log_likelihood - model.log_likelihood, workbench.change(m, model))
+                for m in found
+            }
+        chosen = next((m for m in found if _matters(workbench, m, model, threshold)), None)
+        if chosen is None:
+            break
+        settled = _settle(workbench, chosen)
+        # under the noise that the new model leaves, does it still matter?
+        without = workbench.fit(settled.members[:-1], start=model)
+        if not _matters(workbench, settled, without, threshold):
+            break
+        model = _drop_what_no_longer_counts(workbench, settled, threshold)
+        workbench.learn_noise(model, cautious=True)
+        model = workbench.fit(model.members, start=model)
+    workbench.learn_noise(model)
+    model = workbench.fit(model.members, start=model)
+    nominal = workbench.fit((), start=nominal)
+    findings = _rivals(workbench, model, effects, report)
+    return Explanation(nominal, model, findings, tried)
+
+
+def _step(workbench, model, effects, report, done):
+    """Fits with one effect more, best first."""
+    usable = [e for e in effects if e.key not in model.keys and e.name not in _names(model)]
+    rough = []
+    for i, effect in enumerate(usable):
+        # the actuator's own parameters are dear to fit and hide little: first without them
+        hold = "actuator_"
+        fits = [
+            workbench.fit((*model.members, Member(effect)), start=model, attempt=k, hold=hold, max_steps=8)
+            for k in range(max(len(q.starts) for q in effect.parameters))
+        ]
+        fits.append(fit_with_onset(workbench, model, effect, hold=hold))
+        rough.append(max(fits, key=lambda m: worth(workbench, m)))
+        if report:
+            report(done + 0.2 * (i + 1) / len(usable))
+    rough.sort(key=lambda m: worth(workbench, m), reverse=True)
+    # the best few again, now with the whole calibration free
+    refined = [workbench.fit(m.members, start=m) if i < 4 else m for i, m in enumerate(rough)]
+    return sorted(refined, key=lambda m: worth(workbench, m), reverse=True)
+
+
+def _names(model):
+    return {m.effect.name for m in model.members}
+
+
+def own_values(member, model):
+    """Parameters of one effect in a fitted model, by their short names."""
+    return {q.name: model.values[f"{member.effect.key}.{q.name}"] for q in member.effect.parameters}
+
+
+def _matters(workbench, model, without, threshold):
+    member = model.members[-1]
+    gain = worth(workbench, model) - worth(workbench, without)
+    beyond = member.effect.beyond_tolerance(
+        own_values(member, model), model.chain, workbench.tolerance, member.onset is not None
+    )
+    return gain > threshold and beyond and workbench.counts(workbench.change(model, without))
+
+
+def _settle(workbench, model):
+    """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
+    for _ in range(2):
+        workbench.learn_noise(model)
+        model = workbench.fit(model.members, start=model)
+    last = model.members[-1]
+    if last.onset is not None:
+        rest = workbench.fit(model.members[:-1], start=model)
+        model = fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
+    return model
+
+
+def _drop_what_no_longer_counts(workbench, model, threshold):
+    for member in model.members[:-1]:
+        without = workbench.fit(tuple(m for m in model.members if m is not member), start=model)
+        again = workbench.fit((*without.members, member), start=model)
+        if not _matters(workbench, again, without, threshold):
+            model = without
+    return model
+
+
+def _rivals(workbench, model, effects, report):
+    """For each effect found, what else could stand in its place."""
+    findings = []
+    for i, member in enumerate(model.members):
+        rest = tuple(m for m in model.members if m is not member)
+        without = workbench.fit(rest, start=model)
+        places = [(member, model)]
+        for effect in effects:
+            if effect.key in model.keys or effect.name in {m.effect.name for m in rest}:
+                continue
+            if not set(workbench.channels_touched(effect)) & set(workbench.channels_touched(member.effect)):
+                continue
+            fits = [
+                workbench.fit((*rest, Member(effect, member.onset)), start=without, attempt=k, max_steps=12)
+                for k in range(max(len(q.starts) for q in effect.parameters))
+            ]
+            best = max(fits, key=lambda m: m.log_likelihood)
+            places.append((best.members[-1], best))
+        worths = np.array([worth(workbench, m) for _, m in places])
+        weights = np.exp(worths - worths.max())
+        weights /= weights.sum()
+        rivals = [(who, fitted, float(w)) for (who, fitted), w in zip(places, weights, strict=True)]
+        rivals.sort(key=lambda r: r[2], reverse=True)
+        gain = model.log_likelihood - without.log_likelihood
+        findings.append(Finding(member, rivals, gain, workbench.change(model, without)))
+        if report:
+            report(0.8 + 0.2 * (i + 1) / len(model.members))
+    return sorted(findings, key=lambda f: f.gain, reverse=True)

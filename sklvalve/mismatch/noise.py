@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Noise of a channel: white, quickly correlated and slowly wandering parts, fitted by likelihood.
+
+Residuals of a valve are correlated. A test that takes them for independent raises a false alarm in nearly
+every healthy record, and one that whitens them without a slow part in most. So the noise is a state-space
+model, and the time constant of its wander comes from the data.
+"""
+
+from dataclasses import dataclass
+
+import numba as nb
+import numpy as np
+from scipy.optimize import minimize
+
+
+@nb.njit(cache=True)
+def _gains(white, step, fast_time, fast_size, slow_time, slow_size):
+    """Kalman gains and innovation spreads; a row with an infinite white variance is a gap."""
+    n = len(white)
+    gain = np.empty((n, 2))
+    keep = np.empty((n, 2))
+    spread = np.empty(n)
+    p11, p12, p22 = fast_size, 0.0, slow_size
+    for k in range(n):
+        a = np.exp(-step[k] / fast_time)
+        b = np.exp(-step[k] / slow_time)
+        p11 = a * a * p11 + (1.0 - a * a) * fast_size
+        p22 = b * b * p22 + (1.0 - b * b) * slow_size
+        p12 = a * b * p12
+        keep[k, 0] = a
+        keep[k, 1] = b
+        if white[k] == np.inf:
+            gain[k, 0] = 0.0
+            gain[k, 1] = 0.0
+            spread[k] = np.inf
+            continue
+        s = p11 + 2.0 * p12 + p22 + white[k]
+        g1 = (p11 + p12) / s
+        g2 = (p12 + p22) / s
+        gain[k, 0] = g1
+        gain[k, 1] = g2
+        spread[k] = np.sqrt(s)
+        q11, q12, q22 = p11, p12, p22
+        p11 = q11 - g1 * (q11 + q12)
+        p12 = q12 - g1 * (q12 + q22)
+        p22 = q22 - g2 * (q12 + q22)
+    return gain, keep, spread
+
+
+@nb.njit(cache=True)
+def _innovations(residuals, gain, keep, spread):
+    out = np.zeros_like(residuals)
+    f = 0.0
+    s = 0.0
+    for k in range(len(residuals)):
+        f *= keep[k, 0]
+        s *= keep[k, 1]
+        e = residuals[k]
+        if e == e and spread[k] != np.inf:
+            left = e - f - s
+            f += gain[k, 0] * left
+            s += gain[k, 1] * left
+            out[k] = left / spread[k]
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseModel:
+    """Noise of one channel, as a filter that whitens residuals.
+
+    Parameters
+    ----------
+    white : ndarray of shape (n,)
+        Variance of the uncorrelated part in each row, infinite in gaps.
+    step : ndarray of shape (n,)
+        Time since the sample before [s].
+    fast_time, slow_time : float
+        Correlation times of the quick part and of the wander [s].
+    fast_size, slow_size : float
+        Their variances.
+    """
+
+    white: np.ndarray
+    step: np.ndarray
+    fast_time: float
+    fast_size: float
+    slow_time: float
+    slow_size: float
+
+    def __post_init__(self):
+        filters = _gains(
+            self.white, self.step, self.fast_time, self.fast_size, self.slow_time, self.slow_size
+        )
+        object.__setattr__(self, "_filters", filters)
+
+    def whiten(self, residuals):
+        """Innovations of the residuals in their standard deviations, zero in gaps."""
+        return _innovations(np.ascontiguousarray(residuals, dtype=float), *self._filters)
+
+    @property
+    def scale(self):
+        """Typical standard deviation of the noise, all parts together."""
+        seen = self.white[np.isfinite(self.white)]
+        return float(np.sqrt(np.median(seen) + self.fast_size + self.slow_size))
+
+    @property
+    def floor(self):
+        """Standard deviation (rms over the rows) that no simulation can get below."""
+        seen = self.white[np.isfinite(self.white)]
+        return float(np.sqrt(np.mean(seen) + self.fast_size + self.slow_size))
+
+
+def movement(simulated):
+    """How fast a simulated signal moves around each row: where timing errors weigh."""
+    signal = np.asarray(simulated, dtype=float)
+    known = np.isfinite(signal)
+    filled = np.interp(np.arange(len(signal)), np.flatnonzero(known), signal[known])
+    slope = np.abs(np.diff(filled, prepend=filled[0]))
+    widened = slope.copy()
+    for shift in range(1, 6):
+        widened[shift:] = np.maximum(widened[shift:], slope[:-shift] * 0.7**shift)
+        widened[:-shift] = np.maximum(widened[:-shift], slope[shift:] * (0.5**shift))
+    return widened
+
+
+def fit_noise(residuals, simulated, step, *, quantum=0.0, cautious=False):
+    """Noise model of residuals, by maximum likelihood.
+
+    Parameters
+    ----------
+    residuals : ndarray of shape (n,)
+        Recorded less simulated; NaN in gaps.
+    simulated : ndarray of shape (n,)
+        The simulated signal: the white part may grow with its movement and with its size.
+    step : ndarray of shape (n,)
+        Time since the sample before [s].
+    quantum : float, default=0.0
+        Resolution of the recorded signal; its variance is a floor of the white part.
+    cautious : bool, default=False
+        Hold the wander to the size of the quick noise. For residuals that may still hold missing physics,
+        which a free wander would take up.
+
+    Returns
+    -------
+    noise : NoiseModel
+    """
+    residuals = np.asarray(residuals, dtype=float)
+    seen = np.isfinite(residuals)
+    # from differences, so that missing physics, which is mostly slow, does not pass for noise
+    quick = np.diff(residuals)
+    quick = quick[np.isfinite(quick)]
+    size = 1.4826 * float(np.median(np.abs(quick))) / np.sqrt(2.0) if len(quick) else 0.0
+    size = max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
+    most = 1.0 if cautious else np.inf
+    moving = movement(simulated) ** 2
+    level = np.nan_to_num(np.asarray(simulated, dtype=float) / max(np.nanmax(np.abs(simulated)), 1e-12)) ** 2
+    length = float(np.sum(step))
+    dt = float(np.median(step))
+
+    def model(z):
+        base, timing, share, fast, fast_time, slow, slow_time = np.exp(z)
+        fast, slow, base = min(fast, most), min(slow, 0.3 * most), min(base, 3.0 * most)
+        # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
+        fast_time = np.clip(fast_time, 0.5 * dt, 30.0 * dt)
+        slow_time = np.clip(slow_time, 40.0 * dt, max(0.25 * length, 80.0 * dt))
+        white = quantum**2 / 12.0 + base * size**2 + timing * moving + share * size**2 * level
+        white = np.where(seen, white, np.inf)
+        return NoiseModel(white, step, fast_time, fast * size**2, slow_time, slow * size**2)
+
+    def loss(z):
+        noise = model(z)
+        scaled = (noise.whiten(residuals) / 3.0) ** 2
+        spread = noise._filters[2][seen]
+        # weak priors keep parts that are not there from running off
+        away = np.sum((z - start) ** 2) / 50.0
+        return float(np.sum(np.log(spread)) + 9.0 * np.sum(np.sqrt(1.0 + scaled) - 1.0) + away)
+
+    start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
+    found = minimize(
+        loss, start, method="Nelder-Mead", options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True}
+    )
+    return model(found.x)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From when on an effect acts."""
+
+import numpy as np
+
+from sklvalve.mismatch.workbench import Member
+
+# an onset is looked for between these shares of the record: before and after there is too little to compare
+_FIRST, _LAST = 0.04, 0.96
+
+
+def row_losses(workbench, model):
+    """What each row costs a model: robust loss of its whitened residuals, all channels together."""
+    total = np.zeros(len(workbench.recording))
+    for channel, left in workbench.residuals(model).items():
+        scaled = (workbench.noise[channel].whiten(left) / 3.0) ** 2
+        total += 9.0 * (np.sqrt(1.0 + scaled) - 1.0)
+    return total
+
+
+def best_onset(workbench, without, acting):
+    """Time at which to pass from a model without an effect to one with it, at the least cost.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    without, acting : Model
+
+    Returns
+    -------
+    onset : float
+        Absolute time [s].
+    """
+    before, after = row_losses(workbench, without), row_losses(workbench, acting)
+    cost = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
+    cost -= np.concatenate([[0.0], np.cumsum(after)])
+    n = len(before)
+    first, last = int(_FIRST * n), int(_LAST * n)
+    return float(acting.chain.clock[first + int(np.argmin(cost[first:last]))])
+
+
+def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None, max_steps=8):
+    """Fit of an effect that begins within the recording.
+
+    Begins with the effect switched on after a half of the record, moves the onset to where the losses of the
+    models without it and with it throughout change sides, and fits again until it stays.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        The hypothesis so far.
+    effect : Effect
+    hold, attempt, max_steps
+        As in `Workbench.fit`.
+    onset : float, default=None
+        Where to begin the search [s, absolute]; the middle of the record unless given.
+
+    Returns
+    -------
+    fitted : Model
+    """
+    clock = workbench.plain.clock
+    onset = float(clock[len(clock) // 2]) if onset is None else onset
+    options = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
+    fitted = workbench.fit((*model.members, Member(effect, onset)), start=model, **options)
+    for _ in range(4):
+        throughout = workbench.simulate((*model.members, Member(effect)), fitted.values)
+        moved = best_onset(workbench, model, throughout)
+        if abs(moved - onset) < 1.5 * workbench.recording.sample_time:
+            break
+        onset = moved
+        fitted = workbench.fit((*model.members, Member(effect, onset)), start=fitted, **options)
+    return fitted

@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fits of hypotheses to one recording: a hypothesis is a set of effects, each from its onset on."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import qmc
+
+from sklvalve.mismatch.noise import fit_noise
+from sklvalve.simulation.calibration import (
+    channels_of,
+    choose_trim,
+    flow_parameters,
+    opening_parameters,
+    span_of,
+)
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.fitting import PlainNoise, fit_chain, residual_of, simulate_channels
+from sklvalve.simulation.parameters import Parameter, ParameterVector
+
+_OPENING_STAGES = ("signal", "actuator", "stem")
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """An effect in a hypothesis.
+
+    Parameters
+    ----------
+    effect : Effect
+    onset : float or None
+        Absolute time from which on it acts [s]; None from before the recording.
+    """
+
+    effect: object
+    onset: float | None = None
+
+    @property
+    def sign(self):
+        """What tells this member from others."""
+        return (self.effect.key, self.onset)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A hypothesis fitted jointly with the calibration.
+
+    Attributes
+    ----------
+    members : tuple of Member
+    chain : Chain
+    values : dict
+        Every parameter's value.
+    predictions : dict
+        Channel -> simulated signal.
+    log_likelihood : float
+    spreads : dict
+        Parameter name -> standard deviation, of the logarithm where the parameter moves by that.
+    """
+
+    members: tuple
+    chain: Chain
+    values: dict
+    predictions: dict
+    log_likelihood: float
+    spreads: dict
+
+    @property
+    def keys(self):
+        """Keys of its effects."""
+        return tuple(m.effect.key for m in self.members)
+
+
+class Workbench:
+    """One recording, its calibration, its noise, and the fits made so far.
+
+    Parameters
+    ----------
+    recording : Recording
+    tolerance : Tolerance
+    physics : tuple of str
+        Effects that the simulation holds already.
+    rows : ndarray of bool or None
+        Rows that may be used.
+    """
+
+    def __init__(self, recording, tolerance, physics, rows=None):
+        self.recording, self.valve, self.tolerance = recording, recording.valve, tolerance
+        self.rows = rows
+        self.channels = channels_of(recording)
+        self.trim = choose_trim(recording, self.valve, tolerance)
+        self.choking = "choked_flow" in physics
+        self.plain = self.chain(())
+        self.choking = self.plain.choking
+        self.coupled = "opening" not in recording
+        self.spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in self.channels}
+        self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
+        self._known = {}
+
+    def chain(self, members):
+        """Chain with the effects of a hypothesis."""
+        return Chain(
+            self.recording,
+            self.valve,
+            self.trim,
+            effects=[m.effect for m in members],
+            onsets={m.effect.key: m.onset for m in members if m.onset is not None},
+            choking=self.choking and "p1" in self.recording and "p2" in self.recording,
+        )
+
+    def channels_touched(self, effect):
+        """Channels whose simulation an effect changes."""
+        if self.coupled:
+            return self.channels
+        if effect.stage in _OPENING_STAGES:
+            return tuple(c for c in self.channels if c == "opening")
+        if effect.stage == "position_sensor":
+            return self.channels
+        return tuple(c for c in self.channels if c == "flow")
+
+    def _groups(self, members):
+        joined = self.coupled or any(m.effect.stage == "position_sensor" for m in members)
+        return (self.channels,) if joined else tuple((c,) for c in self.channels)
+
+    def calibration(self, channels):
+        """Parameters that the data sheet leaves open for some channels."""
+        found = []
+        if "opening" in channels or self.coupled:
+            found += opening_parameters(self.recording, self.valve, self.tolerance)
+        if "flow" in channels:
+            choking = self.plain.choking and self.plain.margin is not None
+            found += flow_parameters(self.recording, self.valve, self.tolerance, self.trim, choking=choking)
+        return found
+
+    def fit(self, members, *, start=None, attempt=0, hold=None, rows=None, max_steps=20):
+        """Fit of a hypothesis.
+
+        Parameters
+        ----------
+        members : sequence of Member
+        start : Model, default=None
+            Whose values the fit begins with.
+        attempt : int, default=0
+            Which of an effect's own starts it begins with, for effects that `start` lacks.
+        hold : str, default=None
+            Prefix of calibration parameters to leave as `start` has them.
+        rows : ndarray of bool, default=None
+            Rows to use; those of the workbench unless given.
+        max_steps : int, default=20
+
+        Returns
+        -------
+        model : Model
+        """
+        members = tuple(members)
+        rows = self.rows if rows is None else rows
+        chain = self.chain(members)
+        begin = dict(start.values) if start is not None else {}
+        values, spreads, predictions, likelihood = {}, {}, {}, 0.0
+        for channels in self._groups(members):
+            own = [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
+            sign = (
+                channels,
+                tuple(sorted((m.sign for m in own), key=str)),
+                attempt if own else 0,
+                hold,
+                max_steps,
+                None if rows is None else rows.tobytes(),
+                id(self.noise[channels[0]]),
+                None if start is None or not own else start.keys,
+            )
+            if sign not in self._known:
+                self._known[sign] = self._fit_group(chain, channels, own, begin, attempt, hold, rows, max_steps)
+            fit = self._known[sign]
+            values |= fit.values
+            spreads |= fit.spreads
+            predictions |= fit.predictions
+            likelihood += fit.log_likelihood
+        return Model(members, chain, values, predictions, likelihood, spreads)
+
+    def _fit_group(self, chain, channels, members, begin, attempt, hold, rows, max_steps):
+        parameters, fixed = [], {}
+        for p in self.calibration(channels):
+            if hold is not None and p.name.startswith(hold) and p.name in begin:
+                fixed[p.name] = begin[p.name]
+            else:
+                parameters.append(p)
+        for member in members:
+            for q in member.effect.quantities(chain):
+                first = q.starts[min(attempt, len(q.starts) - 1)]
+                parameters.append(
+                    Parameter(f"{member.effect.key}.{q.name}", q.unit, q.low, q.high, first, log=q.log)
+                )
+        return fit_chain(
+            chain, parameters, channels, self.noise, start=begin, fixed=fixed, rows=rows, max_steps=max_steps
+        )
+
+    def simulate(self, members, values):
+        """A hypothesis with given values, simulated and not fitted."""
+        chain = self.chain(members)
+        return Model(tuple(members), chain, values, simulate_channels(chain, values, self.channels), np.nan, {})
+
+    def residuals(self, model):
+        """Recorded less simulated, by channel."""
+        return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
+
+    def learn_noise(self, model, *, cautious=False):
+        """Fit the noise of every channel to what a model leaves over; `cautious` as in `fit_noise`."""
+        left = self.residuals(model)
+        self.noise = {
+            c: fit_noise(
+                left[c],
+                model.predictions[c],
+                model.chain.step,
+                quantum=self.recording.resolution(c),
+                cautious=cautious,
+            )
+            for c in self.channels
+        }
+        self._known.clear()
+
+    def calibrated(self):
+        """The simulation without any further effect, calibrated, and the noise learnt from it."""
+        model = self.fit((), start=self._first_guess())
+        for _ in range(2):
+            self.learn_noise(model, cautious=True)
+            model = self.fit((), start=model)
+        return model
+
+    def _first_guess(self):
+        """Actuator parameters to begin with, the best of a coarse spread: their landscape has side valleys."""
+        if "command" not in self.recording:
+            return None
+        parameters = opening_parameters(self.recording, self.valve, self.tolerance)
+        vector, draws = ParameterVector(parameters), qmc.Sobol(5, seed=0).random(64)
+        best, least = {}, np.inf
+        for draw in np.vstack([np.full(5, np.nan), draws]):
+            values = vector.values(vector.pack({}))
+            if np.isfinite(draw).all():
+                names = [p for p in parameters if p.log]
+                values |= {p.name: p.low * (p.high / p.low) ** d for p, d in zip(names, draw, strict=True)}
+            if self.coupled:
+                best = values
+                break
+            gap = np.abs(self.recording["opening"] - self.plain.opening(values))
+            loss = np.nanmean(np.minimum(gap, 0.1))
+            if loss < least:
+                best, least = values, loss
+        return Model((), self.plain, best, {}, np.nan, {})
+
+    def change(self, model, other):
+        """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.
+
+        Returns
+        -------
+        sizes : dict
+            Channel -> share of span [1].
+        """
+        sizes = {}
+        for channel in self.channels:
+            gap = model.predictions[channel] - other.predictions[channel]
+            gap = np.abs(gap[np.isfinite(gap)])
+            # where it acts: the rows that carry the upper part of the difference
+            acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0
+            acting &= gap > 0.0
+            rms = float(np.sqrt(np.mean(gap[acting] ** 2))) if acting.any() else 0.0
+            sizes[channel] = rms / self.spans[channel]
+        return sizes
+
+    def counts(self, sizes):
+        """Whether a change is one that matters in practice."""
+        least = {"opening": self.tolerance.opening_effect, "flow": self.tolerance.flow_effect}
+        return any(size >= least[channel] for channel, size in sizes.items())

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a data sheet leaves open, and how a recording closes it.
+
+A mis-calibrated simulation differs from its recording everywhere, and every such difference would pass for
+missing physics. So the calibration comes first, its reach is the tolerance of a data sheet and no more, and
+it is fitted again together with each effect.
+"""
+
+import numpy as np
+
+from sklvalve.mechanism.liquid import FLOW_CONSTANT
+from sklvalve.recording import InputError
+from sklvalve.simulation.parameters import Parameter
+from sklvalve.simulation.trim import LearntTrim, SheetTrim
+
+
+def channels_of(recording):
+    """Signals that a simulation of this recording can be judged by: opening, flow, or both."""
+    found = tuple(
+        role
+        for role in ("opening", "flow")
+        if role in recording and (role == "flow" or "command" in recording)
+    )
+    if "flow" in found and "opening" not in recording and "command" not in recording:
+        found = ()
+    if not found:
+        raise InputError(
+            f"{recording.source}: a diagnosis needs an opening beside the command, or a flow beside a command "
+            f"or an opening; the recording holds {', '.join(recording)}: name these roles in valve.toml"
+        )
+    return found
+
+
+def has_positioner_drive(recording):
+    """Whether the simulation must run the actuator: where its result is recorded, or drives the flow."""
+    return "command" in recording
+
+
+def choose_trim(recording, valve, tolerance):
+    """Trim of the sheet within its tolerance, or one to be learnt where the sheet has none."""
+    if "flow" not in recording:
+        return LearntTrim(np.array([0.0, 1.0]), 1.0, knots=(0.0, 1.0))
+    if valve.characteristic in (None, "unknown"):
+        opening = recording.get("opening")
+        opening = recording["command"] if opening is None else opening
+        return LearntTrim(opening, _kv_scale(recording, valve))
+    return SheetTrim(valve, tolerance)
+
+
+def _kv_scale(recording, valve):
+    """Largest capacity that the recording shows, by the plain turbulent equation [m3/h]."""
+    if valve.kv_rated is not None:
+        return valve.kv_rated
+    flow = recording["flow"]
+    drop = np.full(len(flow), 1e5)
+    if "p1" in recording and "p2" in recording:
+        drop = np.abs(recording["p1"] - recording["p2"])
+    density = 1000.0
+    volume = flow / density if recording.mass_flow else flow
+    with np.errstate(divide="ignore", invalid="ignore"):
+        kv = volume / (FLOW_CONSTANT * np.sqrt(drop / density))
+    kv = kv[np.isfinite(kv) & (drop > 1e-3 * np.nanmax(drop))]
+    if not len(kv) or np.quantile(kv, 0.99) <= 0.0:
+        raise InputError(
+            f"{recording.source}: no row has flow and pressure drop both above zero, so no capacity can be "
+            "estimated; check the units and the order of p1 and p2"
+        )
+    return float(np.quantile(kv, 0.99))
+
+
+def span_of(values):
+    """Span of a signal: what it reaches in the recording, outliers left out."""
+    seen = values[np.isfinite(values)]
+    return float(np.quantile(np.abs(seen), 0.995)) if len(seen) else 1.0
+
+
+def opening_parameters(recording, valve, tolerance):
+    """Parameters of positioner, actuator and position sensor that stay open."""
+    found = [
+        Parameter("actuator_filter", "s", 0.02, tolerance.response, 0.1, spread=1.5, log=True),
+        Parameter("actuator_gain", "1", 1.0, 60.0, 15.0, spread=1.5, log=True),
+        Parameter("actuator_reset", "1/s", 1e-3, 10.0, 0.3, spread=3.0, log=True),
+        Parameter("actuator_rate", "1/s", 0.1, 10.0, 1.0, spread=1.5, log=True),
+        # friction that keeps the static error of a loop of ordinary gain within its tolerance
+        Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
+    ]
+    if "opening" in recording:
+        zero = tolerance.position_zero
+        found.append(Parameter("position_zero", "1", -zero, zero, 0.0, spread=0.5 * zero))
+    return tuple(found)
+
+
+def flow_parameters(recording, valve, tolerance, trim, *, choking):
+    """Parameters of trim, choking, pressures and meter that stay open."""
+    zero = tolerance.flow_zero * span_of(recording["flow"])
+    found = [
+        *trim.all_parameters(),
+        Parameter("meter_lag", "s", 0.02, tolerance.response, 0.7, spread=1.5, log=True),
+        Parameter("meter_ahead", "1", 0.0, 1.0, 0.5, spread=0.3),
+        Parameter("flow_zero", "m3/s", -zero, zero, 0.0, spread=0.5 * zero),
+    ]
+    if "opening" in recording:
+        shift = tolerance.position_zero
+        found.append(Parameter("stem_zero", "1", -shift, shift, 0.0, spread=0.25 * shift))
+    if "p1" in recording and "p2" in recording:
+        drop = tolerance.pressure_zero * span_of(recording["p1"])
+        found.append(Parameter("dp_zero", "Pa", -drop, drop, 0.0, spread=0.5 * drop))
+    if choking:
+        low, high = 1.0 - tolerance.recovery, 1.0 + tolerance.recovery
+        found += [
+            Parameter("fl_scale", "1", low, high, 1.0, spread=0.5 * tolerance.recovery),
+            Parameter("fl_slope", "1", 0.0, 2.0 * tolerance.recovery, 0.05, spread=0.05),
+            Parameter("knee", "1", 3.0, 40.0, 12.0, spread=0.7, log=True),
+        ]
+    return tuple(found)

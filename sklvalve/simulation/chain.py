@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The chain of stages, from command to recorded signals, prepared for one recording.
+
+    signal -> positioner and actuator -> stem -> plug -> capacity -> flow -> line -> meters
+
+An effect changes one stage. The chain hands it what the stage makes, from the moment the effect acts.
+"""
+
+from datetime import datetime, timezone
+
+import numpy as np
+
+from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
+from sklvalve.mechanism.liquid import FLOW_CONSTANT
+from sklvalve.recording import InputError
+from sklvalve.simulation.stages import first_order_lag, positioner_and_actuator
+from sklvalve.simulation.trim import GRID
+
+ATMOSPHERE = 101_325.0
+_ROOM = 293.15
+
+
+def clock_of(recording):
+    """Absolute times [s] of a recording's rows: an onset found in one file holds in the next."""
+    first = recording.stamps[0]
+    try:
+        origin = float(first)
+    except (TypeError, ValueError):
+        stamp = datetime.fromisoformat(str(first))
+        origin = (stamp if stamp.tzinfo else stamp.replace(tzinfo=timezone.utc)).timestamp()
+    return origin + (recording.time - recording.time[0])
+
+
+class Chain:
+    """Stages of one valve bound to the signals of one recording.
+
+    Parameters
+    ----------
+    recording : Recording
+    valve : Valve
+    trim : SheetTrim or LearntTrim
+    effects : sequence of Effect
+        Each changes the stage that it names.
+    onsets : dict
+        Effect key -> absolute time [s] from which on it acts; an effect without one acts throughout.
+    choking : bool
+        Whether the simulation holds choked flow.
+
+    Attributes
+    ----------
+    clock, time, step : ndarray of shape (n,)
+        Absolute times, seconds from the first sample, and time since the sample before [s].
+    pressure_ratio : ndarray of shape (n,) or None
+        dp / (p1 - FF pv) [1].
+    """
+
+    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False):
+        self.recording, self.valve, self.trim = recording, valve, trim
+        self.effects, self.onsets, self.choking = tuple(effects), dict(onsets or {}), choking
+        self.time, self.clock = recording.time, clock_of(recording)
+        self.step = np.diff(self.time, prepend=self.time[0] - recording.sample_time)
+        self.command = recording.get("command")
+        self.measured = recording.get("opening")
+        self._properties()
+        self._actuator_scale()
+        self._remembered = {}
+
+    def _properties(self):
+        recording, n = self.recording, len(self.recording)
+        fluid = fluid_from(
+            **{
+                key: value
+                for key, value in self.valve.fluid.items()
+                if key in ("name", "density", "kinematic_viscosity", "vapour_pressure", "critical_pressure")
+            }
+        )
+        temperature = recording.get("temperature", np.full(n, _ROOM))
+        temperature = np.where(np.isfinite(temperature), temperature, np.nanmean(temperature))
+        self.temperature = temperature
+        self.density = np.broadcast_to(fluid.density(temperature, warn=False), n)
+        self.has_pressures = "p1" in recording and "p2" in recording
+        if self.has_pressures:
+            self.p1, self.p2 = recording["p1"], recording["p2"]
+        else:
+            # without pressures a constant drop is all that can be assumed; the capacity takes it up
+            self.p1, self.p2 = np.full(n, ATMOSPHERE + 1e5), np.full(n, ATMOSPHERE)
+        self.dp = self.p1 - self.p2
+        self.margin = None
+        if fluid.knows("vapour_pressure") and self.has_pressures:
+            vapour = np.broadcast_to(fluid.vapour_pressure(temperature, warn=False), n)
+            critical = fluid.critical_pressure or 22.064e6
+            self.margin = self.p1 - critical_pressure_ratio_factor(vapour, critical) * vapour
+        self.pressure_ratio = None if self.margin is None else self.dp / self.margin
+
+    def _actuator_scale(self):
+        low, high = self.valve.spring_range or (20e3, 100e3)
+        supply = self.valve.supply_pressure or 340e3
+        self.spring_span = high - low
+        self.spring = (ATMOSPHERE + low) / self.spring_span
+        self.supply = (ATMOSPHERE + supply) / self.spring_span
+        # air opens a valve that its spring closes; where it is the other way the stem is seen from its end
+        self.air_closes = self.valve.fail == "open"
+
+    def active(self, effect):
+        """Rows in which an effect acts."""
+        onset = self.onsets.get(effect.key)
+        return None if onset is None else self.clock >= onset
+
+    def _through(self, stage, value, values):
+        """What a stage makes, changed by the effects on it."""
+        for effect in self.effects:
+            if effect.stage == stage:
+                own = {p.name: values[f"{effect.key}.{p.name}"] for p in effect.parameters}
+                changed = effect.apply(value, own, self)
+                acting = self.active(effect)
+                if acting is None:
+                    value = changed
+                elif isinstance(value, dict):
+                    value = {key: np.where(acting, changed[key], value[key]) for key in value}
+                else:
+                    value = np.where(acting, changed, value)
+        return value
+
+    def opening(self, values):
+        """Opening as the position sensor would show it, free run from the command [1]."""
+        names = [k for k in values if k.startswith("actuator_") or k == "position_zero"]
+        names += [
+            f"{e.key}.{p.name}" for e in self.effects if e.stage in _OPENING_STAGES for p in e.parameters
+        ]
+        key = tuple(values[name] for name in names)
+        if key not in self._remembered:
+            if len(self._remembered) > 4:
+                self._remembered.clear()
+            self._remembered[key] = self._opening(values)
+        return self._remembered[key]
+
+    def _opening(self, values):
+        if self.command is None:
+            raise InputError("the opening cannot be simulated without a command; record it, or leave it out")
+        n = len(self.command)
+        command = self._through("signal", self.command, values)
+        drive = {
+            "supply": np.full(n, self.supply),
+            "coulomb": np.full(n, values["actuator_coulomb"]),
+            "stick": np.zeros(n),
+            "dead_band": np.zeros(n),
+        }
+        drive = self._through("actuator", drive, values)
+        start = self.measured[:1] if self.measured is not None else command[:1]
+        start = start[0] if np.isfinite(start[0]) else 0.5
+        if self.air_closes:
+            command, start = 1.0 - command, 1.0 - start
+        stem = positioner_and_actuator(
+            command,
+            self.step,
+            start,
+            self.spring,
+            drive["supply"],
+            drive["coulomb"],
+            drive["stick"],
+            drive["dead_band"],
+            values["actuator_filter"],
+            values["actuator_gain"],
+            values["actuator_reset"],
+            values["actuator_rate"],
+        )
+        stem = 1.0 - stem if self.air_closes else stem
+        stem = self._through("stem", stem, values)
+        return self._through("position_sensor", stem, values) + values.get("position_zero", 0.0)
+
+    def drive(self, values):
+        """Opening of the stem that the flow side is driven by: the recorded one, corrected, or the free run."""
+        if self.measured is None:
+            return self.opening(values)
+        stem = self.measured - values.get("stem_zero", 0.0)
+        for effect in self.effects:
+            if effect.stage == "position_sensor":
+                own = {p.name: values[f"{effect.key}.{p.name}"] for p in effect.parameters}
+                true, acting = effect.invert(stem, own, self), self.active(effect)
+                stem = true if acting is None else np.where(acting, true, stem)
+        return stem
+
+    def stem_of_free_run(self, values):
+        """Opening of the stem in the free run: what the sensor would show, its errors taken off again."""
+        shown, keep = self.opening(values), self.measured
+        self.measured = shown
+        try:
+            return self.drive(values)
+        finally:
+            self.measured = keep
+
+    def flow(self, values, stem=None):
+        """Flow as the meter would show it, for a stem's opening [m3/h, or kg/s where recorded by mass, SI]."""
+        stem = self.drive(values) if stem is None else stem
+        plug = np.clip(self._through("plug", stem, values), 0.0, 1.0)
+        self.plug, self._table = plug, self.trim.table(values)
+        kv = self.capacity_at(plug)
+        kv = self._through("capacity", kv, values)
+        kv = self._through("line", kv, values)
+        drop = self.dp + values.get("dp_zero", 0.0)
+        # a knee of 16 rounds the corner by 4 %; harder ones cannot be told from a corner
+        choking = {"fl": np.full(len(stem), np.inf), "knee": np.full(len(stem), 16.0)}
+        if self.choking and self.margin is not None:
+            sheet = at_travel(self.valve.fl, plug) if np.ndim(self.valve.fl) else float(self.valve.fl or 0.9)
+            fl = sheet * values["fl_scale"] * (1.0 - values["fl_slope"] * plug)
+            choking = {"fl": np.broadcast_to(fl, len(stem)), "knee": np.full(len(stem), values["knee"])}
+        choking = self._through("choking", choking, values)
+        flow = FLOW_CONSTANT * kv * self._root_of_drop(drop, **choking)
+        if self.recording.mass_flow:
+            flow = flow * self.density
+        flow = self._through("flow", flow, values)
+        flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
+        return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
+
+    def capacity_at(self, plug):
+        """kv of the trim at an opening of the plug, in the simulation that runs [m3/h]."""
+        return np.interp(plug, GRID, self._table)
+
+    def _root_of_drop(self, drop, fl, knee):
+        size = np.abs(drop)
+        if np.isfinite(fl).any() and self.margin is not None:
+            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+                ratio = size / np.maximum(fl * fl * self.margin, 1.0)
+                soft = size * (1.0 + ratio**knee) ** (-1.0 / knee)
+            size = np.where(np.isfinite(fl), soft, size)
+        return np.sign(drop) * np.sqrt(size / self.density)
+
+
+_OPENING_STAGES = ("signal", "actuator", "stem", "position_sensor")

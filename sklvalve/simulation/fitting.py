@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fit of a chain's open parameters to a recording by simulation error."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from sklvalve.simulation.parameters import ParameterVector
+
+# residuals beyond three standard deviations weigh linearly: spikes must not steer a fit
+_ROBUST_FROM = 3.0
+
+
+@dataclass(frozen=True)
+class ChannelFit:
+    """Result of a fit of one or several channels.
+
+    Attributes
+    ----------
+    values : dict
+        Parameter name -> value.
+    log_likelihood : float
+        Robust log likelihood of the whitened residuals, priors included, up to a constant of the noise.
+    predictions : dict
+        Channel -> simulated signal.
+    parameters : tuple of Parameter
+    spreads : dict
+        Parameter name -> standard deviation, of its logarithm where the parameter moves by that.
+    """
+
+    values: dict
+    log_likelihood: float
+    predictions: dict
+    parameters: tuple = ()
+    spreads: dict = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class PlainNoise:
+    """White noise of one size, the stand-in before a noise model is fitted."""
+
+    scale: float
+
+    def whiten(self, residuals):
+        """Residuals in standard deviations; gaps become zero."""
+        return np.nan_to_num(residuals / self.scale)
+
+
+def simulate_channels(chain, values, channels):
+    """Simulated signals of the channels, by name."""
+    return {name: getattr(chain, name)(values) for name in channels}
+
+
+def residual_of(chain, predictions, channel, rows):
+    """Recorded less simulated, NaN in rows that are not used."""
+    left = chain.recording[channel] - predictions[channel]
+    return left if rows is None else np.where(rows, left, np.nan)
+
+
+def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, rows=None, max_steps=20):
+    """Fit parameters to channels, least squares of the whitened simulation error with bounds and priors.
+
+    Parameters
+    ----------
+    chain : Chain
+    parameters : sequence of Parameter
+        Those to be moved; the chain must need no others.
+    channels : sequence of str
+        Signals to be met, `"opening"` and/or `"flow"`.
+    noise : dict
+        Channel -> object with `whiten(residuals)`.
+    start : dict, default=None
+        Values to begin with; what it lacks begins at the parameter's own start.
+    fixed : dict, default=None
+        Values of parameters that the chain needs and that are not moved.
+    rows : ndarray of bool, default=None
+        Rows that count.
+    max_steps : int, default=20
+        Bound on the number of optimiser steps.
+
+    Returns
+    -------
+    fit : ChannelFit
+
+    Notes
+    -----
+    Residuals beyond three standard deviations weigh linearly (soft L1). Derivatives are one-sided
+    differences; a signal that cannot depend on a parameter is not simulated again for it.
+    """
+    vector, held = ParameterVector(parameters), fixed or {}
+
+    def stacked(z):
+        predictions = simulate_channels(chain, held | vector.values(z), channels)
+        parts = [noise[c].whiten(residual_of(chain, predictions, c, rows)) for c in channels]
+        return np.concatenate([*parts, vector.prior_residuals(z)])
+
+    def slopes(z):
+        base = stacked(z)
+        columns = np.empty((len(base), len(z)))
+        for i in range(len(z)):
+            reach = 1e-3 * vector.scale[i]
+            # away from the nearer bound, so that a difference never leaves the possible
+            if z[i] + reach > vector.high[i]:
+                reach = -reach
+            moved = z.copy()
+            moved[i] += reach
+            columns[:, i] = (stacked(moved) - base) / reach
+        return columns
+
+    z = vector.pack(start or {})
+    if not len(vector):
+        predictions = simulate_channels(chain, held, channels)
+        left = sum(log_likelihood(residual_of(chain, predictions, c, rows), noise[c]) for c in channels)
+        return ChannelFit(dict(held), left, predictions)
+    inside = 1e-6 * np.minimum(vector.scale, vector.high - vector.low)
+    z = np.clip(z, vector.low + inside, vector.high - inside)
+    found = least_squares(
+        stacked,
+        z,
+        jac=slopes,
+        bounds=(vector.low, vector.high),
+        x_scale=vector.scale,
+        loss="soft_l1",
+        f_scale=_ROBUST_FROM,
+        ftol=1e-5,
+        xtol=1e-6,
+        gtol=1e-8,
+        max_nfev=max_steps,
+    )
+    values = held | vector.values(found.x)
+    return ChannelFit(
+        values,
+        -float(found.cost),
+        simulate_channels(chain, values, channels),
+        tuple(parameters),
+        _spreads(found.jac, vector),
+    )
+
+
+def log_likelihood(residuals, noise):
+    """Robust log likelihood of residuals under a noise model, as `fit_chain` counts it."""
+    scaled = (noise.whiten(residuals) / _ROBUST_FROM) ** 2
+    return -float(np.sum(_ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)))
+
+
+def _spreads(jacobian, vector):
+    # the least squares Jacobian holds the priors as rows, so the inverse exists wherever anything is known
+    scaled = jacobian * vector.scale
+    covariance = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12)
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * vector.scale
+    return dict(zip(vector.names, spread.tolist(), strict=True))

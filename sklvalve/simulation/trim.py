@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Capacity over opening as a table: the sheet's curve within its tolerance, or a curve learnt from data."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from sklvalve.mechanism import relative_capacity
+from sklvalve.simulation.parameters import Parameter
+
+GRID = np.linspace(0.0, 1.0, 401)
+
+
+class SheetTrim:
+    """The data sheet's characteristic, bent smoothly within the tolerance of IEC 60534-2-4.
+
+    Parameters
+    ----------
+    valve : Valve
+        Its characteristic, rangeability, shutoff and rated kv.
+    tolerance : Tolerance
+    knots : sequence of float
+        Openings between which the deviation is a natural cubic spline; few, for a trim is smooth.
+    """
+
+    known = True
+
+    def __init__(self, valve, tolerance, knots=(0.05, 0.275, 0.5, 0.75, 1.0)):
+        self.nominal = relative_capacity(
+            GRID,
+            valve.characteristic,
+            rangeability=valve.rangeability,
+            shutoff=valve.shutoff or 0.0,
+            warn=False,
+        )
+        spline = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
+        self._shapes = spline(np.clip(GRID, knots[0], knots[-1]))
+        phi = np.maximum(np.interp(knots, GRID, self.nominal), 1e-3)
+        reach = tolerance.trim * phi**-0.2
+        self.parameters = tuple(
+            Parameter(f"trim_{i}", "1", -r, r, 0.0, spread=0.5 * r) for i, r in enumerate(reach)
+        )
+        self.rated = valve.kv_rated
+        if self.rated is None:
+            self.capacity = Parameter("capacity", "m3/h", 1e-6, 1e6, 10.0, log=True)
+        else:
+            low, high = self.rated * (1.0 - tolerance.capacity), self.rated * (1.0 + tolerance.capacity)
+            self.capacity = Parameter(
+                "capacity", "m3/h", low, high, self.rated, spread=0.5 * tolerance.capacity * self.rated
+            )
+
+    def table(self, values):
+        """kv [m3/h] on `GRID` for the values of the parameters."""
+        bend = self._shapes @ np.array([values[p.name] for p in self.parameters])
+        return values["capacity"] * self.nominal * np.exp(bend)
+
+    def all_parameters(self):
+        """Capacity and the deviations of the trim."""
+        return (self.capacity, *self.parameters)
+
+
+class LearntTrim:
+    """A characteristic that no sheet gives: a monotone curve through knots, its rises the parameters.
+
+    Parameters
+    ----------
+    opening : ndarray of shape (n,)
+        Openings that the recording visits [1]; the knots stand at their quantiles.
+    kv_scale : float
+        Order of the largest capacity [m3/h].
+    n_knots : int, default=12
+    """
+
+    known = False
+
+    def __init__(self, opening, kv_scale, n_knots=12, knots=None):
+        if knots is None:
+            seen = opening[np.isfinite(opening)]
+            span = np.linspace(seen.min(), seen.max(), n_knots)
+            mixed = 0.5 * (span + np.quantile(seen, np.linspace(0.0, 1.0, n_knots)))
+            # capacity may rise anywhere between shut and open, also where the recording has not been
+            knots = np.unique(np.concatenate([[0.0], mixed.round(4), [1.0]]).clip(0.0, 1.0))
+        self.knots = np.asarray(knots, dtype=float)
+        rise = kv_scale / len(self.knots)
+        self.rated = kv_scale
+        self.parameters = tuple(
+            Parameter(f"rise_{i}", "m3/h", 0.0, 20.0 * kv_scale, 0.0 if i == 0 else rise)
+            for i in range(len(self.knots))
+        )
+        # a rise between knots without data is drawn, weakly, to an even one
+        self.parameters = tuple(
+            Parameter(p.name, p.unit, p.low, p.high, p.start, spread=10.0 * rise) for p in self.parameters
+        )
+
+    def table(self, values):
+        """kv [m3/h] on `GRID` for the values of the parameters."""
+        heights = np.cumsum([values[p.name] for p in self.parameters])
+        if len(self.knots) == 2:
+            return np.interp(GRID, self.knots, heights)
+        return PchipInterpolator(self.knots, heights, extrapolate=True)(GRID)
+
+    def all_parameters(self):
+        """The rises from knot to knot."""
+        return self.parameters
