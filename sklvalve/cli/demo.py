@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``sklvalve demo``: conceals an effect, finds it from the files alone, then tells the truth."""
+
+import json
+from argparse import Namespace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sklvalve.cli.diagnose import RESULTS, diagnose, require_extras
+from sklvalve.cli.parser import seed
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch import MissingPhysicsFinder
+
+# Nothing at all, effects that the catalogue knows, and three that no catalogue holds.
+DRAWN = (
+    None,
+    "backlash",
+    "linkage_backlash",
+    "stiction",
+    "positioner_deadband",
+    "supply_pressure_drop",
+    "dead_time",
+    "choked_flow",
+    "seat_leakage",
+    "bypass_open",
+    "clogging",
+    "wrong_characteristic",
+    "piping_reducers",
+    "capacity_error",
+    "position_sensor_bias",
+    "flow_meter_gain",
+    "flow_meter_bias",
+    "trim_rotation",
+    "thermal_bow",
+    "hydrate_pulses",
+)
+_FILES = ("recording.csv", "later.csv", "valve.toml", "truth.json")
+
+
+def add_parser(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "demo",
+        help="conceal an effect, find it, then tell the truth",
+        description="Record a simulated valve loop in which an effect drawn by the seed (or none) is "
+        "concealed, by a simulator that shares no code with the diagnosis; diagnose the files; then tell "
+        "what was concealed and whether the finding is right.",
+    )
+    parser.add_argument("--out", default="sklvalve-demo", metavar="DIR", help="folder (default: %(default)s)")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the draw (default: 0)")
+    parser.set_defaults(run=run)
+
+
+def run(args: Namespace) -> int:
+    """Conceal, diagnose, tell."""
+    from sklvalve.cli.staging import Staging
+    from sklvalve.datasets import make_valve_recording
+    from sklvalve.datasets.concealed import to_toml
+    from sklvalve.recording import read_recording
+    from sklvalve.report import to_text
+
+    require_extras()
+    settings = draw(args.seed)
+    with Staging(args.out, (*_FILES, *RESULTS)) as staging:
+        made = make_valve_recording(**settings, return_truth=False)
+        made.frame.to_csv(staging.path("recording.csv"), index=False)
+        made.later.to_csv(staging.path("later.csv"), index=False)
+        staging.path("valve.toml").write_text(to_toml(made.valve), encoding="utf-8")
+        print(f"Recorded a valve loop with something, or nothing, concealed in it (seed {args.seed}).\n")
+
+        recording = read_recording(staging.path("recording.csv"), staging.path("valve.toml"))
+        finder = diagnose(recording, staging, until=None, seed=0)
+        found = finder.diagnosis_.to_dict()
+        print(to_text(found))
+        print(_on_later(finder, staging.path("later.csv"), staging.path("valve.toml")))
+
+        # the same draw again, and only now with its truth
+        truth = make_valve_recording(**settings).truth
+        staging.path("truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
+        staging.commit()
+    print(f"\nThe truth     {tell(truth)}\n              {judge(found, truth)}")
+    print(f"\nThe report is {Path(args.out) / 'report.html'}; all files are in {args.out}")
+    return 0
+
+
+def draw(seed: int) -> dict:
+    """Settings of the recording that a seed stands for."""
+    import numpy as np
+
+    rng = np.random.default_rng(seed)
+    return {
+        "effect": DRAWN[rng.integers(len(DRAWN))],
+        "onset": None,
+        "random_state": int(rng.integers(2**31 - 1)),
+    }
+
+
+def judge(found: dict, truth: dict) -> str:
+    """Say in a sentence whether a finding is right.
+
+    Named effects are right where each true one lies in a class and no class lacks a true one.
+    """
+    classes = [{member["name"] for member in effect["members"]} for effect in found["effects"]]
+    true = set(truth["effects"])
+    if found["verdict"] == "cannot_tell":
+        among = true and true <= set().union(*classes)
+        listed = "among the candidates" if among else "not among the candidates"
+        return f"The finding left it open; the truth is {listed}." if true else "The finding left it open."
+    if found["verdict"] != truth["verdict"]:
+        return "The finding is wrong."
+    if truth["verdict"] != "named":
+        return "The finding is right."
+    covered = all(any(name in members for members in classes) for name in true)
+    if covered and all(members & true for members in classes):
+        return "The finding is right."
+    return "The finding is right in part only." if covered else "The finding is wrong."
+
+
+def tell(truth: dict) -> str:
+    """The truth of a recording in a sentence."""
+    from sklvalve.report.place import duration
+    from sklvalve.report.words import either, number, spoken
+
+    if not truth["concealed"]:
+        return "Nothing was concealed: a healthy valve within its data-sheet tolerances."
+    sizes = [
+        f"{spoken(name)} ({number(truth['strengths'][name])} {_unit(truth['units'][name])})"
+        for name in truth["concealed"]
+    ]
+    since = f"from {duration(truth['onset'])} on" if truth["onset"] > 0.0 else "from the start"
+    alien = "" if truth["effects"] else ", which no catalogue holds"
+    return f"Concealed was {either(sizes, 'and')}, {since}{alien}."
+
+
+def _unit(unit: str) -> str:
+    return {"1": "as a share", "kv_rated": "of the rated capacity", "span": "of the span"}.get(unit, unit)
+
+
+def _on_later(finder: "MissingPhysicsFinder", path: Path, valve: Path) -> str:
+    """Errors on the recording's continuation, which the diagnosis has not seen."""
+    import numpy as np
+
+    from sklvalve.metrics import rmse
+    from sklvalve.recording import read_recording
+    from sklvalve.report.words import number
+
+    later = read_recording(path, valve)
+    parts = []
+    for role in ("opening", "flow"):
+        errors = []
+        for simulation in (finder.nominal_simulation_, finder.corrected_simulation_):
+            pair = [
+                later.in_recorded_units(role, values)
+                for values in (later[role], simulation.simulate(later)[role])
+            ]
+            good = np.isfinite(pair[0]) & np.isfinite(pair[1])
+            errors.append(number(rmse(pair[0][good], pair[1][good])))
+        parts.append(f"{role} {errors[0]} nominal, {errors[1]} corrected {later.unit(role)}")
+    return f"\nLater rows    RMSE in later.csv, seen by no one so far: {'; '.join(parts)}"

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``sklvalve diagnose``: what a simulation leaves out, as JSON, a report and a corrected model."""
+
+import json
+from argparse import Namespace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sklvalve.cli.parser import seed
+
+if TYPE_CHECKING:
+    from sklvalve.cli.staging import Staging
+    from sklvalve.mismatch import MissingPhysicsFinder
+    from sklvalve.recording import Recording
+
+RESULTS = ("diagnosis.json", "report.html", "corrected_model.skops")
+_EXTRAS = {"jinja2": "report", "matplotlib": "report", "skops": "skops"}
+
+
+def add_parser(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "diagnose",
+        help="find out which physics the simulation of a valve leaves out",
+        description="Compare a recording with the valve's simulation, name what the simulation leaves out, "
+        "and write diagnosis.json, report.html and corrected_model.skops.",
+    )
+    parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
+    parser.add_argument("--valve", required=True, metavar="VALVE.toml", help="what is known of the valve")
+    parser.add_argument("--out", required=True, metavar="DIR", help="folder for the results")
+    parser.add_argument(
+        "--until",
+        metavar="TIME",
+        help="in the recording's own time: rows after it serve for the final held-out figures only",
+    )
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the random draws (default: 0)")
+    parser.add_argument(
+        "--exit-code", action="store_true", help="end with status 1 where there is a mismatch"
+    )
+    parser.add_argument("--json", action="store_true", help="print diagnosis.json instead of the text")
+    parser.set_defaults(run=run)
+
+
+def run(args: Namespace) -> int:
+    """Diagnose a recording."""
+    from sklvalve.cli.staging import Staging
+    from sklvalve.recording import read_recording, read_valve
+    from sklvalve.report import to_text
+
+    require_extras()
+    valve = read_valve(args.valve)
+    recording = read_recording(args.recording, valve)
+    rows = _rows_until(recording, args.until)
+    with Staging(args.out, RESULTS) as staging:
+        finder = diagnose(recording, staging, until=rows, seed=args.seed)
+        written = staging.commit()
+    found = finder.diagnosis_.to_dict()
+    if args.json:
+        print(_json(found))
+    else:
+        print(to_text(found))
+        print(f"\nWritten: {', '.join(str(path) for path in written)}")
+    return int(args.exit_code and found["verdict"] != "no_mismatch")
+
+
+def diagnose(
+    recording: "Recording", staging: "Staging", *, until: int | None, seed: int
+) -> "MissingPhysicsFinder":
+    """Diagnose a recording and lay the three results down in a staging folder."""
+    from sklvalve.cli.progress import progress
+    from sklvalve.mismatch import MissingPhysicsFinder, save_model
+    from sklvalve.report import write_report
+
+    with progress() as callback:
+        finder = MissingPhysicsFinder(random_state=seed, callback=callback)
+        finder.fit(recording, until=until)
+        tag, source = recording.valve.tag, Path(recording.source).name
+        write_report(staging.path("report.html"), finder.diagnosis_, title=tag, source=source)
+        save_model(staging.path("corrected_model.skops"), finder)
+        text = _json(finder.diagnosis_.to_dict())
+        staging.path("diagnosis.json").write_text(text + "\n", encoding="utf-8")
+    return finder
+
+
+def require_extras() -> None:
+    """Say what is not installed before the work instead of after it.
+
+    Raises
+    ------
+    ImportError
+        Naming the extra.
+    """
+    for module, extra in _EXTRAS.items():
+        try:
+            import_module(module)
+        except ImportError:
+            raise ImportError(
+                f'the results of a diagnosis need {module}: pip install "sklvalve[{extra}]"'
+            ) from None
+
+
+def _rows_until(recording: "Recording", time: str | None) -> int | None:
+    """Rows that serve for finding; both sides of the time must hold some."""
+    if time is None:
+        return None
+    recording.after(time)
+    return len(recording.until(time))
+
+
+def _json(found: dict) -> str:
+    return json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)

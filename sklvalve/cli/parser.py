@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A parser whose complaints are one sentence, and the types of arguments."""
+
+from argparse import ArgumentParser, ArgumentTypeError
+from typing import NoReturn
+
+
+class UsageError(Exception):
+    """Words on the command line that make no command."""
+
+
+class Parser(ArgumentParser):
+    """Parser that raises instead of printing its usage and leaving; abbreviations are not guessed."""
+
+    def __init__(self, **settings) -> None:
+        super().__init__(**{"allow_abbrev": False} | settings)
+
+    def error(self, message: str) -> NoReturn:
+        """Raise the complaint, with where to read more."""
+        raise UsageError(f"{message}; see {self.prog} --help")
+
+
+def seed(text: str) -> int:
+    """Random seed: a whole number that NumPy takes."""
+    try:
+        value = int(text)
+    except ValueError:
+        value = -1
+    if not 0 <= value < 2**32:
+        raise ArgumentTypeError(f"expected a whole number from 0 to 4294967295; got {text!r}")
+    return value

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``sklvalve predict``: opening and flow of a recording by a corrected model."""
+
+import csv
+import math
+from argparse import Namespace
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, TextIO
+
+if TYPE_CHECKING:
+    from sklvalve.recording import Recording, Valve
+
+# predicted column -> role whose form it takes
+_COLUMNS = {"opening": "opening", "flow": "flow", "flow_from_command": "flow"}
+# what the flow through a valve cannot be known without; other columns may be missing from the file
+_NEEDED = ("p1", "p2", "temperature", "simulated_flow", "simulated_opening")
+
+
+def add_parser(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "predict",
+        help="predict opening and flow with a corrected model",
+        description="Write time, opening (free run from the command), flow (from the recorded opening; from "
+        "the command where none was recorded) and flow_from_command, in the recording's own units.",
+    )
+    parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
+    parser.add_argument(
+        "--model", required=True, metavar="MODEL.skops", help="corrected_model.skops of a diagnosis"
+    )
+    parser.add_argument("--out", required=True, metavar="FILE.csv", help="file for the predictions")
+    parser.add_argument(
+        "--nominal", action="store_true", help="leave the found effects out: the calibrated data sheet alone"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(args: Namespace) -> int:
+    """Predict a recording."""
+    from sklvalve.cli.staging import Staging
+    from sklvalve.mismatch import load_model
+    from sklvalve.recording import InputError
+
+    out = _target(args)
+    if not Path(args.model).is_file():
+        raise InputError(f"{args.model}: no such file; give the corrected_model.skops of a diagnosis")
+    model = load_model(args.model)
+    valve = model["corrected"].valve
+    recording = read_for_prediction(args.recording, valve)
+    predicted = model["nominal" if args.nominal else "corrected"].simulate(recording)
+    columns = {
+        name: recording.in_recorded_units(role, predicted[name])
+        for name, role in _COLUMNS.items()
+        if predicted.get(name) is not None
+    }
+    if not columns:
+        raise InputError(
+            f"{args.recording}: its signals ({', '.join(recording.signals)}) allow no prediction; "
+            "give at least the command, or the opening with both pressures"
+        )
+    with Staging(out.parent, [out.name], called=f"--out {out.name} in") as staging:
+        with staging.path(out.name).open("w", encoding="utf-8", newline="") as file:
+            write_table(file, recording.stamps, columns)
+        staging.commit()
+    print(f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})")
+    return 0
+
+
+def read_for_prediction(path: str, valve: "Valve") -> "Recording":
+    """Read a recording of a known valve, from which columns may be missing that the model can do without.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or lacks pressures or temperature, or both command and opening.
+    """
+    from sklvalve.recording import read_recording
+    from sklvalve.recording.reader import read_columns
+
+    columns = read_columns(path).columns
+    present = {
+        role: signal
+        for role, signal in valve.roles.items()
+        if role in _NEEDED or signal.column is None or _holds_something(columns.get(signal.column))
+    }
+    if not {"command", "opening"} & present.keys():
+        present = {role: signal for role, signal in valve.roles.items() if role in {*present, "command"}}
+    recording = read_recording(path, replace(valve, roles=present))
+    # units of what is predicted are the valve's own, also of a role that this file lacks
+    by_mass = any(valve.roles[role].mass_flow for role in ("flow", "simulated_flow") if role in valve.roles)
+    return replace(recording, valve=valve, mass_flow=by_mass)
+
+
+def write_table(file: TextIO, stamps, columns: dict) -> None:
+    """Write times as recorded and numbers of seven digits; a gap is an empty cell."""
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(["time", *columns])
+    for row, stamp in enumerate(stamps):
+        time = stamp if isinstance(stamp, str) else f"{stamp:.15g}"
+        writer.writerow([time, *(_cell(values[row]) for values in columns.values())])
+
+
+def _cell(value: float) -> str:
+    return f"{value:.7g}" if math.isfinite(value) else ""
+
+
+def _holds_something(column) -> bool:
+    from sklvalve.recording.columns import is_gap
+
+    return column is not None and not all(is_gap(item) for item in column.tolist())
+
+
+def _target(args: Namespace) -> Path:
+    """Path of the predictions, refused where it would be misleading or overwrite an input."""
+    from sklvalve.recording import InputError
+
+    out = Path(args.out)
+    if out.suffix != ".csv":
+        raise InputError(f"--out {out}: predictions are written as plain CSV; name the file .csv")
+    for given in (args.recording, args.model):
+        if out.exists() and Path(given).exists() and out.samefile(given):
+            raise InputError(f"--out {out}: this is an input of the same command; name another file")
+    return out

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bad input of every kind: exit status 2, one line on standard error, nothing written."""
+
+import os
+
+import pytest
+
+from sklvalve.cli import main
+from tests.cli import stand_in
+
+DIAGNOSE = ["diagnose", "recording.csv", "--valve", "valve.toml", "--out", "out"]
+
+
+def _table(**changes):
+    table = stand_in.columns()
+    for name, change in changes.items():
+        table[name] = change(list(table[name]))
+    return stand_in.csv_text(table)
+
+
+def _replaced(values, row, value):
+    values[row] = value
+    return values
+
+
+RECORDINGS = {
+    "missing column": (stand_in.csv_text({k: v for k, v in stand_in.columns().items() if k != "P1"}), "'P1'"),
+    "text in numbers": (_table(F=lambda v: _replaced(v, 3, "bad")), "row 4"),
+    "doubled time": (_table(t=lambda v: _replaced(v, 5, v[4])), "stands twice"),
+    "unsorted time": (_table(t=lambda v: v[::-1]), "sort the rows"),
+    "all gaps": (_table(F=lambda v: [float("nan")] * len(v)), "only gaps"),
+    "outlet above inlet": (_table(P1=lambda v: [50.0] * len(v)), "p2 lies above p1"),
+    "empty": ("", "empty"),
+    "header alone": ("t,CV,X,F,P1\n", "no row"),
+    "binary": ("\x00\x01\x02", "binary"),
+    "too short": ("t,CV,X,F,P1\n0,1,1,1,500\n1,1,1,1,500\n", "too few"),
+}
+VALVES = {
+    "unknown unit": (stand_in.VALVE.replace('"m3/h"', '"m3/hour"'), "m3/hour"),
+    "malformed": (stand_in.VALVE + "\n[recording.", "no valid TOML"),
+    "unknown key": (stand_in.VALVE.replace("tag", "tagg"), "'tagg'"),
+    "unknown role": (stand_in.VALVE.replace("recording.p1", "recording.p9"), "p9"),
+    "no signals": ('[valve]\ntag = "FV"\n', "names no signal"),
+}
+ARGUMENTS = {
+    "no command": ([], "required"),
+    "unknown command": (["diagnoze"], "invalid choice"),
+    "no valve": (DIAGNOSE[:2], "--valve"),
+    "unknown option": ([*DIAGNOSE, "--verbos"], "--verbos"),
+    "seed of words": ([*DIAGNOSE, "--seed", "some"], "whole number"),
+    "no recording": (["diagnose", "absent.csv", *DIAGNOSE[2:]], "no such file"),
+    "recording of a wrong kind": (["diagnose", "valve.toml", *DIAGNOSE[2:]], "expected a file named .csv"),
+    "until words": ([*DIAGNOSE, "--until", "noon"], "no time of this recording"),
+    "until before all": ([*DIAGNOSE, "--until", "3"], "give a time between 100.0 and 139.0"),
+    "until after all": ([*DIAGNOSE, "--until", "500"], "give a time between 100.0 and 139.0"),
+    "out is a file": ([*DIAGNOSE[:-1], "valve.toml"], "valve.toml is a file"),
+    "out under a file": ([*DIAGNOSE[:-1], "valve.toml/sub/out"], "is a file"),
+    "screen without recording": (["screen", "absent.csv", "--valve", "valve.toml"], "no such file"),
+    "no model": (["predict", "recording.csv", "--model", "no.skops", "--out", "p.csv"], "no such file"),
+    "predictions as Parquet": (["predict", "recording.csv", "--model", "m", "--out", "p.parquet"], ".csv"),
+    "demo in a file": (["demo", "--out", "valve.toml"], "is a file"),
+}
+
+
+def _refused(arguments, words, capsys):
+    before = sorted(os.listdir("."))
+    assert main(arguments) == 2
+    shown = capsys.readouterr()
+    assert words in shown.err
+    assert shown.err.startswith("sklvalve: ")
+    assert shown.err.count("\n") == 1
+    assert shown.out == ""
+    assert sorted(os.listdir(".")) == before
+
+
+@pytest.mark.parametrize(("content", "words"), RECORDINGS.values(), ids=RECORDINGS)
+@pytest.mark.parametrize("arguments", [DIAGNOSE, ["screen", *DIAGNOSE[1:4]]], ids=["diagnose", "screen"])
+def test_recording(folder, capsys, content, words, arguments):
+    (folder / "recording.csv").write_text(content)
+    _refused(arguments, words, capsys)
+
+
+@pytest.mark.parametrize(("content", "words"), VALVES.values(), ids=VALVES)
+def test_valve(folder, capsys, content, words):
+    (folder / "valve.toml").write_text(content)
+    _refused(DIAGNOSE, words, capsys)
+
+
+@pytest.mark.parametrize(("arguments", "words"), ARGUMENTS.values(), ids=ARGUMENTS)
+def test_arguments(folder, capsys, arguments, words):
+    _refused(arguments, words, capsys)
+
+
+def test_result_that_is_a_folder(folder, capsys):
+    os.makedirs("out/report.html")
+    _refused(DIAGNOSE, "no plain file", capsys)
+    assert os.listdir("out") == ["report.html"]
+
+
+def test_unwritable_folder(folder, capsys, monkeypatch):
+    def denied(**settings):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("sklvalve.cli.staging.tempfile.mkdtemp", denied)
+    _refused(DIAGNOSE, "cannot be written (Permission denied)", capsys)
+
+
+def test_mistake_of_the_reader_for_missing_pandas(folder, capsys, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "pandas", None)
+    _refused(DIAGNOSE, 'pip install "sklvalve[io]"', capsys)

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import csv
+
+import numpy as np
+import pytest
+
+from sklvalve.cli import main
+from tests.cli import stand_in
+
+MODEL = "out/corrected_model.skops"
+PREDICT = ["predict", "later.csv", "--model", MODEL, "--out", "predictions.csv"]
+
+
+@pytest.fixture
+def later(folder):
+    """Write a recording to predict, after a diagnosis, with columns changed (None: left out)."""
+    assert main(["diagnose", "recording.csv", "--valve", "valve.toml", "--out", "out"]) == 0
+
+    def write(**changes):
+        table = stand_in.columns() | changes
+        table = {name: values for name, values in table.items() if values is not None}
+        (folder / "later.csv").write_text(stand_in.csv_text(table))
+
+    return write
+
+
+def _read():
+    with open("predictions.csv", encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {name: [row[name] for row in rows] for name in rows[0]}
+
+
+def test_columns_in_the_recordings_own_units_and_times(later):
+    later()
+    assert main(PREDICT) == 0
+    table = _read()
+    assert list(table) == ["time", "opening", "flow", "flow_from_command"]
+    made = stand_in.columns()
+    assert [float(time) for time in table["time"]] == list(made["t"])
+    np.testing.assert_allclose([float(x) for x in table["opening"]], made["X"], rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose([float(x) for x in table["flow"]], 0.36 * made["X"], rtol=1e-6, atol=1e-9)
+
+
+def test_nominal_leaves_the_found_effects_out(later):
+    later()
+    assert main([*PREDICT, "--nominal"]) == 0
+    assert float(_read()["flow"][-1]) == pytest.approx(28.8, rel=1e-6)
+
+
+@pytest.mark.parametrize("empty", [None, np.full(40, np.nan)], ids=["absent", "empty"])
+def test_file_without_flow_and_opening_is_predicted_in_the_models_units(later, empty):
+    later(F=empty, X=empty)
+    assert main(PREDICT) == 0
+    table = _read()
+    assert float(table["flow"][-1]) == pytest.approx(36.0, rel=1e-6)
+    assert float(table["opening"][20]) == pytest.approx(stand_in.columns()["X"][20], rel=1e-6)
+
+
+def test_file_without_command_gives_what_the_opening_allows(later):
+    later(CV=None)
+    assert main(PREDICT) == 0
+    assert list(_read()) == ["time", "flow"]
+
+
+def test_gaps_are_empty_cells(later):
+    travel = stand_in.columns()["X"]
+    travel[7] = np.nan
+    later(X=travel)
+    assert main(PREDICT) == 0
+    table = _read()
+    assert table["flow"][7] == ""
+    assert table["flow_from_command"][7] != ""
+
+
+def test_iso_times_are_kept_as_they_are(later):
+    stamps = [f"2024-06-28T14:35:{second:02d}" for second in range(40)]
+    later(t=stamps)
+    assert main(PREDICT) == 0
+    assert _read()["time"] == stamps
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [({"P1": None}, "'P1' for p1"), ({"CV": None, "X": None}, "'CV' for command"), ({"t": None}, "the time")],
+)
+def test_needed_columns_are_asked_for(later, capsys, changes, words):
+    later(**changes)
+    capsys.readouterr()
+    assert main(PREDICT) == 2
+    shown = capsys.readouterr().err
+    assert words in shown
+    assert shown.count("\n") == 1
+
+
+@pytest.mark.parametrize("name", ["later.csv", "out/../later.csv"])
+def test_inputs_are_not_overwritten(later, folder, capsys, name):
+    later()
+    before = (folder / "later.csv").read_text()
+    assert main([*PREDICT[:-1], name]) == 2
+    assert "an input of the same command" in capsys.readouterr().err
+    assert (folder / "later.csv").read_text() == before
+
+
+def test_flow_by_mass_stays_by_mass(folder):
+    valve = stand_in.VALVE.replace('"m3/h"', '"kg/h"')
+    (folder / "valve.toml").write_text(valve)
+    assert main(["diagnose", "recording.csv", "--valve", "valve.toml", "--out", "out"]) == 0
+    table = stand_in.columns()
+    del table["F"]
+    (folder / "later.csv").write_text(stand_in.csv_text(table))
+    assert main(PREDICT) == 0
+    assert float(_read()["flow"][-1]) == pytest.approx(36.0, rel=1e-6)  # 0.01 kg/s at full travel
