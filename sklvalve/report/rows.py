@@ -3,11 +3,11 @@
 
 from typing import NamedTuple
 
+from sklvalve.report.parameters import parameters
 from sklvalve.report.place import intervals_words, region_words, share_words, since_words
 from sklvalve.report.words import (
     block_words,
     class_words,
-    interval,
     number,
     percent,
     role_words,
@@ -44,10 +44,7 @@ def explanations(d: dict) -> list[Explanation]:
                 (spoken(member["name"]), member["probability"], percent(member["probability"]))
                 for member in effect["members"]
             ],
-            parameters=[
-                (name.replace("_", " "), interval(parameter))
-                for name, parameter in (effect.get("parameters") or {}).items()
-            ],
+            parameters=parameters(effect, d),
             sentence=effect.get("sentence") or "",
             separated_by=effect.get("separated_by") or "",
         )

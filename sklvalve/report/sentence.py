@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first thing that a person reads: the diagnosis in one sentence."""
 
+from sklvalve.report.parameters import parameters
 from sklvalve.report.place import onset_words, regions_words
 from sklvalve.report.words import (
     block_words,
     class_words,
     either,
-    interval,
     number,
     p_words,
     percent,
@@ -75,12 +75,12 @@ def _named(d: dict) -> str:
         effect = effects[0]
         return (
             f"The simulation leaves out {class_words(effect['members'])} ({sure(effect['probability'])}): "
-            f"{_size(effect)}acting {_place(d, effect['blocks'])}{_gain(d)}."
+            f"{_size(effect, d)}acting {_place(d, effect['blocks'])}{_gain(d)}."
         )
     count = _COUNTS.get(len(effects), str(len(effects)))
     found = [
         f"{class_words(effect['members'])} {block_words(effect['blocks'])} "
-        f"({_size(effect)}{sure(effect['probability'])})"
+        f"({_size(effect, d)}{sure(effect['probability'])})"
         for effect in effects
     ]
     listed = "; ".join(f"{place}. {words}" for place, words in enumerate(found, start=1))
@@ -115,11 +115,10 @@ def _undecided(d: dict) -> str:
     return sentence + "."
 
 
-def _size(effect: dict) -> str:
+def _size(effect: dict, d: dict) -> str:
     """The first parameter, which is the effect's size, with its interval."""
-    for name, parameter in (effect.get("parameters") or {}).items():
-        return f"{name.replace('_', ' ')} {interval(parameter)}, "
-    return ""
+    shown = parameters(effect, d)
+    return f"{shown[0][0]} {shown[0][1]}, " if shown else ""
 
 
 def _place(d: dict, blocks: list[str]) -> str:

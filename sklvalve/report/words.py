@@ -114,15 +114,6 @@ def with_unit(value: float | None, unit: str | None) -> str:
     return number(value) + (f" {unit}" if unit and unit != "1" else "")
 
 
-def interval(parameter: dict) -> str:
-    """Value of a parameter with its 95 % interval."""
-    bounds = parameter.get("ci95") or [None, None]
-    words = with_unit(parameter["value"], parameter.get("unit"))
-    if None in bounds:
-        return words
-    return f"{words} [{number(bounds[0])} to {number(bounds[1])}]"
-
-
 def percent(share: float | None) -> str:
     """A share of one as percent: whole numbers where that is fine enough."""
     if share is None or not isfinite(share):

@@ -52,7 +52,7 @@ PLAY = {
     "members": [{"name": "backlash", "probability": 0.999}],
     "probability": 0.999,
     "blocks": ["actuator"],
-    "parameters": {"play": {"value": 0.031, "unit": "1", "ci95": [0.029, 0.033]}},
+    "parameters": {"width": {"value": 0.031, "unit": "1", "ci95": [0.029, 0.033]}},
     "sentence": "The stem follows the actuator only after a play is taken up.",
     "separated_by": "",
 }

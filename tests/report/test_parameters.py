@@ -1,0 +1,34 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import pytest
+
+from sklvalve.report.parameters import parameters
+
+
+def _one(name, unit, value, ci95, flow_unit="m3/h"):
+    effect = {"parameters": {name: {"value": value, "unit": unit, "ci95": ci95}}}
+    return parameters(effect, {"fit": {"flow": {"unit": flow_unit}}})[0]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "value", "ci95", "shown"),
+    [
+        ("width", "1", 0.031, [0.029, 0.033], ("play", "3.1 % of travel [2.9 to 3.3]")),
+        ("fl", "1", 0.71, [0.68, 0.74], ("F_L", "0.71 [0.68 to 0.74]")),
+        ("bias", "1", -0.02, None, ("offset", "-2 % of travel")),
+        ("bias", "m3/s", 0.001, [0.0005, 0.0015], ("offset", "3.6 m3/h [1.8 to 5.4]")),
+        ("leak_kv", "m3/h", 0.8, [0.7, 0.9], ("leak kv", "0.8 m3/h [0.7 to 0.9]")),
+        ("new_thing", "Pa", 1.0, [None, None], ("new thing", "1 Pa")),
+        ("new_thing", "1", None, None, ("new thing", "unknown")),
+    ],
+)
+def test_parameters_in_an_engineers_units(name, unit, value, ci95, shown):
+    assert _one(name, unit, value, ci95) == shown
+
+
+def test_mass_flow_is_not_turned_into_volume():
+    assert _one("bias", "kg/s", 1.0, None) == ("bias", "1 kg/s")
+    assert _one("bias", "kg/s", 1.0, None, flow_unit="t/h") == ("offset", "3.6 t/h")
+
+
+def test_effect_without_parameters_has_none_to_show():
+    assert parameters({}, {}) == []
