@@ -6,10 +6,12 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sklvalve.mismatch.onset import fit_with_onset
-from sklvalve.mismatch.workbench import Member
+from sklvalve.mismatch.workbench import Member, Model
 
 # two explanations are told apart from this profile-likelihood distance on (3 % confusion)
 DISTINGUISHABLE = 14.0
+# what a model of a strong effect gets wrong passes for weak further ones: these must reach this share of it
+_SHARE_OF_STRONGEST = 0.15
 # what an onset must gain: it is one of as many as there are rows
 _ONSET_PRICE = 10.0
 
@@ -110,11 +112,25 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
         model = _drop_what_no_longer_counts(workbench, settled, threshold)
         workbench.learn_noise(model, cautious=True)
         model = workbench.fit(model.members, start=model)
-    workbench.learn_noise(model)
-    model = workbench.fit(model.members, start=model)
+    for _ in range(3):
+        workbench.learn_noise(model)
+        model = workbench.fit(model.members, start=model)
+        findings = _rivals(workbench, model, effects, report)
+        better = _better_in_place(findings)
+        if better is None:
+            break
+        model = _settle(workbench, better)
     nominal = workbench.fit((), start=nominal)
-    findings = _rivals(workbench, model, effects, report)
     return Explanation(nominal, model, findings, tried)
+
+
+def _better_in_place(findings):
+    """A hypothesis with a rival in the place of an effect that the recording prefers to it, if there is one."""
+    for finding in findings:
+        who, fitted, _ = finding.rivals[0]
+        if who is not finding.member and who.effect.name != finding.member.effect.name:
+            return fitted
+    return None
 
 
 def _step(workbench, model, effects, report, done):
@@ -128,14 +144,23 @@ def _step(workbench, model, effects, report, done):
             workbench.fit((*model.members, Member(effect)), start=model, attempt=k, hold=hold, max_steps=8)
             for k in range(max(len(q.starts) for q in effect.parameters))
         ]
-        fits.append(fit_with_onset(workbench, model, effect, hold=hold))
+        if effect.may_begin:
+            fits.append(fit_with_onset(workbench, model, effect, hold=hold))
         rough.append(max(fits, key=lambda m: worth(workbench, m)))
         if report:
             report(done + 0.2 * (i + 1) / len(usable))
     rough.sort(key=lambda m: worth(workbench, m), reverse=True)
     # the best few again, now with the whole calibration free
-    refined = [workbench.fit(m.members, start=m) if i < 4 else m for i, m in enumerate(rough)]
+    refined = [_refine(workbench, model, m) if i < 4 else m for i, m in enumerate(rough)]
     return sorted(refined, key=lambda m: worth(workbench, m), reverse=True)
+
+
+def _refine(workbench, before, model):
+    last = model.members[-1]
+    if last.onset is None:
+        return workbench.fit(model.members, start=model)
+    rest = Model(before.members, before.chain, model.values, before.predictions, before.log_likelihood, {})
+    return fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
 
 
 def _names(model):
@@ -153,7 +178,13 @@ def _matters(workbench, model, without, threshold):
     beyond = member.effect.beyond_tolerance(
         own_values(member, model), model.chain, workbench.tolerance, member.onset is not None
     )
-    return gain > threshold and beyond and workbench.counts(workbench.change(model, without))
+    sizes = workbench.change(model, without)
+    if not (gain > threshold and beyond and workbench.counts(sizes)):
+        return False
+    if not without.members:
+        return True
+    strongest = workbench.change(without, workbench.fit((), start=without))
+    return any(sizes[c] > _SHARE_OF_STRONGEST * strongest[c] and workbench.counts({c: sizes[c]}) for c in sizes)
 
 
 def _settle(workbench, model):
@@ -189,8 +220,9 @@ def _rivals(workbench, model, effects, report):
                 continue
             if not set(workbench.channels_touched(effect)) & set(workbench.channels_touched(member.effect)):
                 continue
+            onset = member.onset if effect.may_begin else None
             fits = [
-                workbench.fit((*rest, Member(effect, member.onset)), start=without, attempt=k, max_steps=12)
+                workbench.fit((*rest, Member(effect, onset)), start=without, attempt=k, max_steps=12)
                 for k in range(max(len(q.starts) for q in effect.parameters))
             ]
             best = max(fits, key=lambda m: m.log_likelihood)

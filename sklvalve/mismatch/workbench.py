@@ -16,7 +16,7 @@ from sklvalve.simulation.calibration import (
 )
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.fitting import PlainNoise, fit_chain, residual_of, simulate_channels
-from sklvalve.simulation.parameters import Parameter, ParameterVector
+from sklvalve.simulation.parameters import ParameterVector
 
 _OPENING_STAGES = ("signal", "actuator", "stem")
 
@@ -186,11 +186,9 @@ class Workbench:
             else:
                 parameters.append(p)
         for member in members:
-            for q in member.effect.quantities(chain):
-                first = q.starts[min(attempt, len(q.starts) - 1)]
-                parameters.append(
-                    Parameter(f"{member.effect.key}.{q.name}", q.unit, q.low, q.high, first, log=q.log)
-                )
+            parameters += [
+                q.parameter_of(member.effect.key, attempt) for q in member.effect.quantities(chain)
+            ]
         return fit_chain(
             chain, parameters, channels, self.noise, start=begin, fixed=fixed, rows=rows, max_steps=max_steps
         )

@@ -3,6 +3,8 @@
 
 from dataclasses import dataclass
 
+from sklvalve.simulation.parameters import Parameter
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -28,6 +30,11 @@ class Quantity:
     starts: tuple
     log: bool = False
 
+    def parameter_of(self, key, attempt=0):
+        """Parameter of a fit for the effect of this key, begun with the start of this number."""
+        start = self.starts[min(attempt, len(self.starts) - 1)]
+        return Parameter(f"{key}.{self.name}", self.unit, self.low, self.high, start, log=self.log)
+
 
 class Effect:
     """One kind of physics that a simulation may leave out.
@@ -48,11 +55,17 @@ class Effect:
         What a person reads; may name the parameters.
     separated_by : str
         The test that tells it from what it is confused with.
+    may_begin : bool
+        Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
+    rugged : bool
+        Whether its likelihood has many side valleys, so that a fit needs a search before it.
     damadics : str
         Fault of the benchmark with the same physics, or ``""``.
     """
 
     name = key = block = stage = phrase = separated_by = damadics = ""
+    may_begin = True
+    rugged = False
     needs: tuple = ()
     parameters: tuple = ()
 

@@ -20,6 +20,7 @@ class ChokedFlow(Effect):
     parameters = (
         Quantity("fl", "1", 0.25, 0.99, (0.85, 0.65, 0.5)),
         Quantity("knee", "1", 3.0, 40.0, (12.0,), log=True),
+        Quantity("slope", "1", 0.0, 0.25, (0.05,)),
     )
     needs = ("flow", "p1", "p2")
     phrase = "the flow chokes (F_L about {fl:.2f})"
@@ -31,7 +32,9 @@ class ChokedFlow(Effect):
 
     def apply(self, value, p, chain):
         n = len(chain.time)
-        return {"fl": np.full(n, p["fl"]), "knee": np.full(n, p["knee"])}
+        # F_L falls with travel; `fl` is its value half open
+        fl = p["fl"] * (1.0 - p["slope"] * (chain.plug - 0.5))
+        return {"fl": fl, "knee": np.full(n, p["knee"])}
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         if not chain.choking or late:

@@ -18,6 +18,7 @@ class PipingReducers(Effect):
     block, stage = "line", "line"
     parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
     needs = ("flow",)
+    may_begin = False
     phrase = "fittings or line in series with the valve cost {loss:.2g} times its own loss when fully open"
     separated_by = "Pressure taps directly at the valve; no signal beyond them tells reducers from a line loss."
 

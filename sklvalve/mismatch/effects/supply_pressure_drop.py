@@ -26,3 +26,9 @@ class SupplyPressureDrop(Effect):
         atmosphere = 101_325.0 / chain.spring_span
         low = atmosphere + (1.0 - p["drop"]) * (chain.supply - atmosphere)
         return value | {"supply": np.full_like(value["supply"], low)}
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        # a supply that still carries the whole travel changes the response only
+        atmosphere = 101_325.0 / chain.spring_span
+        reach = atmosphere + (1.0 - p["drop"]) * (chain.supply - atmosphere) - chain.spring
+        return reach < 1.05

@@ -21,6 +21,7 @@ class WrongCharacteristic(Effect):
         Quantity("bow", "1", -2.0, 2.0, (0.0,)),
     )
     needs = ("flow",)
+    may_begin = False
     phrase = "the trim does not have the characteristic of its data sheet"
     separated_by = "A slow staircase over the whole travel at three pressure drops."
 

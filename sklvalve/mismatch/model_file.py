@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Models on disk: plain numbers, texts and arrays, read back without running code."""
+
+import os
+import tempfile
+from pathlib import Path
+
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.recording import InputError, Valve
+from sklvalve.simulation import ValveSimulation
+
+_FORMAT = "sklvalve.model/1"
+
+
+def save_model(path, finder):
+    """Save what a finder found, as a skops file.
+
+    Parameters
+    ----------
+    path : str or path-like
+    finder : MissingPhysicsFinder
+        Fitted.
+
+    Raises
+    ------
+    ImportError
+        If skops is not installed.
+    """
+    skops_io = _skops()
+    content = {
+        "format": _FORMAT,
+        "valve": finder.corrected_simulation_.valve_.to_dict(),
+        "corrected": finder.corrected_simulation_.to_state(),
+        "nominal": finder.nominal_simulation_.to_state(),
+        "diagnosis": finder.diagnosis_.to_dict(),
+    }
+    path = Path(path)
+    handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+    os.close(handle)
+    try:
+        skops_io.dump(content, name)
+        os.replace(name, path)
+    except BaseException:
+        Path(name).unlink(missing_ok=True)
+        raise
+
+
+def load_model(path):
+    """Load a model file; nothing in it is executed.
+
+    Returns
+    -------
+    model : dict
+        ``corrected`` and ``nominal``, each a `ValveSimulation`; ``diagnosis``, a dict.
+
+    Raises
+    ------
+    InputError
+        If the file is missing or no model of this package.
+    ImportError
+        If skops is not installed.
+    """
+    skops_io = _skops()
+    if not Path(path).is_file():
+        raise InputError(f"{path}: no such file; give the corrected_model.skops of a diagnosis")
+    try:
+        content = skops_io.load(path, trusted=[])
+        if content.get("format") != _FORMAT:
+            raise ValueError("other format")
+        effects = {e.key: e for e in CATALOGUE}
+        valve = Valve.from_dict(content["valve"], source=str(path))
+        simulations = {
+            kind: ValveSimulation.from_state(
+                valve, content[kind], tuple(effects[key] for key in content[kind]["effects"])
+            )
+            for kind in ("corrected", "nominal")
+        }
+    except InputError:
+        raise
+    except Exception as error:
+        raise InputError(
+            f"{path}: this is no model file of sklvalve; give the corrected_model.skops that a diagnosis wrote"
+        ) from error
+    return simulations | {"diagnosis": content["diagnosis"]}
+
+
+def _skops():
+    try:
+        import skops.io
+    except ImportError:
+        raise ImportError('model files need skops: pip install "sklvalve[skops]"') from None
+    return skops.io

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From fits to words: classes of explanations that the recording cannot tell apart, and the verdict."""
+
+import numpy as np
+
+from sklvalve.mismatch.explain import DISTINGUISHABLE, own_values
+
+# a class is named from this probability on
+NAMED_FROM = 0.8
+# an unknown rest of this share of what the effects explain makes their names doubtful
+_DOUBTFUL = 0.5
+
+
+def class_of(finding):
+    """Members of the class of the best explanation: effect name -> (probability, Member, Model)."""
+    best = max(m.log_likelihood for _, m, _ in finding.rivals)
+    found = {}
+    for who, fitted, probability in finding.rivals:
+        if 2.0 * (best - fitted.log_likelihood) >= DISTINGUISHABLE:
+            continue
+        name = who.effect.name
+        before = found.get(name)
+        if before is None:
+            found[name] = (probability, who, fitted)
+        else:
+            found[name] = (before[0] + probability, before[1], before[2])
+    return dict(sorted(found.items(), key=lambda item: -item[1][0]))
+
+
+def verdict_of(findings, unknown, p_value, alpha, explained):
+    """Verdict, and the findings that stand.
+
+    Parameters
+    ----------
+    findings : list of Finding
+    unknown : Unknown or None
+    p_value, alpha : float
+    explained : float
+        Size of what the effects explain, share of span, in the unknown's channel [1].
+    """
+    if p_value > alpha:
+        return "no_mismatch", []
+    if unknown is not None and unknown.size > _DOUBTFUL * explained:
+        return "none_of_these", []
+    if not findings:
+        return "cannot_tell", []
+    named = [sum(p for p, _, _ in class_of(f).values()) >= NAMED_FROM for f in findings]
+    return ("named" if any(named) else "cannot_tell"), findings
+
+
+def effect_entry(finding, recording):
+    """The entry of diagnosis.json for one finding."""
+    members = class_of(finding)
+    first, (_, who, fitted) = next(iter(members.items()))
+    total = sum(p for p, _, _ in members.values())
+    values = own_values(who, fitted)
+    entry = {
+        "members": [{"name": n, "probability": round(float(p), 4)} for n, (p, _, _) in members.items()],
+        "probability": round(float(min(total, 1.0)), 4),
+        "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
+        "parameters": {},
+        "sentence": _sentence(who, values),
+        "separated_by": who.effect.separated_by,
+    }
+    for q in who.effect.quantities(fitted.chain):
+        entry["parameters"][q.name] = _with_interval(q, f"{who.effect.key}.{q.name}", fitted, recording)
+    del first
+    return entry
+
+
+def _sentence(who, values):
+    text = who.effect.phrase.format(**values)
+    return text[0].upper() + text[1:] + "."
+
+
+def _with_interval(quantity, key, fitted, recording):
+    value, spread = fitted.values[key], 1.96 * fitted.spreads.get(key, np.nan)
+    ends = (value * np.exp(-spread), value * np.exp(spread)) if quantity.log else (value - spread, value + spread)
+    low, high = (float(np.clip(e, quantity.low, quantity.high)) for e in ends)
+    unit = quantity.unit
+    if unit in ("m3/s", "kg/s"):
+        # a flow is told in the recording's own unit
+        zero = recording.in_recorded_units("flow", np.zeros(1))[0]
+        value, low, high = (float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in (value, low, high))
+        unit = recording.unit("flow")
+    interval = sorted((low, high)) if np.isfinite(spread) else None
+    return {"value": float(value), "unit": unit, "ci95": interval}

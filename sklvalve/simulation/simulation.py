@@ -1,0 +1,278 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One valve, simulated: the chain with its parameters, calibrated on a recording."""
+
+from contextlib import suppress
+
+import numpy as np
+from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.utils.validation import check_is_fitted
+
+from sklvalve.recording import InputError, Recording, Valve
+from sklvalve.simulation.calibration import (
+    channels_of,
+    choose_trim,
+    flow_parameters,
+    opening_parameters,
+    span_of,
+)
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.fitting import PlainNoise, fit_chain
+from sklvalve.simulation.tolerance import Tolerance
+from sklvalve.simulation.trim import LearntTrim, SheetTrim
+
+
+class ValveSimulation(RegressorMixin, BaseEstimator):
+    """Simulation of one control valve from command to recorded signals.
+
+    Calibrated on a recording within what a data sheet leaves open. It predicts flow, and serves as the
+    mechanism of a hybrid (`forward`, `invert`): its parameter is then a factor on the capacity.
+
+    Parameters
+    ----------
+    valve : Valve, default=None
+        Data sheet; that of the recording unless given.
+    tolerance : Tolerance, default=None
+        How far the valve may lie from its sheet.
+    effects : sequence of Effect, default=()
+        Physics beyond the sheet, already known.
+    onsets : dict, default=None
+        Effect key -> absolute time [s] from which on it acts.
+
+    Attributes
+    ----------
+    values_ : dict
+        Every parameter's value, in SI.
+    trim_ : SheetTrim or LearntTrim
+    valve_ : Valve
+    correction_ : dict or None
+        What data say beyond the physics, an LS-SVM in parallel as plain arrays.
+
+    Examples
+    --------
+    >>> from sklvalve.datasets import make_valve_recording
+    >>> from sklvalve.recording import Recording, Valve
+    >>> from sklvalve.simulation import ValveSimulation
+    >>> made = make_valve_recording(n_samples=600, n_later=0, random_state=0)
+    >>> recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    >>> simulation = ValveSimulation().fit(recording)
+    >>> sorted(simulation.simulate(recording))
+    ['flow', 'flow_from_command', 'opening']
+    """
+
+    def __init__(self, valve=None, tolerance=None, effects=(), onsets=None):
+        self.valve = valve
+        self.tolerance = tolerance
+        self.effects = effects
+        self.onsets = onsets
+
+    def fit(self, X, y=None):
+        """Calibrate on a recording.
+
+        Parameters
+        ----------
+        X : Recording, or DataFrame with role names as columns, in SI
+        y : ignored
+            The recording holds its own flow.
+
+        Returns
+        -------
+        self : ValveSimulation
+
+        Raises
+        ------
+        InputError
+            If the recording lacks what a simulation is judged by.
+        """
+        recording = self._recording(X, y)
+        tolerance = self.tolerance or Tolerance()
+        channels = channels_of(recording)
+        self.valve_ = self.valve or recording.valve
+        self.trim_ = choose_trim(recording, self.valve_, tolerance)
+        self.choking_ = "choked_flow" in self.valve_.physics
+        self.correction_ = None
+        chain = self._chain(recording)
+        parameters = []
+        if "command" in recording:
+            parameters += opening_parameters(recording, self.valve_, tolerance)
+        if "flow" in channels:
+            choking = self.choking_ and chain.margin is not None
+            parameters += flow_parameters(recording, self.valve_, tolerance, self.trim_, choking=choking)
+        for effect in self.effects:
+            for q in effect.quantities(chain):
+                parameters.append(q.parameter_of(effect.key))
+        noise = {c: PlainNoise(0.003 * (1.0 if c == "opening" else span_of(recording[c]))) for c in channels}
+        self.values_ = fit_chain(chain, parameters, channels, noise).values
+        return self
+
+    @classmethod
+    def from_parts(cls, valve, trim, values, *, choking, effects=(), onsets=None, correction=None):
+        """Fitted simulation from its parts; no recording is touched."""
+        made = cls(valve, None, tuple(effects), dict(onsets or {}))
+        made.valve_, made.trim_, made.values_ = valve, trim, dict(values)
+        made.choking_, made.correction_ = choking, correction
+        return made
+
+    def to_state(self):
+        """Everything of a fitted simulation but its valve, as plain numbers, texts and arrays."""
+        check_is_fitted(self, "values_")
+        learnt = not self.trim_.known
+        return {
+            "values": dict(self.values_),
+            "choking": bool(self.choking_),
+            "effects": [e.key for e in self.effects],
+            "onsets": dict(self.onsets or {}),
+            "trim": {"knots": self.trim_.knots, "rated": float(self.trim_.rated)} if learnt else None,
+            "correction": self.correction_,
+        }
+
+    @classmethod
+    def from_state(cls, valve, state, effects):
+        """Simulation from `to_state`; `effects` are the ones that its keys name."""
+        if state["trim"] is None:
+            trim = SheetTrim(valve, Tolerance())
+        else:
+            trim = LearntTrim(None, state["trim"]["rated"], knots=state["trim"]["knots"])
+        return cls.from_parts(
+            valve,
+            trim,
+            state["values"],
+            choking=state["choking"],
+            effects=effects,
+            onsets=state["onsets"],
+            correction=state["correction"],
+        )
+
+    def simulate(self, X):
+        """Simulated signals, in SI, as far as the signals of the recording allow.
+
+        Parameters
+        ----------
+        X : Recording, or DataFrame with role names as columns
+
+        Returns
+        -------
+        signals : dict of ndarray of shape (n,)
+            ``opening`` [1], free run from the command; ``flow`` [m3/s, or kg/s], from the recorded opening or,
+            without one, from the command; ``flow_from_command``, free run through the whole chain.
+        """
+        check_is_fitted(self, "values_")
+        recording = self._recording(X)
+        chain, made = self._chain(recording), {}
+        drives = "actuator_gain" in self.values_
+        if "command" in recording and drives:
+            made["opening"] = chain.opening(self.values_)
+        if "capacity" not in self.values_ and "rise_0" not in self.values_:
+            return made
+        if "meter_lag" not in self.values_:
+            return made
+        if "opening" in recording or (drives and "command" in recording):
+            made["flow"] = chain.flow(self.values_) + self._learnt(chain, "flow")
+        if "opening" in made:
+            stem = chain.stem_of_free_run(self.values_)
+            made["flow_from_command"] = chain.flow(self.values_, stem) + self._learnt(chain, "flow", stem)
+            made["opening"] = made["opening"] + self._learnt(chain, "opening")
+        return made
+
+    def predict(self, X):
+        """Flow as the meter would show it [m3/s, or kg/s], for a recording or a frame of roles in SI."""
+        made = self.simulate(X)
+        if "flow" not in made:
+            raise InputError("a flow needs an opening or a command beside the pressures")
+        return made["flow"]
+
+    def forward(self, X, parameter):
+        """Flow with the capacity multiplied by `parameter` [1], row by row."""
+        return self.predict(X) * np.asarray(parameter, dtype=float)
+
+    def invert(self, X, y):
+        """Factor on the capacity that gives the flow `y`; NaN where the simulation has no flow."""
+        flow = self.predict(X)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(np.abs(flow) > 1e-12, np.asarray(y, dtype=float) / flow, np.nan)
+
+    def _learnt(self, chain, channel, stem=None):
+        part = self.correction_
+        if part is None or part["channel"] != channel:
+            return 0.0
+        inputs = {"command": chain.command, "temperature": chain.temperature, "dp": chain.dp / 1e5}
+        inputs["pressure_ratio"] = chain.pressure_ratio
+        if "opening" in part["inputs"]:
+            inputs["opening"] = chain.drive(self.values_) if stem is None else stem
+        return correct(part, inputs)
+
+    def _chain(self, recording):
+        return Chain(
+            recording,
+            self.valve_,
+            self.trim_,
+            effects=self.effects,
+            onsets=self.onsets,
+            choking=self.choking_ and "p1" in recording and "p2" in recording,
+        )
+
+    def _recording(self, X, y=None):
+        if isinstance(X, Recording):
+            return X
+        columns = {str(c): np.asarray(X[c]) for c in X} if hasattr(X, "__getitem__") and hasattr(X, "keys") else None
+        if columns is None:
+            raise InputError(
+                f"a valve simulation needs signals by name; got {type(X).__name__}: give a Recording, or a "
+                "data frame whose columns are roles such as command, opening, p1, p2, flow"
+            )
+        if y is not None and "flow" not in columns:
+            columns["flow"] = np.asarray(y, dtype=float)
+        n = len(next(iter(columns.values())))
+        if "time" not in columns:
+            index = None
+            with suppress(TypeError, ValueError):
+                index = np.asarray(X.index, dtype=float) if getattr(X.index, "name", None) == "time" else None
+            columns["time"] = np.arange(n, dtype=float) if index is None else index
+        valve = self.valve or Valve()
+        bare = Recording.from_frame(columns, None)
+        return type(bare)(
+            bare.time,
+            bare.stamps,
+            bare.signals,
+            _without_layout(valve),
+            bare.constants,
+            bare.mass_flow,
+            bare.source,
+            bare.sha256,
+        )
+
+
+def _without_layout(valve):
+    """The sheet of a valve without its recording's columns: the signals are in SI already."""
+    sheet = valve.to_dict()
+    sheet.pop("recording", None)
+    return Valve.from_dict(sheet)
+
+
+def correct(correction, inputs):
+    """Rest that a stored LS-SVM predicts, in the signal's unit; zero where an input is a gap.
+
+    Parameters
+    ----------
+    correction : dict
+        Centre, scale, support points, coefficients, intercept, gamma and span; names of the inputs.
+    inputs : dict
+        Input name -> ndarray of shape (n,).
+
+    Returns
+    -------
+    rest : ndarray of shape (n,)
+        To be added to the simulated signal.
+    """
+    X = np.column_stack([inputs[name] for name in correction["inputs"]])
+    Z = (X - correction["centre"]) / correction["scale"]
+    # beyond what it was trained on it must not guess: the nearest edge holds
+    support = correction["support"]
+    Z = np.clip(Z, support.min(axis=0), support.max(axis=0))
+    known = np.isfinite(Z).all(axis=1)
+    out = np.zeros(len(Z))
+    for start in range(0, len(Z), 4096):
+        rows = np.flatnonzero(known[start : start + 4096]) + start
+        distance = ((Z[rows, None, :] - support[None]) ** 2).sum(axis=2)
+        kernel = np.exp(-correction["gamma"] * distance)
+        out[rows] = kernel @ correction["coefficients"] + correction["intercept"]
+    return out * correction["span"]
