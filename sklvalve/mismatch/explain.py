@@ -101,13 +101,16 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
                 m.members[-1].effect.key: (m.log_likelihood - model.log_likelihood, workbench.change(m, model))
                 for m in found
             }
-        chosen = next((m for m in found if _matters(workbench, m, model, threshold)), None)
-        if chosen is None:
-            break
-        settled = _settle(workbench, chosen)
-        # under the noise that the new model leaves, does it still matter?
-        without = workbench.fit(settled.members[:-1], start=model)
-        if not _matters(workbench, settled, without, threshold):
+        settled = None
+        for chosen in [m for m in found if _matters(workbench, m, model, threshold)][:3]:
+            settled, gain, sizes, matters = _under_its_own_noise(workbench, chosen, model, threshold)
+            if matters:
+                break
+            if not model.members:
+                tried[chosen.members[-1].effect.key] = (gain, sizes)
+            settled = None
+            workbench.learn_noise(model, cautious=True)
+        if settled is None:
             break
         model = _drop_what_no_longer_counts(workbench, settled, threshold)
         workbench.learn_noise(model, cautious=True)
@@ -115,6 +118,7 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
     for _ in range(3):
         workbench.learn_noise(model)
         model = workbench.fit(model.members, start=model)
+        model = _drop_what_no_longer_counts(workbench, model, threshold, last_too=True)
         findings = _rivals(workbench, model, effects, report)
         better = _better_in_place(findings)
         if better is None:
@@ -122,6 +126,15 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
         model = _settle(workbench, better)
     nominal = workbench.fit((), start=nominal)
     return Explanation(nominal, model, findings, tried)
+
+
+def _under_its_own_noise(workbench, chosen, before, threshold):
+    """A hypothesis with the noise that it leaves, and whether its last effect matters even so."""
+    settled = _settle(workbench, chosen)
+    without = workbench.fit(settled.members[:-1], start=before)
+    gain = settled.log_likelihood - without.log_likelihood
+    matters = _matters(workbench, settled, without, threshold)
+    return settled, gain, workbench.change(settled, without), matters
 
 
 def _better_in_place(findings):
@@ -145,7 +158,8 @@ def _step(workbench, model, effects, report, done):
             for k in range(max(len(q.starts) for q in effect.parameters))
         ]
         if effect.may_begin:
-            fits.append(fit_with_onset(workbench, model, effect, hold=hold))
+            likeliest = int(np.argmax([m.log_likelihood for m in fits]))
+            fits.append(fit_with_onset(workbench, model, effect, hold=hold, attempt=likeliest))
         rough.append(max(fits, key=lambda m: worth(workbench, m)))
         if report:
             report(done + 0.2 * (i + 1) / len(usable))
@@ -199,8 +213,8 @@ def _settle(workbench, model):
     return model
 
 
-def _drop_what_no_longer_counts(workbench, model, threshold):
-    for member in model.members[:-1]:
+def _drop_what_no_longer_counts(workbench, model, threshold, *, last_too=False):
+    for member in model.members if last_too else model.members[:-1]:
         without = workbench.fit(tuple(m for m in model.members if m is not member), start=model)
         again = workbench.fit((*without.members, member), start=model)
         if not _matters(workbench, again, without, threshold):

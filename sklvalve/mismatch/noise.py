@@ -160,6 +160,8 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, cautious=False):
     def model(z):
         base, timing, share, fast, fast_time, slow, slow_time = np.exp(z)
         fast, slow, base = min(fast, most), min(slow, 0.3 * most), min(base, 3.0 * most)
+        # a sample too early or too late is wrong by the movement itself; more is no matter of timing
+        timing = min(timing, 0.1 if cautious else 1.0)
         # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
         fast_time = np.clip(fast_time, 0.5 * dt, 30.0 * dt)
         slow_time = np.clip(slow_time, 40.0 * dt, max(0.25 * length, 80.0 * dt))

@@ -8,6 +8,7 @@ from scipy.stats import qmc
 
 from sklvalve.mismatch.noise import fit_noise
 from sklvalve.simulation.calibration import (
+    apparent_kv,
     channels_of,
     choose_trim,
     flow_parameters,
@@ -227,24 +228,32 @@ class Workbench:
 
     def _first_guess(self):
         """Actuator parameters to begin with, the best of a coarse spread: their landscape has side valleys."""
+        first = {}
+        if "flow" in self.channels and not self.trim.known:
+            opening = self.recording.get("opening")
+            opening = self.recording["command"] if opening is None else opening
+            first = self.trim.first_values(opening, apparent_kv(self.recording))
         if "command" not in self.recording:
-            return None
+            return Model((), self.plain, first, {}, np.nan, {})
         parameters = opening_parameters(self.recording, self.valve, self.tolerance)
-        vector, draws = ParameterVector(parameters), qmc.Sobol(5, seed=0).random(64)
+        vector, draws = ParameterVector(parameters), qmc.Sobol(6, seed=0).random(128)
         best, least = {}, np.inf
-        for draw in np.vstack([np.full(5, np.nan), draws]):
+        for draw in np.vstack([np.full(6, np.nan), draws]):
             values = vector.values(vector.pack({}))
             if np.isfinite(draw).all():
-                names = [p for p in parameters if p.log]
-                values |= {p.name: p.low * (p.high / p.low) ** d for p, d in zip(names, draw, strict=True)}
+                moved = [p for p in parameters if p.name.startswith("actuator_")]
+                values |= {
+                    p.name: float(p.low * (p.high / p.low) ** d if p.log else p.low + (p.high - p.low) * d)
+                    for p, d in zip(moved, draw, strict=True)
+                }
             if self.coupled:
-                best = values
+                best = values | first
                 break
             gap = np.abs(self.recording["opening"] - self.plain.opening(values))
             loss = np.nanmean(np.minimum(gap, 0.1))
             if loss < least:
                 best, least = values, loss
-        return Model((), self.plain, best, {}, np.nan, {})
+        return Model((), self.plain, first | best, {}, np.nan, {})
 
     def change(self, model, other):
         """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.

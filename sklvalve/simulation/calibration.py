@@ -47,10 +47,8 @@ def choose_trim(recording, valve, tolerance):
     return SheetTrim(valve, tolerance)
 
 
-def _kv_scale(recording, valve):
-    """Largest capacity that the recording shows, by the plain turbulent equation [m3/h]."""
-    if valve.kv_rated is not None:
-        return valve.kv_rated
+def apparent_kv(recording):
+    """Capacity that each row shows by the plain turbulent equation [m3/h]; NaN where there is no drop."""
     flow = recording["flow"]
     drop = np.full(len(flow), 1e5)
     if "p1" in recording and "p2" in recording:
@@ -59,7 +57,15 @@ def _kv_scale(recording, valve):
     volume = flow / density if recording.mass_flow else flow
     with np.errstate(divide="ignore", invalid="ignore"):
         kv = volume / (FLOW_CONSTANT * np.sqrt(drop / density))
-    kv = kv[np.isfinite(kv) & (drop > 1e-3 * np.nanmax(drop))]
+    return np.where(drop > 1e-3 * np.nanmax(drop), kv, np.nan)
+
+
+def _kv_scale(recording, valve):
+    """Largest capacity that the recording shows [m3/h]."""
+    if valve.kv_rated is not None:
+        return valve.kv_rated
+    kv = apparent_kv(recording)
+    kv = kv[np.isfinite(kv)]
     if not len(kv) or np.quantile(kv, 0.99) <= 0.0:
         raise InputError(
             f"{recording.source}: no row has flow and pressure drop both above zero, so no capacity can be "
@@ -84,6 +90,9 @@ def opening_parameters(recording, valve, tolerance):
         # friction that keeps the static error of a loop of ordinary gain within its tolerance
         Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
     ]
+    # a scan may lie between a command and its effect
+    scan = min(1.5 * recording.sample_time, tolerance.response)
+    found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))
     if "opening" in recording:
         zero = tolerance.position_zero
         found.append(Parameter("position_zero", "1", -zero, zero, 0.0, spread=0.5 * zero))

@@ -13,7 +13,7 @@ import numpy as np
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.recording import InputError
-from sklvalve.simulation.stages import first_order_lag, positioner_and_actuator
+from sklvalve.simulation.stages import delayed, first_order_lag, positioner_and_actuator
 from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
@@ -138,7 +138,8 @@ class Chain:
         if self.command is None:
             raise InputError("the opening cannot be simulated without a command; record it, or leave it out")
         n = len(self.command)
-        command = self._through("signal", self.command, values)
+        command = delayed(self.command, self.time, values["actuator_delay"])
+        command = self._through("signal", command, values)
         drive = {
             "supply": np.full(n, self.supply),
             "coulomb": np.full(n, values["actuator_coulomb"]),

@@ -199,6 +199,21 @@ def first_order_lag(values, step, time_constant, ahead):
     return out
 
 
+@nb.njit(cache=True)
+def limited_rate(values, step, up, down):
+    """Signal that follows another one no faster than `up` and `down` [1/s]; gaps hold."""
+    out = np.empty_like(values)
+    y = np.nan
+    for k in range(len(values)):
+        v = values[k]
+        if y != y:
+            y = v
+        elif v == v:
+            y = min(max(v, y - down * step[k]), y + up * step[k])
+        out[k] = y
+    return out
+
+
 def delayed(values, time, dead_time):
     """Signal as it was `dead_time` [s] ago, linear between samples; the first value holds before the first.
 

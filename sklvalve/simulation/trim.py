@@ -2,7 +2,8 @@
 """Capacity over opening as a table: the sheet's curve within its tolerance, or a curve learnt from data."""
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
+from scipy.interpolate import CubicSpline
+from scipy.optimize import nnls
 
 from sklvalve.mechanism import relative_capacity
 from sklvalve.simulation.parameters import Parameter
@@ -24,7 +25,7 @@ class SheetTrim:
 
     known = True
 
-    def __init__(self, valve, tolerance, knots=(0.05, 0.275, 0.5, 0.75, 1.0)):
+    def __init__(self, valve, tolerance, knots=(0.02, 0.15, 0.29, 0.43, 0.57, 0.71, 0.86, 1.0)):
         self.nominal = relative_capacity(
             GRID,
             valve.characteristic,
@@ -67,12 +68,14 @@ class LearntTrim:
         Openings that the recording visits [1]; the knots stand at their quantiles.
     kv_scale : float
         Order of the largest capacity [m3/h].
-    n_knots : int, default=12
+    n_knots : int, default=14
+    knots : sequence of float, default=None
+        Openings of the knots themselves.
     """
 
     known = False
 
-    def __init__(self, opening, kv_scale, n_knots=12, knots=None):
+    def __init__(self, opening, kv_scale, n_knots=14, knots=None):
         if knots is None:
             seen = opening[np.isfinite(opening)]
             span = np.linspace(seen.min(), seen.max(), n_knots)
@@ -92,11 +95,17 @@ class LearntTrim:
         )
 
     def table(self, values):
-        """kv [m3/h] on `GRID` for the values of the parameters."""
+        """kv [m3/h] on `GRID` for the values of the parameters; linear in them, so that fits converge."""
         heights = np.cumsum([values[p.name] for p in self.parameters])
-        if len(self.knots) == 2:
-            return np.interp(GRID, self.knots, heights)
-        return PchipInterpolator(self.knots, heights, extrapolate=True)(GRID)
+        return np.interp(GRID, self.knots, heights)
+
+    def first_values(self, opening, kv):
+        """Values that come near capacities `kv` [m3/h] seen at openings, for fits to begin with."""
+        seen = np.isfinite(opening) & np.isfinite(kv)
+        shares = np.column_stack([np.interp(opening[seen], self.knots, row) for row in np.tri(len(self.knots)).T])
+        weak = 1e-3 * np.sqrt(seen.sum()) * np.eye(len(self.knots))
+        rises, _ = nnls(np.vstack([shares, weak]), np.concatenate([kv[seen], np.zeros(len(weak))]))
+        return {p.name: float(rise) for p, rise in zip(self.parameters, rises, strict=True)}
 
     def all_parameters(self):
         """The rises from knot to knot."""

@@ -14,6 +14,7 @@ from sklvalve.mismatch.effects.piping_reducers import PipingReducers
 from sklvalve.mismatch.effects.position_sensor_bias import PositionSensorBias, PositionSensorBiasInLoop
 from sklvalve.mismatch.effects.positioner_deadband import PositionerDeadband
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
+from sklvalve.mismatch.effects.slew_limit import SlewLimit
 from sklvalve.mismatch.effects.stiction import Stiction
 from sklvalve.mismatch.effects.supply_pressure_drop import SupplyPressureDrop
 from sklvalve.mismatch.effects.wrong_characteristic import WrongCharacteristic
@@ -25,6 +26,7 @@ CATALOGUE = (
     PositionerDeadband(),
     SupplyPressureDrop(),
     DeadTime(),
+    SlewLimit(),
     ChokedFlow(),
     SeatLeakage(),
     BypassOpen(),

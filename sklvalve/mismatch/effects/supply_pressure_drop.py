@@ -16,7 +16,7 @@ class SupplyPressureDrop(Effect):
 
     name = key = "supply_pressure_drop"
     block, stage = "actuator", "actuator"
-    parameters = (Quantity("drop", "1", 0.1, 0.97, (0.5, 0.75, 0.85)),)
+    parameters = (Quantity("drop", "1", 0.1, 0.97, (0.8, 0.87, 0.72)),)
     needs = ("command",)
     phrase = "the air supply is {drop:.0%} below its rated pressure"
     separated_by = "Stroke the valve fully both ways: low supply ends the air-driven travel early and slows filling only."
@@ -26,6 +26,10 @@ class SupplyPressureDrop(Effect):
         atmosphere = 101_325.0 / chain.spring_span
         low = atmosphere + (1.0 - p["drop"]) * (chain.supply - atmosphere)
         return value | {"supply": np.full_like(value["supply"], low)}
+
+    def possible(self, chain):
+        # an actuator of which no supply is known may be an electric one
+        return chain.valve.supply_pressure is not None
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         # a supply that still carries the whole travel changes the response only

@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A stem that travels no faster than a limit."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.stages import limited_rate
+
+
+class SlewLimit(Effect):
+    r"""Travel at a limited speed, of its own in each direction: :math:`-v_{close} \le \dot x \le v_{open}`.
+
+    Electric actuators run at one speed; pneumatic ones do where little air passes.
+    """
+
+    name = key = "slew_limit"
+    block, stage = "actuator", "signal"
+    parameters = (
+        Quantity("opening_speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
+        Quantity("closing_speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
+    )
+    needs = ("command",)
+    phrase = "the stem travels no faster than {opening_speed:.1%} of travel a second up and {closing_speed:.1%} down"
+    separated_by = "Steps of three sizes: a slew limit takes longer the larger the step, a dead time does not."
+
+    def apply(self, value, p, chain):
+        return limited_rate(value, chain.step, p["opening_speed"], p["closing_speed"])
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        # positioner and actuator each may take their response time for a stroke
+        return min(p["opening_speed"], p["closing_speed"]) < 0.5 / tolerance.response
