@@ -10,6 +10,7 @@ from sklvalve.report.words import (
     number,
     p_words,
     percent,
+    role_words,
     spoken,
     sure,
     with_unit,
@@ -93,9 +94,15 @@ def _unknown(d: dict) -> str:
         besides = f"Besides {either([class_words(effect['members']) for effect in d['effects']], 'and')}, "
     return (
         f"{besides}{'something' if besides else 'Something'} is missing that no known effect explains: it "
-        f"acts {_place(d, d['location']['blocks'])} and follows from the recorded signals, so it is no noise "
+        f"acts {_place(d, d['location']['blocks'])} and follows from {_inputs(d)}, so it is no noise "
         f"({p_words(d['mismatch'].get('p_value'))}){_gain(d)}."
     )
+
+
+def _inputs(d: dict) -> str:
+    """Signals from which what no effect explains can be predicted."""
+    inputs = (d.get("unknown") or {}).get("inputs")
+    return either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
 
 
 def _undecided(d: dict) -> str:

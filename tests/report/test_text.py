@@ -41,6 +41,9 @@ def test_sentence_of_what_no_effect_explains_names_none():
     sentence = summary_sentence(examples.none_of_these())
     assert "no known effect explains" in sentence
     assert "leakage" not in sentence
+    assert "follows from the recorded signals" in sentence
+    told = examples.none_of_these() | {"unknown": {"inputs": ["opening", "p1"]}}
+    assert "follows from opening and inlet pressure, so" in summary_sentence(told)
     besides = examples.none_of_these() | {"effects": [examples.PLAY]}
     assert summary_sentence(besides).startswith("Besides backlash, something is missing")
 

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The commands with nothing stood in for: from files to a finding, and to predictions."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from sklvalve.cli import main
+from sklvalve.cli.diagnose import RESULTS
+from sklvalve.datasets import make_valve_recording
+from sklvalve.datasets.concealed import to_toml
+
+for _module in ("pandas", "jinja2", "matplotlib", "skops"):
+    pytest.importorskip(_module, reason='needs pip install "sklvalve[all]"')
+
+
+@pytest.fixture(scope="module")
+def diagnosed(tmp_path_factory):
+    """Folder of a diagnosed recording of a clogged valve, and of what followed it."""
+    folder = tmp_path_factory.mktemp("whole")
+    made = make_valve_recording("clogging", 0.5, loop="wide", n_samples=1500, n_later=300, random_state=3)
+    made.frame.to_csv(folder / "recording.csv", index=False)
+    made.later.to_csv(folder / "later.csv", index=False)
+    made.later.drop(columns=["F", "X"]).to_csv(folder / "commands.csv", index=False)
+    (folder / "valve.toml").write_text(to_toml(made.valve), encoding="utf-8")
+    words = ["diagnose", str(folder / "recording.csv"), "--valve", str(folder / "valve.toml")]
+    assert main([*words, "--out", str(folder / "out")]) == 0
+    return folder
+
+
+def _predicted(folder, recording, *options):
+    out = folder / "predictions.csv"
+    model = str(folder / "out" / "corrected_model.skops")
+    words = ["predict", str(folder / recording), "--model", model, "--out", str(out), *options]
+    assert main(words) == 0
+    with out.open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    return {name: np.array([float(row[name]) for row in rows]) for name in rows[0]}
+
+
+def test_results_are_there_and_name_the_blockage(diagnosed):
+    assert sorted(os.listdir(diagnosed / "out")) == sorted(RESULTS)
+    found = json.loads((diagnosed / "out" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert found["verdict"] == "named"
+    assert "clogging" in [member["name"] for effect in found["effects"] for member in effect["members"]]
+    page = (diagnosed / "out" / "report.html").read_text(encoding="utf-8")
+    assert "clogging that caps the opening" in page
+    assert len(page) < 2_000_000
+
+
+def test_corrected_model_predicts_later_rows_better_than_the_nominal(diagnosed):
+    with (diagnosed / "later.csv").open(encoding="utf-8", newline="") as file:
+        recorded = np.array([float(row["F"]) for row in csv.DictReader(file)])
+    corrected = _predicted(diagnosed, "later.csv")
+    nominal = _predicted(diagnosed, "later.csv", "--nominal")
+    assert list(corrected) == ["time", "opening", "flow", "flow_from_command"]
+    errors = [np.sqrt(np.mean((table["flow"] - recorded) ** 2)) for table in (corrected, nominal)]
+    assert errors[0] < 0.5 * errors[1]
+
+
+def test_prediction_from_the_command_alone_is_the_free_run(diagnosed):
+    full, alone = (_predicted(diagnosed, name) for name in ("later.csv", "commands.csv"))
+    # the runs may start from different openings (the recorded one where there is one), and forget them
+    np.testing.assert_allclose(alone["opening"][150:], full["opening"][150:], atol=0.05)
+    np.testing.assert_allclose(alone["flow_from_command"][150:], full["flow_from_command"][150:], rtol=0.01)
+    # without a recorded opening the flow, too, comes from the command
+    np.testing.assert_allclose(alone["flow"], alone["flow_from_command"], rtol=0.01)
+
+
+@pytest.mark.skipif(os.name != "posix", reason="sends the signal of Ctrl-C as POSIX systems do")
+def test_ctrl_c_leaves_nothing(tmp_path):
+    # a process started in the background may have been told to ignore the signal: not so here
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from sklvalve.cli import main; sys.exit(main(['demo', '--out', 'out']))"
+    )
+    work = subprocess.Popen(
+        [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    for _ in range(600):
+        if os.listdir(tmp_path):  # results are being made
+            break
+        time.sleep(0.05)
+    time.sleep(0.5)
+    work.send_signal(signal.SIGINT)
+    _, shown = work.communicate(timeout=60)
+    assert (work.returncode, shown) == (130, "interrupted; nothing was written\n")
+    assert os.listdir(tmp_path) == []
