@@ -110,20 +110,34 @@ class NoiseModel:
         return float(np.sqrt(np.mean(seen) + self.fast_size + self.slow_size))
 
 
-def movement(simulated):
-    """How fast a simulated signal moves around each row: where timing errors weigh."""
+def movement(simulated, step, memory=4.5):
+    """How fast a simulated signal moves around each row: where errors of timing and response weigh.
+
+    Parameters
+    ----------
+    simulated, step : ndarray of shape (n,)
+    memory : float, default=4.5
+        Time constant with which a movement is forgotten [s]; a healthy response is over after a few.
+    """
     signal = np.asarray(simulated, dtype=float)
     known = np.isfinite(signal)
     filled = np.interp(np.arange(len(signal)), np.flatnonzero(known), signal[known])
     slope = np.abs(np.diff(filled, prepend=filled[0]))
-    widened = slope.copy()
-    for shift in range(1, 6):
-        widened[shift:] = np.maximum(widened[shift:], slope[:-shift] * 0.7**shift)
-        widened[:-shift] = np.maximum(widened[:-shift], slope[shift:] * (0.5**shift))
-    return widened
+    ahead = np.append(slope[1:], 0.0)
+    return _forgotten(np.maximum(slope, 0.5 * ahead), np.exp(-step / memory))
 
 
-def fit_noise(residuals, simulated, step, *, quantum=0.0, cautious=False):
+@nb.njit(cache=True)
+def _forgotten(values, keep):
+    out = np.empty_like(values)
+    held = 0.0
+    for k in range(len(values)):
+        held = max(values[k], keep[k] * held)
+        out[k] = held
+    return out
+
+
+def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, largest=np.inf, cautious=False):
     """Noise model of residuals, by maximum likelihood.
 
     Parameters
@@ -136,6 +150,11 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, cautious=False):
         Time since the sample before [s].
     quantum : float, default=0.0
         Resolution of the recorded signal; its variance is a floor of the white part.
+    inadequacy : float, default=0.0
+        Standard deviation of what a healthy simulation gets wrong; it keeps a very quiet sensor from making
+        a giant of every small error.
+    largest : float, default=inf
+        Largest standard deviation of a correlated part: what is larger is no noise of a sensor.
     cautious : bool, default=False
         Hold the wander to the size of the quick noise. For residuals that may still hold missing physics,
         which a free wander would take up.
@@ -152,20 +171,21 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, cautious=False):
     size = 1.4826 * float(np.median(np.abs(quick))) / np.sqrt(2.0) if len(quick) else 0.0
     size = max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
     most = 1.0 if cautious else np.inf
-    moving = movement(simulated) ** 2
+    cap = (largest / size) ** 2
+    moving = movement(simulated, step) ** 2
     level = np.nan_to_num(np.asarray(simulated, dtype=float) / max(np.nanmax(np.abs(simulated)), 1e-12)) ** 2
     length = float(np.sum(step))
     dt = float(np.median(step))
 
     def model(z):
         base, timing, share, fast, fast_time, slow, slow_time = np.exp(z)
-        fast, slow, base = min(fast, most), min(slow, 0.3 * most), min(base, 3.0 * most)
+        fast, slow, base = min(fast, most, cap), min(slow, 0.3 * most, cap), min(base, 3.0 * most)
         # a sample too early or too late is wrong by the movement itself; more is no matter of timing
         timing = min(timing, 0.1 if cautious else 1.0)
         # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
         fast_time = np.clip(fast_time, 0.5 * dt, 30.0 * dt)
         slow_time = np.clip(slow_time, 40.0 * dt, max(0.25 * length, 80.0 * dt))
-        white = quantum**2 / 12.0 + base * size**2 + timing * moving + share * size**2 * level
+        white = quantum**2 / 12.0 + inadequacy**2 + base * size**2 + timing * moving + share * size**2 * level
         white = np.where(seen, white, np.inf)
         return NoiseModel(white, step, fast_time, fast * size**2, slow_time, slow * size**2)
 

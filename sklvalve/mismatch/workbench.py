@@ -19,6 +19,10 @@ from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.fitting import PlainNoise, fit_chain, residual_of, simulate_channels
 from sklvalve.simulation.parameters import ParameterVector
 
+# a healthy simulation is wrong by about this share of what counts as an effect
+_INADEQUACY = 0.2
+# and no sensor's noise is larger than this many times what counts
+_LARGEST = 2.0
 _OPENING_STAGES = ("signal", "actuator", "stem")
 
 
@@ -212,6 +216,8 @@ class Workbench:
                 model.predictions[c],
                 model.chain.step,
                 quantum=self.recording.resolution(c),
+                inadequacy=_INADEQUACY * self._least(c) * self.spans[c],
+                largest=_LARGEST * self._least(c) * self.spans[c],
                 cautious=cautious,
             )
             for c in self.channels
@@ -220,40 +226,43 @@ class Workbench:
 
     def calibrated(self):
         """The simulation without any further effect, calibrated, and the noise learnt from it."""
-        model = self.fit((), start=self._first_guess())
+        guess = self._first_guess()
+        model = self.fit((), start=guess, hold="actuator_" if guess.values and not self.coupled else None)
         for _ in range(2):
             self.learn_noise(model, cautious=True)
             model = self.fit((), start=model)
         return model
 
     def _first_guess(self):
-        """Actuator parameters to begin with, the best of a coarse spread: their landscape has side valleys."""
+        """Values to begin with: the actuator's landscape has side valleys, so several are tried."""
         first = {}
         if "flow" in self.channels and not self.trim.known:
             opening = self.recording.get("opening")
             opening = self.recording["command"] if opening is None else opening
             first = self.trim.first_values(opening, apparent_kv(self.recording))
-        if "command" not in self.recording:
+        if "command" not in self.recording or self.coupled:
             return Model((), self.plain, first, {}, np.nan, {})
         parameters = opening_parameters(self.recording, self.valve, self.tolerance)
-        vector, draws = ParameterVector(parameters), qmc.Sobol(6, seed=0).random(128)
+        vector = ParameterVector(parameters)
+        low, high = vector.low, vector.high
+        draws = low + (high - low) * qmc.Sobol(len(vector), seed=0).random(128)
+        losses = [self._opening_loss(vector.values(z)) for z in draws]
+        # coarse enough that a wrong stroke costs more than a small error that lasts
+        coarse = {"opening": PlainNoise(0.02)}
         best, least = {}, np.inf
-        for draw in np.vstack([np.full(6, np.nan), draws]):
-            values = vector.values(vector.pack({}))
-            if np.isfinite(draw).all():
-                moved = [p for p in parameters if p.name.startswith("actuator_")]
-                values |= {
-                    p.name: float(p.low * (p.high / p.low) ** d if p.log else p.low + (p.high - p.low) * d)
-                    for p, d in zip(moved, draw, strict=True)
-                }
-            if self.coupled:
-                best = values | first
-                break
-            gap = np.abs(self.recording["opening"] - self.plain.opening(values))
-            loss = np.nanmean(np.minimum(gap, 0.1))
-            if loss < least:
-                best, least = values, loss
+        # whether there is a scan between command and stem decides which valley is the right one
+        scans = [vector.pack({"actuator_delay": share * self.recording.sample_time}) for share in (0.02, 0.5, 1.0)]
+        for z in (*scans, *draws[np.argsort(losses)[:2]]):
+            fit = fit_chain(
+                self.plain, parameters, ("opening",), coarse, start=vector.values(z), rows=self.rows, max_steps=12
+            )
+            if -fit.log_likelihood < least:
+                best, least = fit.values, -fit.log_likelihood
         return Model((), self.plain, first | best, {}, np.nan, {})
+
+    def _opening_loss(self, values):
+        gap = np.abs(self.recording["opening"] - self.plain.opening(values))
+        return float(np.nanmean(np.minimum(gap, 0.1)))
 
     def change(self, model, other):
         """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.
@@ -276,5 +285,7 @@ class Workbench:
 
     def counts(self, sizes):
         """Whether a change is one that matters in practice."""
-        least = {"opening": self.tolerance.opening_effect, "flow": self.tolerance.flow_effect}
-        return any(size >= least[channel] for channel, size in sizes.items())
+        return any(size >= self._least(channel) for channel, size in sizes.items())
+
+    def _least(self, channel):
+        return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect

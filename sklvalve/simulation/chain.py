@@ -198,7 +198,7 @@ class Chain:
         kv = self.capacity_at(plug)
         kv = self._through("capacity", kv, values)
         kv = self._through("line", kv, values)
-        drop = self.dp + values.get("dp_zero", 0.0)
+        drop = self._through("pressures", self.dp, values) + values.get("dp_zero", 0.0)
         # a knee of 16 rounds the corner by 4 %; harder ones cannot be told from a corner
         choking = {"fl": np.full(len(stem), np.inf), "knee": np.full(len(stem), 16.0)}
         if self.choking and self.margin is not None:

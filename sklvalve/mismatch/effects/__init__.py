@@ -10,6 +10,8 @@ from sklvalve.mismatch.effects.clogging import Clogging
 from sklvalve.mismatch.effects.dead_time import DeadTime
 from sklvalve.mismatch.effects.flow_meter_bias import FlowMeterBias
 from sklvalve.mismatch.effects.flow_meter_gain import FlowMeterGain
+from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
+from sklvalve.mismatch.effects.outlet_pressure_bias import OutletPressureBias
 from sklvalve.mismatch.effects.piping_reducers import PipingReducers
 from sklvalve.mismatch.effects.position_sensor_bias import PositionSensorBias, PositionSensorBiasInLoop
 from sklvalve.mismatch.effects.positioner_deadband import PositionerDeadband
@@ -35,6 +37,8 @@ CATALOGUE = (
     PipingReducers(),
     PositionSensorBias(),
     PositionSensorBiasInLoop(),
+    InletPressureBias(),
+    OutletPressureBias(),
     FlowMeterGain(),
     CapacityError(),
     FlowMeterBias(),

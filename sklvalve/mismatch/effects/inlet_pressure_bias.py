@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An inlet pressure sensor that reads off by a constant, or stands at another height than the valve."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.calibration import span_of
+
+
+class InletPressureBias(Effect):
+    r"""Recorded inlet pressure is off by b: the drop that drives the flow is :math:`p_1 - b - p_2`."""
+
+    name = key = "inlet_pressure_bias"
+    block, stage = "measurement", "pressures"
+    parameters = (Quantity("bias", "Pa", -1e5, 1e5, (1e3,)),)
+    needs = ("flow", "p1", "p2")
+    phrase = "the pressures recorded are off by {bias:+.3g} Pa against the drop over the valve"
+    separated_by = "Equalise the pressures over the closed valve and compare the two sensors."
+    damadics = "f14"
+
+    def quantities(self, chain):
+        size = float(np.nanquantile(np.abs(chain.dp), 0.95))
+        starts = (0.1 * size, -0.1 * size)
+        return (Quantity("bias", "Pa", -2.0 * size, 0.9 * size, starts),)
+
+    def apply(self, value, p, chain):
+        return value - p["bias"]
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        span = span_of(chain.p1)
+        return late or abs(p["bias"]) > 2.0 * tolerance.pressure_zero * span
