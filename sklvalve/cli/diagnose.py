@@ -68,11 +68,15 @@ def diagnose(
     recording: "Recording", staging: "Staging", *, until: int | None, seed: int
 ) -> "MissingPhysicsFinder":
     """Diagnose a recording and lay the three results down in a staging folder."""
+    from threadpoolctl import threadpool_limits
+
     from sklvalve.cli.progress import progress
     from sklvalve.mismatch import MissingPhysicsFinder, save_model
     from sklvalve.report import write_report
 
-    with progress() as callback:
+    # thousands of fits of small matrices: on a busy machine the threads of BLAS wait for each other, and the
+    # same work took three to ten times as long with two of them as with one
+    with progress() as callback, threadpool_limits(1, user_api="blas"):
         finder = MissingPhysicsFinder(random_state=seed, callback=callback)
         finder.fit(recording, until=until)
         tag, source = recording.valve.tag, Path(recording.source).name

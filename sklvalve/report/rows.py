@@ -7,9 +7,9 @@ from sklvalve.report.parameters import parameters
 from sklvalve.report.place import intervals_words, region_words, share_words, since_words
 from sklvalve.report.words import (
     block_words,
+    chance,
     class_words,
     number,
-    percent,
     role_words,
     spoken,
     sure,
@@ -25,6 +25,7 @@ class Explanation(NamedTuple):
     name: str
     probability: float
     sure: str
+    chance: str
     blocks: str
     members: list[tuple[str, float, str]]
     parameters: list[tuple[str, str]]
@@ -39,9 +40,10 @@ def explanations(d: dict) -> list[Explanation]:
             name=class_words(effect["members"], limit=5),
             probability=effect["probability"],
             sure=sure(effect["probability"]),
+            chance=chance(effect["probability"]),
             blocks=block_words(effect["blocks"]),
             members=[
-                (spoken(member["name"]), member["probability"], percent(member["probability"]))
+                (spoken(member["name"]), member["probability"], chance(member["probability"]))
                 for member in effect["members"]
             ],
             parameters=parameters(effect, d),

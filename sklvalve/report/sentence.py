@@ -5,11 +5,11 @@ from sklvalve.report.parameters import parameters
 from sklvalve.report.place import onset_words, regions_words
 from sklvalve.report.words import (
     block_words,
+    chance,
     class_words,
     either,
     number,
     p_words,
-    percent,
     role_words,
     spoken,
     sure,
@@ -115,7 +115,7 @@ def _undecided(d: dict) -> str:
         key=lambda member: -member["probability"],
     )
     if likely:
-        listed = [f"{spoken(member['name'])} ({percent(member['probability'])})" for member in likely[:3]]
+        listed = [f"{spoken(member['name'])} ({chance(member['probability'])})" for member in likely[:3]]
         sentence += f"; likeliest is {', then '.join(listed)}"
     if d.get("next_test"):
         sentence += "; the next test named below would decide"

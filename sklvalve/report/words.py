@@ -124,6 +124,11 @@ def percent(share: float | None) -> str:
     return f"{value:.0f} %"
 
 
+def chance(probability: float) -> str:
+    """A probability as percent; certainty is never claimed."""
+    return "> 99 %" if probability > 0.99 else percent(probability)
+
+
 def sure(probability: float) -> str:
     """How sure a finding is; certainty is never claimed."""
     return "more than 99 % sure" if probability > 0.99 else f"{100.0 * probability:.0f} % sure"

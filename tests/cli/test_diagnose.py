@@ -53,6 +53,26 @@ def test_results_of_an_earlier_run_are_replaced_and_others_kept(folder):
     assert (folder / "out/notes.txt").read_text() == "mine"
 
 
+def test_work_runs_on_one_blas_thread_and_gives_the_others_back(folder, monkeypatch):
+    from threadpoolctl import threadpool_info
+
+    def threads():
+        return [pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"]
+
+    seen = []
+
+    def watched(path, finder):
+        seen.extend(threads())
+        stand_in.save_model(path, finder)
+
+    monkeypatch.setattr("sklvalve.mismatch.save_model", watched)
+    before = threads()
+    assert main(DIAGNOSE) == 0
+    assert seen
+    assert set(seen) == {1}
+    assert threads() == before
+
+
 def test_interruption_leaves_nothing(folder, monkeypatch, capsys):
     def interrupted(path, finder):
         path.write_text("half")

@@ -2,7 +2,7 @@
 import pytest
 
 from sklvalve.report.place import duration, intervals_words, onset_words, region_words, regions_words
-from sklvalve.report.words import class_words, number, p_words, percent, spoken, sure
+from sklvalve.report.words import chance, class_words, number, p_words, percent, spoken, sure
 
 
 @pytest.mark.parametrize(
@@ -49,6 +49,8 @@ def test_times():
 def test_certainty_is_never_claimed():
     assert sure(1.0) == "more than 99 % sure"
     assert sure(0.87) == "87 % sure"
+    assert chance(1.0) == "> 99 %"
+    assert chance(0.87) == "87 %"
     assert p_words(0.0) == "p < 0.001"
     assert percent(0.0004) == "0.0 %"
 
