@@ -12,6 +12,8 @@ from sklvalve.mismatch.workbench import Member, Model
 DISTINGUISHABLE = 14.0
 # what a model of a strong effect gets wrong passes for weak further ones: these must reach this share of it
 _SHARE_OF_STRONGEST = 0.15
+# a rival this far behind after a few steps is fitted to the end
+_WITHIN_REACH = 100.0
 # what an onset must gain: it is one of as many as there are rows
 _ONSET_PRICE = 10.0
 
@@ -148,13 +150,13 @@ def _better_in_place(findings):
 
 def _step(workbench, model, effects, report, done):
     """Fits with one effect more, best first."""
-    usable = [e for e in effects if e.key not in model.keys and e.name not in _names(model)]
+    usable = [e for e in effects if not _is_in(e, model.members)]
     rough = []
     for i, effect in enumerate(usable):
         # the actuator's own parameters are dear to fit and hide little: first without them
         hold = "actuator_"
         fits = [
-            workbench.fit((*model.members, Member(effect)), start=model, attempt=k, hold=hold, max_steps=8)
+            workbench.fit((*model.members, Member(effect)), start=model, attempt=k, hold=hold, max_steps=5)
             for k in range(max(len(q.starts) for q in effect.parameters))
         ]
         if effect.may_begin:
@@ -177,8 +179,11 @@ def _refine(workbench, before, model):
     return fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
 
 
-def _names(model):
-    return {m.effect.name for m in model.members}
+def _is_in(effect, members):
+    """Whether an effect, or one of the same equation, is among the members of a hypothesis."""
+    return any(
+        effect.name == m.effect.name or (effect.family and effect.family == m.effect.family) for m in members
+    )
 
 
 def own_values(member, model):
@@ -230,16 +235,18 @@ def _rivals(workbench, model, effects, report):
         without = workbench.fit(rest, start=model)
         places = [(member, model)]
         for effect in effects:
-            if effect.key in model.keys or effect.name in {m.effect.name for m in rest}:
+            if effect.key == member.effect.key or _is_in(effect, rest):
                 continue
             if not set(workbench.channels_touched(effect)) & set(workbench.channels_touched(member.effect)):
                 continue
             onset = member.onset if effect.may_begin else None
             fits = [
-                workbench.fit((*rest, Member(effect, onset)), start=without, attempt=k, max_steps=12)
+                workbench.fit((*rest, Member(effect, onset)), start=without, attempt=k, max_steps=5)
                 for k in range(max(len(q.starts) for q in effect.parameters))
             ]
             best = max(fits, key=lambda m: m.log_likelihood)
+            if best.log_likelihood > model.log_likelihood - _WITHIN_REACH:
+                best = workbench.fit(best.members, start=best)
             places.append((best.members[-1], best))
         worths = np.array([worth(workbench, m) for _, m in places])
         weights = np.exp(worths - worths.max())

@@ -12,7 +12,7 @@ from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.gate import effects_switched_off
 from sklvalve.mismatch.locate import acting_rows, regions
 from sklvalve.mismatch.next_test import next_test
-from sklvalve.mismatch.prove import errors, held_out_predictions
+from sklvalve.mismatch.prove import errors, held_out_predictions, holds_out
 from sklvalve.mismatch.unknown import find_unknown
 from sklvalve.mismatch.verdict import class_of, effect_entry, verdict_of
 from sklvalve.mismatch.workbench import Workbench
@@ -118,18 +118,7 @@ class MissingPhysicsFinder(BaseEstimator):
             report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
         )
         self._say("looking for the unknown", 0.8)
-        unknown = find_unknown(workbench, explanation.model, alpha=self.alpha, random_state=self.random_state)
-        p_value = mismatch_p_value(explanation, unknown, workbench, len(effects))
-        explained = 0.0
-        if unknown is not None and explanation.findings:
-            explained = workbench.change(explanation.model, explanation.nominal)[unknown.channel]
-        verdict, findings = verdict_of(explanation.findings, unknown, p_value, self.alpha, explained)
-        model = explanation.model if findings else explanation.nominal
-        if verdict == "none_of_these":
-            # the names do not hold: the rest is looked for, and learnt, beside the plain simulation
-            again = find_unknown(workbench, model, alpha=self.alpha, random_state=self.random_state)
-            unknown = again or unknown
-        unknown = unknown if verdict != "no_mismatch" else None
+        verdict, findings, model, unknown, p_value = self._judge(workbench, explanation, len(effects))
         self._keep_simulations(workbench, explanation.nominal, model, unknown)
         self._say("proving on held-out rows", 0.85)
         content, traces = self._report(
@@ -138,6 +127,30 @@ class MissingPhysicsFinder(BaseEstimator):
         self.diagnosis_ = Diagnosis(content, traces)
         self._say("done", 1.0)
         return self
+
+    def _judge(self, workbench, explanation, n_candidates):
+        """Verdict, what stands of the findings, and the model that goes with it."""
+
+        def rest_of(model):
+            return find_unknown(workbench, model, alpha=self.alpha, random_state=self.random_state)
+
+        findings, model, nominal = explanation.findings, explanation.model, explanation.nominal
+        unknown = rest_of(model)
+        p_value = mismatch_p_value(explanation, unknown, workbench, n_candidates)
+        upheld = not findings or holds_out(workbench, nominal, model)
+        explained = 0.0
+        if unknown is not None and findings:
+            explained = workbench.change(model, nominal)[unknown.channel]
+        if not upheld:
+            # blocks that the fit had not seen speak against it: no name is better than a wrong one
+            findings = []
+        verdict, findings = verdict_of(findings, unknown, p_value, self.alpha, explained)
+        if not findings:
+            model = nominal
+            if verdict != "no_mismatch":
+                unknown = rest_of(model) or unknown
+                verdict = "none_of_these" if unknown is not None else "cannot_tell"
+        return verdict, findings, model, (None if verdict == "no_mismatch" else unknown), p_value
 
     def _say(self, stage, done):
         if self.callback is not None:

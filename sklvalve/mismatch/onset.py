@@ -39,7 +39,7 @@ def best_onset(workbench, without, acting):
     return float(acting.chain.clock[first + int(np.argmin(cost[first:last]))])
 
 
-def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None, max_steps=8):
+def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None, max_steps=5):
     """Fit of an effect that begins within the recording.
 
     Begins with the effect switched on after a half of the record, moves the onset to where the losses of the

@@ -24,9 +24,7 @@ def held_out_predictions(workbench, whole, nominal, model, learnt):
     """
     n, used = len(whole), len(workbench.recording)
     channels = workbench.channels
-    made = {
-        kind: {c: np.full(n, np.nan) for c in channels} for kind in ("nominal", "corrected", "black_box")
-    }
+    made = {kind: {c: np.full(n, np.nan) for c in channels} for kind in ("nominal", "corrected", "black_box")}
     if n > used:
         held = np.arange(n) >= used
         for kind, fitted in (("nominal", nominal), ("corrected", model)):
@@ -49,6 +47,31 @@ def held_out_predictions(workbench, whole, nominal, model, learnt):
     for c in channels:
         made["corrected"][c] = made["corrected"][c] + learnt(c)
     return made, np.ones(n, dtype=bool)
+
+
+def holds_out(workbench, nominal, model, least=0.5):
+    """Whether a hypothesis predicts blocks it was not fitted to better than the calibrated nominal.
+
+    Contiguous quarters in turn; the sum of their whitened losses must fall to the share `least` of the
+    nominal's excess over noise, in the channels that the hypothesis changes.
+    """
+    n = len(workbench.recording)
+    edges = np.linspace(0, n, _FOLDS + 1).astype(int)
+    changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
+    before = after = 0.0
+    for low, high in zip(edges[:-1], edges[1:], strict=True):
+        rows = np.ones(n, dtype=bool)
+        rows[low:high] = False
+        fits = [workbench.fit(m.members, start=m, rows=rows, max_steps=4) for m in (nominal, model)]
+        for channel in changed:
+            losses = [
+                np.nansum((workbench.recording[channel] - f.predictions[channel])[low:high] ** 2)
+                for f in fits
+            ]
+            floor = (high - low) * workbench.noise[channel].floor ** 2
+            before += max(losses[0] - floor, 0.0) / floor
+            after += max(losses[1] - floor, 0.0) / floor
+    return bool(changed) and after < least * before
 
 
 def _run(workbench, model, whole):

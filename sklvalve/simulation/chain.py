@@ -6,7 +6,7 @@
 An effect changes one stage. The chain hands it what the stage makes, from the moment the effect acts.
 """
 
-from datetime import datetime, timezone
+from datetime import UTC, datetime
 
 import numpy as np
 
@@ -27,7 +27,7 @@ def clock_of(recording):
         origin = float(first)
     except (TypeError, ValueError):
         stamp = datetime.fromisoformat(str(first))
-        origin = (stamp if stamp.tzinfo else stamp.replace(tzinfo=timezone.utc)).timestamp()
+        origin = (stamp if stamp.tzinfo else stamp.replace(tzinfo=UTC)).timestamp()
     return origin + (recording.time - recording.time[0])
 
 

@@ -4,7 +4,6 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.optimize import least_squares
 
 from sklvalve.simulation.parameters import ParameterVector
 
@@ -95,8 +94,7 @@ def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, row
         parts = [noise[c].whiten(residual_of(chain, predictions, c, rows)) for c in channels]
         return np.concatenate([*parts, vector.prior_residuals(z)])
 
-    def slopes(z):
-        base = stacked(z)
+    def slopes(z, base):
         columns = np.empty((len(base), len(z)))
         for i in range(len(z)):
             reach = 1e-3 * vector.scale[i]
@@ -115,38 +113,65 @@ def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, row
         return ChannelFit(dict(held), left, predictions)
     inside = 1e-6 * np.minimum(vector.scale, vector.high - vector.low)
     z = np.clip(z, vector.low + inside, vector.high - inside)
-    found = least_squares(
-        stacked,
-        z,
-        jac=slopes,
-        bounds=(vector.low, vector.high),
-        x_scale=vector.scale,
-        loss="soft_l1",
-        f_scale=_ROBUST_FROM,
-        ftol=1e-5,
-        xtol=1e-6,
-        gtol=1e-8,
-        max_nfev=max_steps,
-    )
-    values = held | vector.values(found.x)
+    z, cost, hessian = _minimise(stacked, slopes, z, vector, max_steps)
+    values = held | vector.values(z)
     return ChannelFit(
         values,
-        -float(found.cost),
+        -cost,
         simulate_channels(chain, values, channels),
         tuple(parameters),
-        _spreads(found.jac, vector),
+        _spreads(hessian, vector),
     )
+
+
+def _cost(left):
+    scaled = (left / _ROBUST_FROM) ** 2
+    return float(np.sum(_ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)))
+
+
+def _minimise(stacked, slopes, z, vector, max_steps):
+    """Levenberg-Marquardt steps inside bounds for the soft L1 cost.
+
+    There are thousands of rows and a score of parameters, so the normal equations cost next to nothing
+    beside the simulations. A parameter at its bound that would leave it sits out the step.
+    """
+    left = stacked(z)
+    cost, damping, hessian = _cost(left), 1e-3, np.eye(len(z))
+    for _ in range(max_steps):
+        columns = slopes(z, left)
+        weights = 1.0 / np.sqrt(1.0 + (left / _ROBUST_FROM) ** 2)
+        gradient = columns.T @ (weights * left)
+        hessian = columns.T @ (weights[:, None] * columns)
+        free = ~(((z <= vector.low) & (gradient > 0.0)) | ((z >= vector.high) & (gradient < 0.0)))
+        gained = 0.0
+        for _try in range(6):
+            step = np.zeros_like(z)
+            damped = hessian[np.ix_(free, free)]
+            # relative to each parameter's own curvature, with a little of its scale where there is none
+            room = np.diag(damped) + 1e-6 / vector.scale[free] ** 2
+            step[free] = np.linalg.lstsq(damped + damping * np.diag(room), -gradient[free], rcond=None)[0]
+            moved = np.clip(z + step, vector.low, vector.high)
+            new_left = stacked(moved)
+            new_cost = _cost(new_left)
+            if new_cost < cost:
+                gained = cost - new_cost
+                z, left, cost = moved, new_left, new_cost
+                damping = max(0.2 * damping, 1e-9)
+                break
+            damping = max(10.0 * damping, 1e-4)
+        if gained < 1e-5 * cost + 1e-3:
+            break
+    return z, cost, hessian
 
 
 def log_likelihood(residuals, noise):
     """Robust log likelihood of residuals under a noise model, as `fit_chain` counts it."""
-    scaled = (noise.whiten(residuals) / _ROBUST_FROM) ** 2
-    return -float(np.sum(_ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)))
+    return -_cost(noise.whiten(residuals))
 
 
-def _spreads(jacobian, vector):
-    # the least squares Jacobian holds the priors as rows, so the inverse exists wherever anything is known
-    scaled = jacobian * vector.scale
-    covariance = np.linalg.pinv(scaled.T @ scaled, rcond=1e-12)
-    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * vector.scale
+def _spreads(hessian, vector):
+    # the priors are rows of the fit, so the inverse exists wherever anything is known
+    scale = vector.scale
+    covariance = np.linalg.pinv(hessian * np.outer(scale, scale), rcond=1e-12, hermitian=True)
+    spread = np.sqrt(np.maximum(np.diag(covariance), 0.0)) * scale
     return dict(zip(vector.names, spread.tolist(), strict=True))

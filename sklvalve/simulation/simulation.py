@@ -213,7 +213,11 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
     def _recording(self, X, y=None):
         if isinstance(X, Recording):
             return X
-        columns = {str(c): np.asarray(X[c]) for c in X} if hasattr(X, "__getitem__") and hasattr(X, "keys") else None
+        columns = (
+            {str(c): np.asarray(X[c]) for c in X}
+            if hasattr(X, "__getitem__") and hasattr(X, "keys")
+            else None
+        )
         if columns is None:
             raise InputError(
                 f"a valve simulation needs signals by name; got {type(X).__name__}: give a Recording, or a "

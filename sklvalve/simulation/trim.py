@@ -102,7 +102,9 @@ class LearntTrim:
     def first_values(self, opening, kv):
         """Values that come near capacities `kv` [m3/h] seen at openings, for fits to begin with."""
         seen = np.isfinite(opening) & np.isfinite(kv)
-        shares = np.column_stack([np.interp(opening[seen], self.knots, row) for row in np.tri(len(self.knots)).T])
+        shares = np.column_stack(
+            [np.interp(opening[seen], self.knots, row) for row in np.tri(len(self.knots)).T]
+        )
         weak = 1e-3 * np.sqrt(seen.sum()) * np.eye(len(self.knots))
         rises, _ = nnls(np.vstack([shares, weak]), np.concatenate([kv[seen], np.zeros(len(weak))]))
         return {p.name: float(rise) for p, rise in zip(self.parameters, rises, strict=True)}

@@ -18,8 +18,11 @@ class Backlash(Effect):
     block, stage = "valve", "plug"
     parameters = (Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),)
     needs = ("flow",)
+    family = "play"
     phrase = "there is play between stem and plug of {width:.1%} of travel"
-    separated_by = "Step the command up and down by 1, 2 and 5 % at a slow and at a fast rate: play is the same."
+    separated_by = (
+        "Step the command up and down by 1, 2 and 5 % at a slow and at a fast rate: play is the same."
+    )
     damadics = "f4"
 
     def apply(self, value, p, chain):

@@ -55,6 +55,8 @@ class Effect:
         What a person reads; may name the parameters.
     separated_by : str
         The test that tells it from what it is confused with.
+    family : str
+        Effects of one family have the same equation: a hypothesis holds one of them at most.
     may_begin : bool
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
     rugged : bool
@@ -64,6 +66,7 @@ class Effect:
     """
 
     name = key = block = stage = phrase = separated_by = damadics = ""
+    family = ""
     may_begin = True
     rugged = False
     needs: tuple = ()

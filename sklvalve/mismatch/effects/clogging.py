@@ -14,7 +14,9 @@ class Clogging(Effect):
     parameters = (Quantity("limit", "1", 0.03, 0.99, (0.9, 0.7, 0.45)),)
     needs = ("flow",)
     phrase = "the passage is blocked above {limit:.0%} opening"
-    separated_by = "Open the valve slowly to 100 %: a blockage has a sharp corner, a line loss bends smoothly."
+    separated_by = (
+        "Open the valve slowly to 100 %: a blockage has a sharp corner, a line loss bends smoothly."
+    )
     damadics = "f1"
 
     def apply(self, value, p, chain):

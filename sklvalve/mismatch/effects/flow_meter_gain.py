@@ -11,8 +11,11 @@ class FlowMeterGain(Effect):
     block, stage = "measurement", "flow_meter"
     parameters = (Quantity("gain", "1", -0.9, 2.0, (0.1, -0.1)),)
     needs = ("flow",)
+    family = "gain"
     phrase = "the flow reads {gain:+.0%} off"
-    separated_by = "A second meter, or a known volume: no signal of the valve tells a meter's span from capacity."
+    separated_by = (
+        "A second meter, or a known volume: no signal of the valve tells a meter's span from capacity."
+    )
     damadics = "f19"
 
     def apply(self, value, p, chain):

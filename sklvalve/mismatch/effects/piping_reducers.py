@@ -20,7 +20,9 @@ class PipingReducers(Effect):
     needs = ("flow",)
     may_begin = False
     phrase = "fittings or line in series with the valve cost {loss:.2g} times its own loss when fully open"
-    separated_by = "Pressure taps directly at the valve; no signal beyond them tells reducers from a line loss."
+    separated_by = (
+        "Pressure taps directly at the valve; no signal beyond them tells reducers from a line loss."
+    )
 
     def apply(self, value, p, chain):
         return value / np.sqrt(1.0 + p["loss"] * (value / chain.trim.rated) ** 2)

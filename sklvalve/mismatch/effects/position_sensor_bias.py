@@ -14,6 +14,7 @@ class PositionSensorBias(Effect):
     block, stage = "measurement", "position_sensor"
     parameters = (Quantity("bias", "1", -0.5, 0.5, (0.03, -0.03)),)
     needs = ("opening", "command")
+    family = "position"
     phrase = "the position sensor reads {bias:+.1%} of travel off"
     separated_by = "Drive the valve to both stops and read the sensor there."
     damadics = "f13"

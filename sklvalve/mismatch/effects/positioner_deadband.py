@@ -17,7 +17,9 @@ class PositionerDeadband(Effect):
     parameters = (Quantity("half_width", "1", 0.002, 0.2, (0.01, 0.03), log=True),)
     needs = ("command",)
     phrase = "the positioner leaves errors of up to {half_width:.1%} of travel uncorrected"
-    separated_by = "Small steps of the command (0.25, 0.5, 1, 2 %): in a dead band the stem stays, without a jump after."
+    separated_by = (
+        "Small steps of the command (0.25, 0.5, 1, 2 %): in a dead band the stem stays, without a jump after."
+    )
 
     def apply(self, value, p, chain):
         return value | {"dead_band": np.full_like(value["dead_band"], p["half_width"])}

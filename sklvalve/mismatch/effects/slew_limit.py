@@ -19,7 +19,9 @@ class SlewLimit(Effect):
     )
     needs = ("command",)
     phrase = "the stem travels no faster than {opening_speed:.1%} of travel a second up and {closing_speed:.1%} down"
-    separated_by = "Steps of three sizes: a slew limit takes longer the larger the step, a dead time does not."
+    separated_by = (
+        "Steps of three sizes: a slew limit takes longer the larger the step, a dead time does not."
+    )
 
     def apply(self, value, p, chain):
         return limited_rate(value, chain.step, p["opening_speed"], p["closing_speed"])
