@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The rival that knows no physics: an LS-SVM on the same signals with a window of lags."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
@@ -48,7 +50,7 @@ def black_box_prediction(recording, channel, train):
 def _blocked_error(regressor, Z, y, blocks=4):
     edges = np.linspace(0, len(y), blocks + 1).astype(int)
     total = 0.0
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         train = np.ones(len(y), dtype=bool)
         train[low:high] = False
         regressor.fit(Z[train], y[train])

@@ -79,7 +79,8 @@ def load_model(path):
         raise
     except Exception as error:
         raise InputError(
-            f"{path}: this is no model file of sklvalve; give the corrected_model.skops that a diagnosis wrote"
+            f"{path}: this is no model file of sklvalve; give the corrected_model.skops that a diagnosis "
+            "wrote"
         ) from error
     return simulations | {"diagnosis": content["diagnosis"]}
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Proof on rows that no fit has seen: the calibrated nominal, a black box, and the corrected simulation."""
 
+from itertools import pairwise
+
 import numpy as np
 
 from sklvalve.metrics import err_max, mape, rmse
@@ -35,7 +37,7 @@ def held_out_predictions(workbench, whole, nominal, model, learnt):
             made["black_box"][c] = black_box_prediction(whole, c, ~held)
         return made, held
     edges = np.linspace(0, n, _FOLDS + 1).astype(int)
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         rows = np.ones(n, dtype=bool)
         rows[low:high] = False
         for kind, fitted in (("nominal", nominal), ("corrected", model)):
@@ -59,7 +61,7 @@ def holds_out(workbench, nominal, model, least=0.5):
     edges = np.linspace(0, n, _FOLDS + 1).astype(int)
     changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
     before = after = 0.0
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         rows = np.ones(n, dtype=bool)
         rows[low:high] = False
         fits = [workbench.fit(m.members, start=m, rows=rows, max_steps=4) for m in (nominal, model)]
@@ -115,7 +117,7 @@ def _skill(before, after, floor, random_state):
     if len(before) < 40 or room < 0.1 * floor or room <= 0.0:
         return None, None
     rng = np.random.default_rng(random_state)
-    length = max(int(round(2.0 * len(before) ** (1.0 / 3.0))), 10)
+    length = max(round(2.0 * len(before) ** (1.0 / 3.0)), 10)
     many = int(np.ceil(len(before) / length))
     drawn = []
     for _ in range(200):

@@ -25,8 +25,9 @@ def channels_of(recording):
         found = ()
     if not found:
         raise InputError(
-            f"{recording.source}: a diagnosis needs an opening beside the command, or a flow beside a command "
-            f"or an opening; the recording holds {', '.join(recording)}: name these roles in valve.toml"
+            f"{recording.source}: a diagnosis needs an opening beside the command, or a flow beside a "
+            f"command or an opening; the recording holds {', '.join(recording)}: name these roles in "
+            "valve.toml"
         )
     return found
 

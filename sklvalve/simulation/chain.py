@@ -170,7 +170,7 @@ class Chain:
         return self._through("position_sensor", stem, values) + values.get("position_zero", 0.0)
 
     def drive(self, values):
-        """Opening of the stem that the flow side is driven by: the recorded one, corrected, or the free run."""
+        """Opening of the stem that drives the flow side: the recorded one, corrected, or the free run."""
         if self.measured is None:
             return self.opening(values)
         stem = self.measured - values.get("stem_zero", 0.0)
@@ -191,7 +191,7 @@ class Chain:
             self.measured = keep
 
     def flow(self, values, stem=None):
-        """Flow as the meter would show it, for a stem's opening [m3/h, or kg/s where recorded by mass, SI]."""
+        """Flow as the meter would show it for a stem's opening [m3/s, or kg/s where recorded by mass]."""
         stem = self.drive(values) if stem is None else stem
         plug = np.clip(self._through("plug", stem, values), 0.0, 1.0)
         self.plug, self._table = plug, self.trim.table(values)

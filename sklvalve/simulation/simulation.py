@@ -152,8 +152,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         Returns
         -------
         signals : dict of ndarray of shape (n,)
-            ``opening`` [1], free run from the command; ``flow`` [m3/s, or kg/s], from the recorded opening or,
-            without one, from the command; ``flow_from_command``, free run through the whole chain.
+            ``opening`` [1], free run from the command; ``flow`` [m3/s, or kg/s], from the recorded opening
+            or, without one, from the command; ``flow_from_command``, free run through the whole chain.
         """
         check_is_fitted(self, "values_")
         recording = self._recording(X)

@@ -74,8 +74,8 @@ def test_prediction_from_the_command_alone_is_the_free_run(diagnosed):
 
 @pytest.mark.xfail(
     strict=True,
-    reason="without a recorded opening the simulation drives the flow by the sensor's reading of the free run, "
-    "its zero and bias included, and not by the stem",
+    reason="without a recorded opening the simulation drives the flow by the sensor's reading of the free "
+    "run, its zero and bias included, and not by the stem",
 )
 def test_without_a_recorded_opening_the_flow_is_that_from_the_command(diagnosed):
     alone = _predicted(diagnosed, "commands.csv")

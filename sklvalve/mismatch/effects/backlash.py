@@ -17,7 +17,7 @@ class Backlash(Effect):
     name = key = "backlash"
     block, stage = "valve", "plug"
     parameters = (Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),)
-    needs = ("flow",)
+    needs: tuple = ("flow",)
     family = "play"
     phrase = "there is play between stem and plug of {width:.1%} of travel"
     separated_by = (

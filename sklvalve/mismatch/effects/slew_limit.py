@@ -18,7 +18,10 @@ class SlewLimit(Effect):
         Quantity("closing_speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
     )
     needs = ("command",)
-    phrase = "the stem travels no faster than {opening_speed:.1%} of travel a second up and {closing_speed:.1%} down"
+    phrase = (
+        "the stem travels no faster than {opening_speed:.1%} of travel a second up "
+        "and {closing_speed:.1%} down"
+    )
     separated_by = (
         "Steps of three sizes: a slew limit takes longer the larger the step, a dead time does not."
     )

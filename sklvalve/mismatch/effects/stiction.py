@@ -24,7 +24,10 @@ class Stiction(Effect):
     )
     needs = ("command",)
     phrase = "the stem sticks and slips (friction at rest {static_friction:.0%} of the spring's range)"
-    separated_by = "Ramp the command slowly through a reversal with the actuator's pressure recorded: jumps are stiction."
+    separated_by = (
+        "Ramp the command slowly through a reversal with the actuator's pressure recorded: "
+        "jumps are stiction."
+    )
     damadics = "f4"
 
     def apply(self, value, p, chain):

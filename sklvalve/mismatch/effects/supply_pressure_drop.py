@@ -19,7 +19,10 @@ class SupplyPressureDrop(Effect):
     parameters = (Quantity("drop", "1", 0.1, 0.97, (0.8, 0.87, 0.72)),)
     needs = ("command",)
     phrase = "the air supply is {drop:.0%} below its rated pressure"
-    separated_by = "Stroke the valve fully both ways: low supply ends the air-driven travel early and slows filling only."
+    separated_by = (
+        "Stroke the valve fully both ways: low supply ends the air-driven travel early "
+        "and slows filling only."
+    )
     damadics = "f16"
 
     def apply(self, value, p, chain):
