@@ -3,6 +3,7 @@
 
 import numpy as np
 from sklearn.base import BaseEstimator
+from threadpoolctl import threadpool_limits
 
 import sklvalve
 from sklvalve.mismatch.detect import mismatch_p_value
@@ -100,6 +101,11 @@ class MissingPhysicsFinder(BaseEstimator):
         InputError
             If the recording lacks what a diagnosis needs.
         """
+        # fits of a score of parameters gain nothing from threads, and lose much to their waiting
+        with threadpool_limits(1, user_api="blas"):
+            return self._fit(X, y, until)
+
+    def _fit(self, X, y, until):
         whole = X if isinstance(X, Recording) else ValveSimulation(self._sheet(None))._recording(X, y)
         used = self._used_rows(whole, until)
         recording = whole.slice(0, used)
@@ -245,6 +251,8 @@ class MissingPhysicsFinder(BaseEstimator):
         clock = model.chain.clock
         onset = min(onsets) - clock[0] if onsets and len(onsets) == len(findings) else None
         started = onset if onset is not None else 0.0
+        if onset is not None:
+            flagged &= clock - clock[0] >= onset
         entries = [effect_entry(f, whole) for f in findings]
         blocks = sorted({b for e in entries for b in e["blocks"]})
         found = verdict != "no_mismatch"
@@ -296,6 +304,7 @@ class MissingPhysicsFinder(BaseEstimator):
             "recorded": {r: whole.in_recorded_units(r, whole[r]) for r in roles},
             "nominal": own(self.nominal_simulation_.simulate(whole)),
             "corrected": own(self.corrected_simulation_.simulate(whole)),
+            "dp": whole["p1"] - whole["p2"] if "p1" in whole and "p2" in whole else None,
             "pressure_ratio": self.nominal_simulation_._chain(whole).pressure_ratio,
             "flagged": shown,
             "until": None if used == len(whole) else used,

@@ -39,6 +39,8 @@ def save_model(path, finder):
     os.close(handle)
     try:
         skops_io.dump(content, name)
+        # a temporary file is the owner's alone; a result is as readable as any other file
+        os.chmod(name, 0o644)
         os.replace(name, path)
     except BaseException:
         Path(name).unlink(missing_ok=True)

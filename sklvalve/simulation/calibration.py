@@ -85,12 +85,17 @@ def opening_parameters(recording, valve, tolerance):
     """Parameters of positioner, actuator and position sensor that stay open."""
     found = [
         Parameter("actuator_filter", "s", 0.02, tolerance.response, 0.1, spread=1.5, log=True),
+    ]
+    # without a recorded position no signal speaks of what goes on inside positioner and actuator
+    inside = [
         Parameter("actuator_gain", "1", 1.0, 60.0, 15.0, spread=1.5, log=True),
         Parameter("actuator_reset", "1/s", 1e-3, 10.0, 0.3, spread=3.0, log=True),
-        Parameter("actuator_rate", "1/s", 0.1, 10.0, 1.0, spread=1.5, log=True),
+        # at the lowest the chamber fills for a whole stroke in about the response time
+        Parameter("actuator_rate", "1/s", 0.9 / tolerance.response, 10.0, 1.0, spread=1.5, log=True),
         # friction that keeps the static error of a loop of ordinary gain within its tolerance
         Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
     ]
+    found += inside if "opening" in recording else []
     # a scan may lie between a command and its effect
     scan = min(1.5 * recording.sample_time, tolerance.response)
     found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))

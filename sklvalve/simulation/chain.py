@@ -140,6 +140,10 @@ class Chain:
         n = len(self.command)
         command = delayed(self.command, self.time, values["actuator_delay"])
         command = self._through("signal", command, values)
+        if "actuator_gain" not in values and not any(e.stage == "actuator" for e in self.effects):
+            stem = first_order_lag(command, self.step, values["actuator_filter"], 1.0)
+            return self._through("stem", np.clip(stem, 0.0, 1.0), values)
+        values = _IDEAL | values
         drive = {
             "supply": np.full(n, self.supply),
             "coulomb": np.full(n, values["actuator_coulomb"]),
@@ -227,4 +231,6 @@ class Chain:
         return np.sign(drop) * np.sqrt(size / self.density)
 
 
+# a quick positioner and a stem that slides: what stands in where no position speaks of them
+_IDEAL = {"actuator_gain": 8.0, "actuator_reset": 1e-3, "actuator_rate": 0.9, "actuator_coulomb": 1e-3}
 _OPENING_STAGES = ("signal", "actuator", "stem", "position_sensor")

@@ -136,21 +136,17 @@ def _minimise(stacked, slopes, z, vector, max_steps):
     beside the simulations. A parameter at its bound that would leave it sits out the step.
     """
     left = stacked(z)
-    cost, damping, hessian = _cost(left), 1e-3, np.eye(len(z))
+    cost, damping, hessian, idle = _cost(left), 1e-3, np.eye(len(z)), 0
     for _ in range(max_steps):
         columns = slopes(z, left)
         weights = 1.0 / np.sqrt(1.0 + (left / _ROBUST_FROM) ** 2)
         gradient = columns.T @ (weights * left)
         hessian = columns.T @ (weights[:, None] * columns)
-        free = ~(((z <= vector.low) & (gradient > 0.0)) | ((z >= vector.high) & (gradient < 0.0)))
         gained = 0.0
         for _try in range(6):
-            step = np.zeros_like(z)
-            damped = hessian[np.ix_(free, free)]
             # relative to each parameter's own curvature, with a little of its scale where there is none
-            room = np.diag(damped) + 1e-6 / vector.scale[free] ** 2
-            step[free] = np.linalg.lstsq(damped + damping * np.diag(room), -gradient[free], rcond=None)[0]
-            moved = np.clip(z + step, vector.low, vector.high)
+            damped = hessian + damping * np.diag(np.diag(hessian) + 1e-6 / vector.scale**2)
+            moved = z + _step_inside(damped, gradient, vector.low - z, vector.high - z)
             new_left = stacked(moved)
             new_cost = _cost(new_left)
             if new_cost < cost:
@@ -159,9 +155,26 @@ def _minimise(stacked, slopes, z, vector, max_steps):
                 damping = max(0.2 * damping, 1e-9)
                 break
             damping = max(10.0 * damping, 1e-4)
-        if gained < 1e-5 * cost + 1e-3:
+        # one short step may be the damping's doing; two are the valley's floor
+        idle = idle + 1 if gained < 1e-5 * cost + 1e-3 else 0
+        if idle == 2 or gained == 0.0:
             break
     return z, cost, hessian
+
+
+def _step_inside(hessian, gradient, lowest, highest):
+    """Newton step between bounds: parameters that would leave are set on theirs, the others solved again."""
+    step, free = np.zeros_like(gradient), np.ones(len(gradient), dtype=bool)
+    free &= ~((lowest >= 0.0) & (gradient > 0.0)) & ~((highest <= 0.0) & (gradient < 0.0))
+    for _ in range(len(gradient)):
+        pull = gradient[free] + hessian[np.ix_(free, ~free)] @ step[~free]
+        step[free] = np.linalg.lstsq(hessian[np.ix_(free, free)], -pull, rcond=None)[0]
+        outside = free & ((step < lowest) | (step > highest))
+        if not outside.any():
+            break
+        step[outside] = np.clip(step[outside], lowest[outside], highest[outside])
+        free &= ~outside
+    return np.clip(step, lowest, highest)
 
 
 def log_likelihood(residuals, noise):

@@ -158,7 +158,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         check_is_fitted(self, "values_")
         recording = self._recording(X)
         chain, made = self._chain(recording), {}
-        drives = "actuator_gain" in self.values_
+        drives = "actuator_filter" in self.values_
         if "command" in recording and drives:
             made["opening"] = chain.opening(self.values_)
         if "capacity" not in self.values_ and "rise_0" not in self.values_:

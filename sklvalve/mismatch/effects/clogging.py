@@ -21,3 +21,7 @@ class Clogging(Effect):
 
     def apply(self, value, p, chain):
         return np.minimum(value, chain.capacity_at(p["limit"]))
+
+    def possible(self, chain):
+        # a trim learnt from this very recording would take it up
+        return chain.trim.known

@@ -23,3 +23,7 @@ class FlowMeterGain(Effect):
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return late or abs(p["gain"]) > tolerance.capacity
+
+    def possible(self, chain):
+        # a trim learnt from this very recording would take it up
+        return chain.trim.known

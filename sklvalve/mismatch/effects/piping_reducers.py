@@ -26,3 +26,7 @@ class PipingReducers(Effect):
 
     def apply(self, value, p, chain):
         return value / np.sqrt(1.0 + p["loss"] * (value / chain.trim.rated) ** 2)
+
+    def possible(self, chain):
+        # a trim learnt from this very recording would take it up
+        return chain.trim.known

@@ -24,3 +24,7 @@ class SeatLeakage(Effect):
 
     def apply(self, value, p, chain):
         return value + p["leak_kv"]
+
+    def possible(self, chain):
+        # a trim learnt from this very recording would take it up
+        return chain.trim.known

@@ -14,21 +14,18 @@ class SlewLimit(Effect):
     name = key = "slew_limit"
     block, stage = "actuator", "signal"
     parameters = (
-        Quantity("opening_speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
-        Quantity("closing_speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
+        Quantity("speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
+        Quantity("closing_ratio", "1", 0.25, 4.0, (1.0,), log=True),
     )
     needs = ("command",)
-    phrase = (
-        "the stem travels no faster than {opening_speed:.1%} of travel a second up "
-        "and {closing_speed:.1%} down"
-    )
+    phrase = "the stem opens no faster than {speed:.1%} of travel a second (closing {closing_ratio:.2g} times that)"
     separated_by = (
         "Steps of three sizes: a slew limit takes longer the larger the step, a dead time does not."
     )
 
     def apply(self, value, p, chain):
-        return limited_rate(value, chain.step, p["opening_speed"], p["closing_speed"])
+        return limited_rate(value, chain.step, p["speed"], p["speed"] * p["closing_ratio"])
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         # positioner and actuator each may take their response time for a stroke
-        return min(p["opening_speed"], p["closing_speed"]) < 0.5 / tolerance.response
+        return p["speed"] * min(p["closing_ratio"], 1.0) < 0.5 / tolerance.response
