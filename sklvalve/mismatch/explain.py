@@ -194,11 +194,8 @@ def own_values(member, model):
 def _matters(workbench, model, without, threshold):
     member = model.members[-1]
     gain = worth(workbench, model) - worth(workbench, without)
-    beyond = member.effect.beyond_tolerance(
-        own_values(member, model), model.chain, workbench.tolerance, member.onset is not None
-    )
     sizes = workbench.change(model, without)
-    if not (gain > threshold and beyond and workbench.counts(sizes)):
+    if not (gain > threshold and _beyond(workbench, model, member) and workbench.counts(sizes)):
         return False
     if not without.members:
         return True
@@ -222,9 +219,15 @@ def _drop_what_no_longer_counts(workbench, model, threshold, *, last_too=False):
     for member in model.members if last_too else model.members[:-1]:
         without = workbench.fit(tuple(m for m in model.members if m is not member), start=model)
         again = workbench.fit((*without.members, member), start=model)
-        if not _matters(workbench, again, without, threshold):
+        if not (_matters(workbench, again, without, threshold) and _beyond(workbench, model, member)):
             model = without
     return model
+
+
+def _beyond(workbench, model, member):
+    """Whether an effect, as a model has it, lies beyond what a data sheet leaves open."""
+    late = member.onset is not None
+    return member.effect.beyond_tolerance(own_values(member, model), model.chain, workbench.tolerance, late)
 
 
 def _rivals(workbench, model, effects, report):

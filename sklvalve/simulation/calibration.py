@@ -96,8 +96,8 @@ def opening_parameters(recording, valve, tolerance):
         Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
     ]
     found += inside if "opening" in recording else []
-    # a scan may lie between a command and its effect
-    scan = min(1.5 * recording.sample_time, tolerance.response)
+    # a few scans may lie between a command and its effect
+    scan = min(3.0 * recording.sample_time, tolerance.response)
     found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))
     if "opening" in recording:
         zero = tolerance.position_zero

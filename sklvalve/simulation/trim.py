@@ -68,14 +68,14 @@ class LearntTrim:
         Openings that the recording visits [1]; the knots stand at their quantiles.
     kv_scale : float
         Order of the largest capacity [m3/h].
-    n_knots : int, default=14
+    n_knots : int, default=24
     knots : sequence of float, default=None
         Openings of the knots themselves.
     """
 
     known = False
 
-    def __init__(self, opening, kv_scale, n_knots=14, knots=None):
+    def __init__(self, opening, kv_scale, n_knots=24, knots=None):
         if knots is None:
             seen = opening[np.isfinite(opening)]
             span = np.linspace(seen.min(), seen.max(), n_knots)
