@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Recordings with something concealed in them, or nothing, and their diagnoses."""
+
+import pytest
+
+from sklvalve.datasets import make_valve_recording
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.recording import Recording, Valve
+
+ROWS = 1200
+
+
+def record(effect=None, strength=None, *, random_state, onset=0.0, n_later=0):
+    """A recording of the plant, 1,200 rows and `n_later` more, moved over most of its travel."""
+    made = make_valve_recording(
+        effect,
+        strength,
+        onset=onset,
+        loop="wide",
+        n_samples=ROWS + n_later,
+        n_later=0,
+        random_state=random_state,
+    )
+    return Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+
+
+@pytest.fixture(scope="session")
+def healthy():
+    return record(random_state=0)
+
+
+@pytest.fixture(scope="session")
+def leaking():
+    """A seat that begins to leak at 500 s; 300 rows more than a diagnosis is to use."""
+    return record("seat_leakage", 0.05, random_state=1, onset=500.0, n_later=300)
+
+
+@pytest.fixture(scope="session")
+def found_healthy(healthy):
+    return MissingPhysicsFinder().fit(healthy)
+
+
+@pytest.fixture(scope="session")
+def found_leaking(leaking):
+    return MissingPhysicsFinder().fit(leaking, until=ROWS)

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Every effect of the catalogue: named as designed, with possible numbers, nothing at no size."""
+
+import re
+
+import numpy as np
+import pytest
+
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.workbench import Member, Workbench
+from sklvalve.simulation import Tolerance
+
+DESIGNED = {
+    "actuator": "stiction friction backlash presliding positioner_deadband spring_fault supply_pressure_drop "
+    "actuator_leak rod_bend actuator_lag slew_limit dead_time transducer_fault positioner_feedback_fault "
+    "stem_load tight_shutoff positioner_characteriser stuck_valve",
+    "valve": "capacity_error wrong_characteristic clogging sedimentation erosion seat_leakage bypass_open "
+    "external_leakage choked_flow cavitation flashing viscous_flow gas_expansion density_change "
+    "viscosity_change backlash",
+    "line": "piping_reducers line_loss flow_inertia two_phase",
+    "measurement": "flow_meter_gain flow_meter_bias flow_meter_drift position_sensor_bias "
+    "position_sensor_gain inlet_pressure_bias outlet_pressure_bias sensor_lag",
+}
+# parameters at which an effect is none
+NOTHING = {
+    "backlash": {"width": 0.0},
+    "backlash_linkage": {"width": 0.0},
+    "stiction": {"static_friction": 0.0, "sliding_share": 0.5},
+    "positioner_deadband": {"half_width": 0.0},
+    "supply_pressure_drop": {"drop": 0.0},
+    "dead_time": {"delay": 0.0},
+    "slew_limit": {q.name: 1e9 for e in CATALOGUE if e.key == "slew_limit" for q in e.parameters},
+    "choked_flow": {"fl": 1e3, "knee": 12.0, "slope": 0.0},
+    "seat_leakage": {"leak_kv": 0.0},
+    "bypass_open": {"bypass_kv": 0.0},
+    "clogging": {"limit": 1.0},
+    "wrong_characteristic": {"slope": 0.0, "bow": 0.0},
+    "piping_reducers": {"loss": 0.0},
+    "position_sensor_bias": {"bias": 0.0},
+    "position_sensor_bias_loop": {"bias": 0.0},
+    "inlet_pressure_bias": {"bias": 0.0},
+    "outlet_pressure_bias": {"bias": 0.0},
+    "flow_meter_gain": {"gain": 0.0},
+    "capacity_error": {"gain": 0.0},
+    "flow_meter_bias": {"bias": 0.0},
+}
+each_effect = pytest.mark.parametrize("effect", CATALOGUE, ids=lambda effect: effect.key)
+
+
+@pytest.fixture(scope="module")
+def bench(healthy):
+    return Workbench(healthy, Tolerance(), ())
+
+
+@pytest.fixture(scope="module")
+def plain(bench):
+    values = {p.name: p.start for p in bench.calibration(bench.channels)}
+    return bench.simulate((), values)
+
+
+def _with(bench, plain, effect, own):
+    values = plain.values | {f"{effect.key}.{name}": value for name, value in own.items()}
+    return bench.simulate((Member(effect),), values)
+
+
+def _start(effect, chain, i=0):
+    return {q.name: q.starts[min(i, len(q.starts) - 1)] for q in effect.quantities(chain)}
+
+
+def test_keys_are_unique():
+    keys = [effect.key for effect in CATALOGUE]
+    assert len(set(keys)) == len(keys)
+
+
+@each_effect
+def test_name_block_and_fault_are_as_designed(effect):
+    assert effect.name in DESIGNED[effect.block].split()
+    assert re.fullmatch(r"(f\d+)?", effect.damadics)
+    assert effect.separated_by.endswith(".")
+    assert effect.needs
+    assert effect.__doc__
+
+
+@each_effect
+def test_phrase_can_be_spoken(effect, plain):
+    spoken = effect.phrase.format(**_start(effect, plain.chain))
+    assert spoken
+    assert "{" not in spoken
+    assert not spoken.endswith(".")
+
+
+@each_effect
+def test_parameters_lie_within_their_bounds(effect, plain):
+    quantities = effect.quantities(plain.chain)
+    assert [q.name for q in quantities] == [q.name for q in effect.parameters]
+    for q in quantities:
+        assert q.low < q.high
+        assert not q.log or q.low > 0.0
+        for i, start in enumerate(q.starts):
+            assert q.low <= start <= q.high
+            parameter = q.parameter_of(effect.key, i)
+            assert (parameter.name, parameter.start) == (f"{effect.key}.{q.name}", start)
+        # more attempts than starts: the last one again
+        assert q.parameter_of(effect.key, 99).start == q.starts[-1]
+
+
+@each_effect
+def test_at_no_size_it_changes_nothing(effect, bench, plain):
+    same = _with(bench, plain, effect, NOTHING[effect.key])
+    for channel, signal in plain.predictions.items():
+        np.testing.assert_allclose(
+            same.predictions[channel], signal, rtol=1e-9, atol=1e-9 * bench.spans[channel], err_msg=channel
+        )
+
+
+@each_effect
+def test_at_its_start_it_changes_what_it_says(effect, bench, plain):
+    touched = bench.channels_touched(effect)
+    assert touched
+    changed = False
+    for i in range(max(len(q.starts) for q in effect.parameters)):
+        other = _with(bench, plain, effect, _start(effect, plain.chain, i))
+        sizes = bench.change(other, plain)
+        assert all(sizes[c] == 0.0 for c in set(sizes) - set(touched))
+        changed |= any(sizes[c] > 1e-4 for c in touched)
+        assert all(np.isfinite(other.predictions[c]).all() for c in touched)
+    assert changed
+
+
+@each_effect
+def test_nothing_is_within_tolerance_where_there_is_one(effect, plain):
+    tolerance = Tolerance()
+    beyond = effect.beyond_tolerance(_start(effect, plain.chain), plain.chain, tolerance, True)
+    assert beyond in (True, False)
+    if effect.key in ("backlash", "dead_time", "flow_meter_bias", "position_sensor_bias", "capacity_error"):
+        assert not effect.beyond_tolerance(NOTHING[effect.key], plain.chain, tolerance, False)
+        most = {q.name: q.high for q in effect.quantities(plain.chain)}
+        assert effect.beyond_tolerance(most, plain.chain, tolerance, False)

@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From made-up findings to p-value, classes, verdict, place, onset and next test."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import chi2
+
+from sklvalve.mismatch.detect import mismatch_p_value
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.explain import DISTINGUISHABLE
+from sklvalve.mismatch.gate import effects_switched_off
+from sklvalve.mismatch.locate import regions
+from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.onset import best_onset
+from sklvalve.mismatch.verdict import class_of, verdict_of
+from sklvalve.mismatch.workbench import Member
+from sklvalve.simulation import Tolerance
+from sklvalve.simulation.fitting import PlainNoise
+
+EFFECTS = {effect.key: effect for effect in CATALOGUE}
+BENCH = SimpleNamespace(tolerance=Tolerance(), recording=range(1024))
+
+
+def _finding(*rivals, gain=100.0, sizes=None):
+    """A finding of rivals (key, log likelihood, probability), the first one the best."""
+    made = [(Member(EFFECTS[k]), SimpleNamespace(log_likelihood=ll), p) for k, ll, p in rivals]
+    return SimpleNamespace(member=made[0][0], rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
+
+
+def _p(findings=(), tried=None, unknown=None, candidates=20):
+    explanation = SimpleNamespace(findings=list(findings), tried=tried or {})
+    return mismatch_p_value(explanation, unknown, BENCH, candidates)
+
+
+LEAK = ("seat_leakage", -10.0, 0.6)
+BYPASS = ("bypass_open", -10.5, 0.4)
+
+
+# ---- is there anything
+
+
+def test_nothing_tried_and_nothing_found_is_no_mismatch():
+    assert _p() == 1.0
+    assert _p(tried={"clogging": (0.0, {"flow": 0.2})}) == pytest.approx(1.0)
+
+
+def test_what_is_too_small_to_count_is_no_evidence():
+    assert _p([_finding(LEAK, gain=1e4, sizes={"flow": 0.004, "opening": 0.005})]) == pytest.approx(1.0)
+
+
+def test_p_value_is_that_of_the_likelihood_ratio_with_its_tries():
+    # a size of 0.05 stands 0.9 of itself beyond what counts, 0.005
+    alone = chi2.sf(2.0 * 20.0 * 0.9**2, 2)
+    assert _p([_finding(LEAK, gain=20.0)]) == pytest.approx(1.0 - (1.0 - alone) ** (20 * 10), rel=1e-6)
+    assert _p([_finding(LEAK, gain=1e5)]) == 1e-12
+
+
+@settings(max_examples=50, deadline=None)
+@given(st.floats(0.0, 300.0), st.floats(0.0, 300.0), st.floats(0.0, 0.5), st.integers(1, 40))
+def test_more_evidence_never_raises_it_and_more_tries_never_lower_it(gain, more, size, candidates):
+    def p_of(gain, n):
+        return _p([_finding(LEAK, gain=gain, sizes={"flow": size})], candidates=n)
+
+    assert 1e-12 <= p_of(gain + more, candidates) <= p_of(gain, candidates) <= 1.0
+    assert p_of(gain, candidates + 1) >= p_of(gain, candidates)
+
+
+def test_an_unknown_rest_counts_too():
+    assert _p(unknown=SimpleNamespace(p_value=0.004)) == 0.004
+
+
+# ---- which
+
+
+def test_class_holds_what_cannot_be_told_apart_and_no_others():
+    far = -10.0 - 0.5 * DISTINGUISHABLE
+    found = class_of(_finding(LEAK, BYPASS, ("clogging", far, 0.0), ("flow_meter_bias", far + 0.1, 0.0)))
+    assert set(found) == {"seat_leakage", "bypass_open", "flow_meter_bias"}
+
+
+def test_class_is_sorted_and_joins_the_forms_of_an_effect():
+    found = class_of(_finding(("backlash", -5.0, 0.3), LEAK, ("backlash_linkage", -5.2, 0.5)))
+    assert list(found) == ["backlash", "seat_leakage"]
+    assert found["backlash"][0] == pytest.approx(0.8)
+    assert found["backlash"][1].effect.key == "backlash"
+
+
+def test_verdicts():
+    sure, unsure = _finding(LEAK, BYPASS), _finding(("clogging", -3.0, 0.5), ("dead_time", -30.0, 0.5))
+    big, small = (SimpleNamespace(size=size) for size in (0.03, 0.003))
+    assert verdict_of([sure], None, 0.02, 0.01, 0.05) == ("no_mismatch", [])
+    assert verdict_of([sure], None, 0.001, 0.01, 0.05) == ("named", [sure])
+    assert verdict_of([unsure], None, 0.001, 0.01, 0.05) == ("cannot_tell", [unsure])
+    assert verdict_of([unsure, sure], None, 0.001, 0.01, 0.05) == ("named", [unsure, sure])
+    assert verdict_of([], None, 0.001, 0.01, 0.0) == ("cannot_tell", [])
+    assert verdict_of([], small, 0.001, 0.01, 0.0) == ("none_of_these", [])
+    # a rest that is large against what the effects explain makes their names doubtful, a small one does not
+    assert verdict_of([sure], big, 0.001, 0.01, 0.05) == ("none_of_these", [])
+    assert verdict_of([sure], small, 0.001, 0.01, 0.05) == ("named", [sure])
+
+
+# ---- what the data forbid, where, since when, and what next
+
+
+def test_findings_about_the_data_switch_off_what_they_mimic():
+    assert effects_switched_off([]) == {}
+    assert effects_switched_off([{"finding": "quantised", "role": "opening"}]) == {}
+    off = effects_switched_off([{"finding": "saturated", "role": "flow"}])
+    assert set(off) == {"clogging", "choked_flow"}
+    assert off["clogging"] == "a recording whose flow is not saturated"
+    assert set(effects_switched_off([{"finding": "clock_shift", "role": "p1"}])) == {"dead_time"}
+    both = [{"finding": "frozen", "role": "opening"}, {"finding": "compressed", "role": "command"}]
+    assert set(effects_switched_off(both)) == {
+        "stiction",
+        "positioner_deadband",
+        "position_sensor_bias",
+        "dead_time",
+    }
+
+
+def test_only_effects_of_the_catalogue_are_switched_off():
+    names = {effect.name for effect in CATALOGUE}
+    for finding in ("compressed", "frozen", "clock_shift", "saturated"):
+        for role in ("opening", "command", "flow"):
+            assert set(effects_switched_off([{"finding": finding, "role": role}])) <= names
+
+
+def _stage(opening):
+    return SimpleNamespace(
+        measured=opening,
+        command=opening,
+        drive=lambda values: opening,
+        pressure_ratio=None,
+        has_pressures=False,
+        recording={},
+    )
+
+
+def test_region_is_the_range_of_openings_in_which_it_acts():
+    opening = np.random.default_rng(0).uniform(0.0, 1.0, 2000)
+    (region,) = regions(_stage(opening), {}, opening > 0.7)
+    assert region["signal"] == "opening"
+    assert region["low"] == pytest.approx(0.7, abs=0.02)
+    assert region["high"] == pytest.approx(1.0, abs=0.03)
+    assert region["share"] == pytest.approx(0.3, abs=0.03)
+
+
+def test_what_acts_everywhere_or_nowhere_has_no_region():
+    rng = np.random.default_rng(1)
+    opening = rng.uniform(0.0, 1.0, 2000)
+    for flagged in (np.zeros(2000, bool), np.ones(2000, bool), rng.uniform(size=2000) < 0.5):
+        assert regions(_stage(opening), {}, flagged) == []
+
+
+@pytest.mark.parametrize("row", [200, 613, 900])
+def test_onset_is_where_the_losses_change_sides(row):
+    rng = np.random.default_rng(row)
+    noise = rng.standard_normal(1200)
+    late = np.arange(1200) >= row
+    left = {"without": noise + 2.0 * late, "acting": noise - 2.0 * ~late}
+    bench = SimpleNamespace(
+        recording=range(1200),
+        noise={"flow": PlainNoise(1.0)},
+        residuals=lambda model: {"flow": left[model.kind]},
+        rows=None,
+    )
+    chain = SimpleNamespace(clock=5000.0 + np.arange(1200.0))
+    without, acting = (SimpleNamespace(kind=kind, chain=chain) for kind in left)
+    assert best_onset(bench, without, acting) == pytest.approx(5000.0 + row, abs=5.0)
+
+
+def test_next_test_separates_what_is_open_first():
+    clogging = class_of(_finding(("clogging", -3.0, 1.0)))
+    open_one = class_of(_finding(LEAK, BYPASS))
+    stem_seen = SimpleNamespace(recording={"opening"})
+    assert next_test([clogging, open_one], "named", None, stem_seen) == EFFECTS["seat_leakage"].separated_by
+    assert next_test([clogging], "named", None, stem_seen) == EFFECTS["clogging"].separated_by
+    unknown = SimpleNamespace(inputs=("opening", "pressure_ratio"))
+    assert "opening and pressure ratio" in next_test([], "none_of_these", unknown, stem_seen)
+    assert next_test([], "no_mismatch", None, stem_seen) is None
+    assert "stem position" in next_test([], "no_mismatch", None, SimpleNamespace(recording=set()))
