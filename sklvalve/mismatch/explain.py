@@ -100,7 +100,10 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
         found = _step(workbench, model, effects, report, step / (most + 1))
         if step == 0:
             tried = {
-                m.members[-1].effect.key: (m.log_likelihood - model.log_likelihood, workbench.change(m, model))
+                m.members[-1].effect.key: (
+                    m.log_likelihood - model.log_likelihood,
+                    workbench.change(m, model),
+                )
                 for m in found
             }
         settled = None
@@ -200,7 +203,9 @@ def _matters(workbench, model, without, threshold):
     if not without.members:
         return True
     strongest = workbench.change(without, workbench.fit((), start=without))
-    return any(sizes[c] > _SHARE_OF_STRONGEST * strongest[c] and workbench.counts({c: sizes[c]}) for c in sizes)
+    return any(
+        sizes[c] > _SHARE_OF_STRONGEST * strongest[c] and workbench.counts({c: sizes[c]}) for c in sizes
+    )
 
 
 def _settle(workbench, model):

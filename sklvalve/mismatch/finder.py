@@ -128,7 +128,16 @@ class MissingPhysicsFinder(BaseEstimator):
         self._keep_simulations(workbench, explanation.nominal, model, unknown)
         self._say("proving on held-out rows", 0.85)
         content, traces = self._report(
-            whole, workbench, explanation.nominal, model, findings, unknown, verdict, p_value, data, not_testable
+            whole,
+            workbench,
+            explanation.nominal,
+            model,
+            findings,
+            unknown,
+            verdict,
+            p_value,
+            data,
+            not_testable,
         )
         self.diagnosis_ = Diagnosis(content, traces)
         self._say("done", 1.0)
@@ -243,7 +252,9 @@ class MissingPhysicsFinder(BaseEstimator):
             return corrected._learnt(corrected._chain(whole), channel)
 
         made, held = held_out_predictions(workbench, whole, nominal, model, learnt)
-        flagged = acting_rows(workbench, model, nominal) if findings else np.zeros(len(workbench.recording), bool)
+        flagged = (
+            acting_rows(workbench, model, nominal) if findings else np.zeros(len(workbench.recording), bool)
+        )
         if unknown is not None and not findings:
             rest = np.abs(correct_rows(corrected, workbench.recording, unknown.channel))
             flagged = rest > 0.25 * np.quantile(rest, 0.99)
@@ -318,5 +329,3 @@ def correct_rows(simulation, recording, channel):
 
 def _block_of(unknown):
     return "valve" if unknown.channel == "flow" else "actuator"
-
-

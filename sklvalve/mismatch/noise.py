@@ -199,6 +199,9 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
 
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
     found = minimize(
-        loss, start, method="Nelder-Mead", options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True}
+        loss,
+        start,
+        method="Nelder-Mead",
+        options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
     return model(found.x)

@@ -75,13 +75,19 @@ def _sentence(who, values):
 
 def _with_interval(quantity, key, fitted, recording):
     value, spread = fitted.values[key], 1.96 * fitted.spreads.get(key, np.nan)
-    ends = (value * np.exp(-spread), value * np.exp(spread)) if quantity.log else (value - spread, value + spread)
+    ends = (
+        (value * np.exp(-spread), value * np.exp(spread))
+        if quantity.log
+        else (value - spread, value + spread)
+    )
     low, high = (float(np.clip(e, quantity.low, quantity.high)) for e in ends)
     unit = quantity.unit
     if unit in ("m3/s", "kg/s"):
         # a flow is told in the recording's own unit
         zero = recording.in_recorded_units("flow", np.zeros(1))[0]
-        value, low, high = (float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in (value, low, high))
+        value, low, high = (
+            float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in (value, low, high)
+        )
         unit = recording.unit("flow")
     interval = sorted((low, high)) if np.isfinite(spread) else None
     return {"value": float(value), "unit": unit, "ci95": interval}
