@@ -143,7 +143,7 @@ def _under_its_own_noise(workbench, chosen, before, threshold):
 
 
 def _better_in_place(findings):
-    """A hypothesis with a rival in the place of an effect that the recording prefers to it, if there is one."""
+    """A hypothesis with a rival in the place of an effect, where the recording prefers it; else None."""
     for finding in findings:
         who, fitted, _ = finding.rivals[0]
         if who is not finding.member and who.effect.name != finding.member.effect.name:

@@ -2,6 +2,7 @@
 """What no effect of the catalogue explains: whether the rest can be predicted, from what, and how much."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -154,7 +155,7 @@ def _acting_rms(predicted):
 def _held_out(regressor, Z, y):
     edges = np.linspace(0, len(y), _BLOCKS + 1).astype(int)
     predicted = np.empty(len(y))
-    for low, high in zip(edges[:-1], edges[1:], strict=True):
+    for low, high in pairwise(edges):
         train = np.ones(len(y), dtype=bool)
         train[max(low - 3, 0) : high + 3] = False
         regressor.fit(Z[train], y[train])

@@ -175,7 +175,9 @@ class Workbench:
                 None if start is None or not own else start.keys,
             )
             if sign not in self._known:
-                self._known[sign] = self._fit_group(chain, channels, own, begin, attempt, hold, rows, max_steps)
+                self._known[sign] = self._fit_group(
+                    chain, channels, own, begin, attempt, hold, rows, max_steps
+                )
             fit = self._known[sign]
             values |= fit.values
             spreads |= fit.spreads
@@ -201,7 +203,9 @@ class Workbench:
     def simulate(self, members, values):
         """A hypothesis with given values, simulated and not fitted."""
         chain = self.chain(members)
-        return Model(tuple(members), chain, values, simulate_channels(chain, values, self.channels), np.nan, {})
+        return Model(
+            tuple(members), chain, values, simulate_channels(chain, values, self.channels), np.nan, {}
+        )
 
     def residuals(self, model):
         """Recorded less simulated, by channel."""
@@ -245,16 +249,24 @@ class Workbench:
         parameters = opening_parameters(self.recording, self.valve, self.tolerance)
         vector = ParameterVector(parameters)
         low, high = vector.low, vector.high
-        draws = low + (high - low) * qmc.Sobol(len(vector), seed=0).random(128)
+        draws = low + (high - low) * qmc.Sobol(len(vector), seed=0).random(64)
         losses = [self._opening_loss(vector.values(z)) for z in draws]
         # coarse enough that a wrong stroke costs more than a small error that lasts
         coarse = {"opening": PlainNoise(0.02)}
         best, least = {}, np.inf
         # whether there is a scan between command and stem decides which valley is the right one
-        scans = [vector.pack({"actuator_delay": share * self.recording.sample_time}) for share in (0.02, 0.5, 1.0)]
-        for z in (*scans, *draws[np.argsort(losses)[:2]]):
+        scans = [
+            vector.pack({"actuator_delay": share * self.recording.sample_time}) for share in (0.02, 0.5, 1.0)
+        ]
+        for z in (*scans, draws[int(np.argmin(losses))]):
             fit = fit_chain(
-                self.plain, parameters, ("opening",), coarse, start=vector.values(z), rows=self.rows, max_steps=12
+                self.plain,
+                parameters,
+                ("opening",),
+                coarse,
+                start=vector.values(z),
+                rows=self.rows,
+                max_steps=8,
             )
             if -fit.log_likelihood < least:
                 best, least = fit.values, -fit.log_likelihood

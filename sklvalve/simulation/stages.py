@@ -17,7 +17,8 @@ def _nozzle(ratio):
     return sqrt(1.0 - ((ratio - 0.3) / 0.7) ** 2)
 
 
-@nb.njit(cache=True)
+# no check for division by zero in the innermost loop: no divisor there can be zero
+@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def positioner_and_actuator(
     command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate
 ):

@@ -18,7 +18,9 @@ class SlewLimit(Effect):
         Quantity("closing_ratio", "1", 0.25, 4.0, (1.0,), log=True),
     )
     needs = ("command",)
-    phrase = "the stem opens no faster than {speed:.1%} of travel a second (closing {closing_ratio:.2g} times that)"
+    phrase = (
+        "the stem opens at {speed:.1%} of travel a second at most (closing {closing_ratio:.2g} times that)"
+    )
     separated_by = (
         "Steps of three sizes: a slew limit takes longer the larger the step, a dead time does not."
     )
