@@ -123,7 +123,16 @@ class Chain:
 
     def opening(self, values):
         """Opening as the position sensor would show it, free run from the command [1]."""
-        names = [k for k in values if k.startswith("actuator_") or k == "position_zero"]
+        shown = self._through("position_sensor", self.stem_of_free_run(values), values)
+        return shown + values.get("position_zero", 0.0)
+
+    def drive_of_free_run(self, values):
+        """Opening that drives the flow in the free run: a sound sensor's reading as the flow takes it."""
+        return self.stem_of_free_run(values) + values.get("position_zero", 0.0) - values.get("stem_zero", 0.0)
+
+    def stem_of_free_run(self, values):
+        """Opening of the stem itself, free run from the command [1]."""
+        names = [k for k in values if k.startswith("actuator_")]
         names += [
             f"{e.key}.{p.name}" for e in self.effects if e.stage in _OPENING_STAGES for p in e.parameters
         ]
@@ -131,10 +140,10 @@ class Chain:
         if key not in self._remembered:
             if len(self._remembered) > 4:
                 self._remembered.clear()
-            self._remembered[key] = self._opening(values)
+            self._remembered[key] = self._free_run(values)
         return self._remembered[key]
 
-    def _opening(self, values):
+    def _free_run(self, values):
         if self.command is None:
             raise InputError("the opening cannot be simulated without a command; record it, or leave it out")
         n = len(self.command)
@@ -170,13 +179,12 @@ class Chain:
             values["actuator_rate"],
         )
         stem = 1.0 - stem if self.air_closes else stem
-        stem = self._through("stem", stem, values)
-        return self._through("position_sensor", stem, values) + values.get("position_zero", 0.0)
+        return self._through("stem", stem, values)
 
     def drive(self, values):
         """Opening of the stem that drives the flow side: the recorded one, corrected, or the free run."""
         if self.measured is None:
-            return self.opening(values)
+            return self.drive_of_free_run(values)
         stem = self.measured - values.get("stem_zero", 0.0)
         for effect in self.effects:
             if effect.stage == "position_sensor":
@@ -184,15 +192,6 @@ class Chain:
                 true, acting = effect.invert(stem, own, self), self.active(effect)
                 stem = true if acting is None else np.where(acting, true, stem)
         return stem
-
-    def stem_of_free_run(self, values):
-        """Opening of the stem in the free run: what the sensor would show, its errors taken off again."""
-        shown, keep = self.opening(values), self.measured
-        self.measured = shown
-        try:
-            return self.drive(values)
-        finally:
-            self.measured = keep
 
     def flow(self, values, stem=None):
         """Flow as the meter would show it for a stem's opening [m3/s, or kg/s where recorded by mass]."""

@@ -168,7 +168,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         if "opening" in recording or (drives and "command" in recording):
             made["flow"] = chain.flow(self.values_) + self._learnt(chain, "flow")
         if "opening" in made:
-            stem = chain.stem_of_free_run(self.values_)
+            stem = chain.drive_of_free_run(self.values_)
             made["flow_from_command"] = chain.flow(self.values_, stem) + self._learnt(chain, "flow", stem)
             made["opening"] = made["opening"] + self._learnt(chain, "opening")
         return made

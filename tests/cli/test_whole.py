@@ -72,11 +72,6 @@ def test_prediction_from_the_command_alone_is_the_free_run(diagnosed):
     np.testing.assert_allclose(alone["flow_from_command"][150:], full["flow_from_command"][150:], rtol=0.01)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="without a recorded opening the simulation drives the flow by the sensor's reading of the free "
-    "run, its zero and bias included, and not by the stem",
-)
 def test_without_a_recorded_opening_the_flow_is_that_from_the_command(diagnosed):
     alone = _predicted(diagnosed, "commands.csv")
     np.testing.assert_allclose(alone["flow"], alone["flow_from_command"], rtol=1e-6)

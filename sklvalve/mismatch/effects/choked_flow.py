@@ -37,8 +37,7 @@ class ChokedFlow(Effect):
         return {"fl": fl, "knee": np.full(n, p["knee"])}
 
     def beyond_tolerance(self, p, chain, tolerance, late):
-        # F_L belongs to the trim: where the simulation holds it, it must be off by more than the sheet may be,
-        # early or late
+        # F_L belongs to the trim: one that the simulation holds must be off by more than a sheet may be
         if not chain.choking:
             return True
         sheet = chain.valve.fl
