@@ -3,10 +3,10 @@
 
     python benchmarks/concealed/score.py FOLDER [NAME ...]
 
-Each record is a folder with recording.csv.gz, valve.toml, truth.json and, for the error on later rows,
-later.csv.gz and flow_without_noise.csv.gz, as benchmarks/concealed/make.py writes them. The truth is read
-after the diagnosis is done. Errors of flow are against the flow without noise, as a multiple of the rms of the
-recording's own noise; errors of the opening, a free run from the command, are in percent of travel.
+Each record is a folder with recording.csv.gz, valve.toml, truth.json, and later.csv.gz with
+flow_without_noise.csv.gz for the error on later rows, as make.py beside this file writes them. The truth is
+read after the diagnosis is done. Errors of flow are against the flow without noise, as a multiple of the rms
+of the recording's own noise; errors of the opening, a free run from the command, are in percent of travel.
 """
 
 import json
