@@ -3,8 +3,9 @@
 
     python benchmarks/watersafe.py FOLDER
 
-FOLDER holds recording.csv and VA_A1.toml, VA_C1.toml, VA_C3.toml. Errors are RMSE of the flow in cm3/s on rows
-behind 6,000 s, which no fit has seen; the black box is an LS-SVM on the same signals with lags of the command.
+FOLDER holds recording.csv and VA_A1.toml, VA_C1.toml, VA_C3.toml. Errors are RMSE of the flow in cm3/s on
+rows behind 6,000 s, which no fit has seen; the black box is an LS-SVM on the same signals with lags of the
+command.
 """
 
 import os
