@@ -125,12 +125,15 @@ class MissingPhysicsFinder(BaseEstimator):
         )
         self._say("looking for the unknown", 0.8)
         verdict, findings, model, unknown, p_value = self._judge(workbench, explanation, len(effects))
-        self._keep_simulations(workbench, explanation.nominal, model, unknown)
+        nominal = workbench.least_squares(explanation.nominal)
+        if verdict == "no_mismatch":
+            model = nominal
+        self._keep_simulations(workbench, nominal, model, unknown)
         self._say("proving on held-out rows", 0.85)
         content, traces = self._report(
             whole,
             workbench,
-            explanation.nominal,
+            nominal,
             model,
             findings,
             unknown,

@@ -228,6 +228,23 @@ class Workbench:
         }
         self._known.clear()
 
+    def least_squares(self, model, *, rows=None, max_steps=15):
+        """A hypothesis fitted for the least error itself, each row weighing the same.
+
+        The noise of the best explanation makes little of what a poor one gets wrong; compared by its errors,
+        a simulation must be the best of its kind.
+        """
+        kept, known = self.noise, self._known
+        left = self.residuals(model)
+        self.noise = {
+            c: PlainNoise(max(float(np.sqrt(np.nanmean(left[c] ** 2))), 1e-12)) for c in self.channels
+        }
+        self._known = {}
+        try:
+            return self.fit(model.members, start=model, rows=rows, max_steps=max_steps)
+        finally:
+            self.noise, self._known = kept, known
+
     def calibrated(self):
         """The simulation without any further effect, calibrated, and the noise learnt from it."""
         guess = self._first_guess()
