@@ -20,10 +20,8 @@ def main(folder):
     """Print one line a valve."""
     folder = Path(folder)
     print(f"load {os.getloadavg()[0]:.1f}")
-    print(
     print("| valve | verdict | found | s | nominal | black box | corrected |")
     print("|---|---|---|---|---|---|---|")
-    )
     for name in ("VA_A1", "VA_C1", "VA_C3"):
         recording = read_recording(folder / "recording.csv", folder / f"{name}.toml")
         began = time.perf_counter()
