@@ -126,8 +126,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("looking for the unknown", 0.8)
         verdict, findings, model, unknown, p_value = self._judge(workbench, explanation, len(effects))
         nominal = workbench.least_squares(explanation.nominal)
-        if verdict == "no_mismatch":
-            model = nominal
+        model = workbench.least_squares(model) if findings else nominal
         self._keep_simulations(workbench, nominal, model, unknown)
         self._say("proving on held-out rows", 0.85)
         content, traces = self._report(

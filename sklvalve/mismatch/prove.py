@@ -41,10 +41,7 @@ def held_out_predictions(workbench, whole, nominal, model, learnt):
         rows = np.ones(n, dtype=bool)
         rows[low:high] = False
         for kind, fitted in (("nominal", nominal), ("corrected", model)):
-            if fitted is nominal:
-                again = workbench.least_squares(fitted, rows=rows, max_steps=4)
-            else:
-                again = workbench.fit(fitted.members, start=fitted, rows=rows, max_steps=4)
+            again = workbench.least_squares(fitted, rows=rows, max_steps=4)
             for c in channels:
                 made[kind][c][low:high] = again.predictions[c][low:high]
         for c in channels:

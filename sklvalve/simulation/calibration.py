@@ -97,7 +97,7 @@ def opening_parameters(recording, valve, tolerance):
     ]
     found += inside if "opening" in recording else []
     # a few scans may lie between a command and its effect
-    scan = min(3.0 * recording.sample_time, tolerance.response)
+    scan = min(2.0 * recording.sample_time, tolerance.response)
     found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))
     if "opening" in recording:
         zero = tolerance.position_zero
