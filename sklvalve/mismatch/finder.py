@@ -254,9 +254,9 @@ class MissingPhysicsFinder(BaseEstimator):
             return corrected._learnt(corrected._chain(whole), channel)
 
         made, held = held_out_predictions(workbench, whole, nominal, model, learnt)
-        flagged = (
-            acting_rows(workbench, model, nominal) if findings else np.zeros(len(workbench.recording), bool)
-        )
+        # switched off in the same simulation, not calibrated away: so it shows where it acts itself
+        bare = workbench.simulate((), model.values)
+        flagged = acting_rows(workbench, model, bare)
         if unknown is not None and not findings:
             rest = np.abs(correct_rows(corrected, workbench.recording, unknown.channel))
             flagged = rest > 0.25 * np.quantile(rest, 0.99)
