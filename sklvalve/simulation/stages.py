@@ -19,10 +19,38 @@ def _nozzle(ratio):
 
 # no check for division by zero in the innermost loop: no divisor there can be zero
 @nb.njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
-def _stem(
-    command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate,
-    feedback, shown, hold,
-):  # fmt: skip
+def positioner_and_actuator(
+    command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate
+):
+    """Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
+
+    All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool in
+    proportion to the error (and, by `reset`, to its integral); the spool fills the chamber from the supply or
+    vents it, by nozzles that choke; the stem moves where pressure, spring and bristle friction with a
+    Stribeck fall balance. Mass is left out: a stem answers in milliseconds.
+
+    Parameters
+    ----------
+    command : ndarray of shape (n,)
+        Wanted opening [1]. A gap (NaN) holds the value before it.
+    step : ndarray of shape (n,)
+        Time since the sample before [s].
+    x0 : float
+        Opening at the beginning [1].
+    spring : float
+        Absolute pressure at which the spring begins to give way [travels of spring].
+    supply, coulomb, extra_stick, dead_band : ndarray of shape (n,)
+        Absolute supply pressure; sliding friction; how far friction at rest exceeds it [all in travels of
+        spring]; half width of the positioner's dead band [1].
+    filter_time, gain, reset, rate : float
+        Time constant of the positioner's input [s], spool opening for an error [1], share of the spool for
+        the error's integral [1/s], and capacity of the spool [1/s].
+
+    Returns
+    -------
+    opening : ndarray of shape (n,)
+        Position of the stem [1].
+    """
     dead_volume = 5.0
     viscous = 0.005
     stribeck = 0.03
@@ -39,8 +67,6 @@ def _stem(
     mass = pressure * (dead_volume + x)
     vent = spring - 0.25
     integral = 0.0
-    # where the pressure is fed back the integral has to hold the spool against it
-    most = 0.2 + 0.3 * feedback
     bend = 0.0
     speed = 0.0
     for k in range(n):
@@ -61,9 +87,8 @@ def _stem(
                 error += dead_band[k]
             else:
                 error = 0.0
-            integral = min(max(integral + h * reset * error, -most), most)
-            wish = gain * error + integral + feedback * (spring + wanted - pressure)
-            spool = min(max(wish, -1.0), 1.0)
+            integral = min(max(integral + h * reset * error, -0.2), 0.2)
+            spool = min(max(gain * error + integral, -1.0), 1.0)
             # implicit in the pressure, so that a fast spool settles instead of ringing
             if spool > 0.0:
                 mass += h * rate * spool * ps * _nozzle(pressure / ps)
@@ -102,86 +127,7 @@ def _stem(
                 x = 0.0
                 speed = 0.0
         out[k] = x
-        if hold > 0.0 and shown[k] == shown[k]:
-            x += hold * (shown[k] - x)
     return out
-
-
-@nb.njit(cache=True)
-def positioner_and_actuator(
-    command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate,
-    feedback=0.0,
-):  # fmt: skip
-    """Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
-
-    All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool in
-    proportion to the error (and, by `reset`, to its integral; a positioner that balances pressures also by
-    `feedback` to how far the pressure is from the one that the wanted opening needs); the spool fills the
-    chamber from the supply or vents it, by nozzles that choke; the stem moves where pressure, spring and
-    bristle friction with a Stribeck fall balance. Mass is left out: a stem answers in milliseconds.
-
-    Parameters
-    ----------
-    command : ndarray of shape (n,)
-        Wanted opening [1]. A gap (NaN) holds the value before it.
-    step : ndarray of shape (n,)
-        Time since the sample before [s].
-    x0 : float
-        Opening at the beginning [1].
-    spring : float
-        Absolute pressure at which the spring begins to give way [travels of spring].
-    supply, coulomb, extra_stick, dead_band : ndarray of shape (n,)
-        Absolute supply pressure; sliding friction; how far friction at rest exceeds it [all in travels of
-        spring]; half width of the positioner's dead band [1].
-    filter_time, gain, reset, rate : float
-        Time constant of the positioner's input [s], spool opening for an error [1], share of the spool for
-        the error's integral [1/s], and capacity of the spool [1/s].
-    feedback : float, default=0.0
-        Spool opening for a pressure that lacks one travel of spring [1]. It shows only where friction keeps
-        the stem from following: without it the pressure rises until the stem slips, with it the stem may
-        stay.
-
-    Returns
-    -------
-    opening : ndarray of shape (n,)
-        Position of the stem [1].
-    """
-    return _stem(
-        command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate,
-        feedback, command, 0.0,
-    )  # fmt: skip
-
-
-@nb.njit(cache=True)
-def followed_stem(
-    command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate,
-    feedback, shown, hold,
-):  # fmt: skip
-    """The same stem, drawn towards a recorded one after each sample: what it would do next from there.
-
-    A free run that slips a moment too early is wrong from then on; one that is drawn back is judged by each
-    slip anew, so that its error changes smoothly with the parameters. Air and friction stay the simulation's.
-
-    Parameters
-    ----------
-    command, step, x0, spring, supply, coulomb, extra_stick, dead_band
-        As in `positioner_and_actuator`.
-    filter_time, gain, reset, rate, feedback
-        As in `positioner_and_actuator`.
-    shown : ndarray of shape (n,)
-        Recorded opening [1]; in gaps (NaN) the stem runs freely.
-    hold : float
-        Share of the distance that it is drawn: 0 a free run, 1 all of it [1].
-
-    Returns
-    -------
-    opening : ndarray of shape (n,)
-        Position of the stem before it is drawn [1].
-    """
-    return _stem(
-        command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate,
-        feedback, shown, hold,
-    )  # fmt: skip
 
 
 @nb.njit(cache=True)

@@ -18,7 +18,6 @@ class Stiction(Effect):
 
     name = key = "stiction"
     block, stage = "actuator", "actuator"
-    rugged = True
     parameters = (
         Quantity("static_friction", "1", 0.02, 0.6, (0.06, 0.2), log=True),
         Quantity("sliding_share", "1", 0.1, 0.95, (0.4,)),
