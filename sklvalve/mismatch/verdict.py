@@ -51,7 +51,7 @@ def verdict_of(findings, unknown, p_value, alpha, explained):
 def effect_entry(finding, recording):
     """The entry of diagnosis.json for one finding."""
     members = class_of(finding)
-    first, (_, who, fitted) = next(iter(members.items()))
+    _, who, fitted = next(iter(members.values()))
     total = sum(p for p, _, _ in members.values())
     values = own_values(who, fitted)
     entry = {
@@ -64,7 +64,6 @@ def effect_entry(finding, recording):
     }
     for q in who.effect.quantities(fitted.chain):
         entry["parameters"][q.name] = _with_interval(q, f"{who.effect.key}.{q.name}", fitted, recording)
-    del first
     return entry
 
 

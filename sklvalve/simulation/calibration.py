@@ -32,11 +32,6 @@ def channels_of(recording):
     return found
 
 
-def has_positioner_drive(recording):
-    """Whether the simulation must run the actuator: where its result is recorded, or drives the flow."""
-    return "command" in recording
-
-
 def choose_trim(recording, valve, tolerance):
     """Trim of the sheet within its tolerance, or one to be learnt where the sheet has none."""
     if "flow" not in recording:
@@ -45,7 +40,7 @@ def choose_trim(recording, valve, tolerance):
         opening = recording.get("opening")
         opening = recording["command"] if opening is None else opening
         return LearntTrim(opening, _kv_scale(recording, valve))
-    return SheetTrim(valve, tolerance)
+    return SheetTrim(valve, tolerance, _kv_scale(recording, valve))
 
 
 def apparent_kv(recording):

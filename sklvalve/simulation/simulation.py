@@ -121,17 +121,16 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             "choking": bool(self.choking_),
             "effects": [e.key for e in self.effects],
             "onsets": dict(self.onsets or {}),
-            "trim": {"knots": self.trim_.knots, "rated": float(self.trim_.rated)} if learnt else None,
+            "trim": {"knots": self.trim_.knots if learnt else None, "rated": float(self.trim_.rated)},
             "correction": self.correction_,
         }
 
     @classmethod
     def from_state(cls, valve, state, effects):
         """Simulation from `to_state`; `effects` are the ones that its keys name."""
-        if state["trim"] is None:
-            trim = SheetTrim(valve, Tolerance())
-        else:
-            trim = LearntTrim(None, state["trim"]["rated"], knots=state["trim"]["knots"])
+        rated, knots = state["trim"]["rated"], state["trim"]["knots"]
+        known = knots is None
+        trim = SheetTrim(valve, Tolerance(), rated) if known else LearntTrim(None, rated, knots=knots)
         return cls.from_parts(
             valve,
             trim,

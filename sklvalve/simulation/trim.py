@@ -19,13 +19,17 @@ class SheetTrim:
     valve : Valve
         Its characteristic, rangeability, shutoff and rated kv.
     tolerance : Tolerance
+    kv_scale : float, default=None
+        Order of the largest capacity, where the sheet has no rated one [m3/h].
     knots : sequence of float
         Openings between which the deviation is a natural cubic spline; few, for a trim is smooth.
     """
 
     known = True
 
-    def __init__(self, valve, tolerance, knots=(0.02, 0.15, 0.29, 0.43, 0.57, 0.71, 0.86, 1.0)):
+    def __init__(
+        self, valve, tolerance, kv_scale=None, knots=(0.02, 0.15, 0.29, 0.43, 0.57, 0.71, 0.86, 1.0)
+    ):
         self.nominal = relative_capacity(
             GRID,
             valve.characteristic,
@@ -40,9 +44,9 @@ class SheetTrim:
         self.parameters = tuple(
             Parameter(f"trim_{i}", "1", -r, r, 0.0, spread=0.5 * r) for i, r in enumerate(reach)
         )
-        self.rated = valve.kv_rated
-        if self.rated is None:
-            self.capacity = Parameter("capacity", "m3/h", 1e-6, 1e6, 10.0, log=True)
+        self.rated = valve.kv_rated if kv_scale is None else kv_scale
+        if valve.kv_rated is None:
+            self.capacity = Parameter("capacity", "m3/h", 1e-6, 1e6, self.rated, log=True)
         else:
             low, high = self.rated * (1.0 - tolerance.capacity), self.rated * (1.0 + tolerance.capacity)
             self.capacity = Parameter(
@@ -86,12 +90,9 @@ class LearntTrim:
         rise = kv_scale / len(self.knots)
         self.rated = kv_scale
         self.parameters = tuple(
-            Parameter(f"rise_{i}", "m3/h", 0.0, 20.0 * kv_scale, 0.0 if i == 0 else rise)
+            # a rise between knots without data is drawn, weakly, to an even one
+            Parameter(f"rise_{i}", "m3/h", 0.0, 20.0 * kv_scale, 0.0 if i == 0 else rise, spread=10.0 * rise)
             for i in range(len(self.knots))
-        )
-        # a rise between knots without data is drawn, weakly, to an even one
-        self.parameters = tuple(
-            Parameter(p.name, p.unit, p.low, p.high, p.start, spread=10.0 * rise) for p in self.parameters
         )
 
     def table(self, values):

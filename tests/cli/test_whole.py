@@ -68,8 +68,8 @@ def test_corrected_model_predicts_later_rows_better_than_the_nominal(diagnosed):
 def test_prediction_from_the_command_alone_is_the_free_run(diagnosed):
     full, alone = (_predicted(diagnosed, name) for name in ("later.csv", "commands.csv"))
     # the runs may start from different openings (the recorded one where there is one), and forget them but
-    # for what friction keeps: a stem stays within its static error of 0.5 % on the side it came from
-    np.testing.assert_allclose(alone["opening"][150:], full["opening"][150:], atol=0.5)
+    # for what friction keeps: a stem stays a little on the side it came from (0.5 % in a healthy valve)
+    np.testing.assert_allclose(alone["opening"][150:], full["opening"][150:], atol=0.2)
     np.testing.assert_allclose(alone["flow_from_command"][150:], full["flow_from_command"][150:], rtol=0.01)
 
 

@@ -6,6 +6,7 @@ import pytest
 from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 
+from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import Tolerance, ValveSimulation
@@ -124,3 +125,14 @@ def test_correction_never_guesses_beyond_what_it_saw():
     assert rest[3] == rest[0]
     assert rest[4] == rest[2]
     assert rest[5] == 0.0
+
+
+def test_a_sheet_without_rated_capacity_takes_its_scale_from_the_recording():
+    made = make_valve_recording(loop="wide", n_samples=600, n_later=0, random_state=4)
+    sheet = {**made.valve, "valve": {k: v for k, v in made.valve["valve"].items() if k != "kv_rated"}}
+    recording = Recording.from_frame(made.frame, Valve.from_dict(sheet))
+    simulation = ValveSimulation().fit(recording)
+    rated = made.valve["valve"]["kv_rated"]
+    assert 0.5 * rated < simulation.values_["capacity"] < 1.5 * rated
+    again = ValveSimulation.from_state(simulation.valve_, simulation.to_state(), ())
+    np.testing.assert_array_equal(again.predict(recording), simulation.predict(recording))
