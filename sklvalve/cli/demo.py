@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sklvalve.cli.diagnose import RESULTS, diagnose, require_extras
-from sklvalve.cli.parser import seed
+from sklvalve.cli.parser import folder, seed
 
 if TYPE_CHECKING:
     from sklvalve.mismatch import MissingPhysicsFinder
@@ -47,7 +47,9 @@ def add_parser(commands) -> None:
         "concealed, by a simulator that shares no code with the diagnosis; diagnose the files; then tell "
         "what was concealed and whether the finding is right.",
     )
-    parser.add_argument("--out", default="sklvalve-demo", metavar="DIR", help="folder (default: %(default)s)")
+    parser.add_argument(
+        "--out", type=folder, default="sklvalve-demo", metavar="DIR", help="folder (default: %(default)s)"
+    )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the draw (default: 0)")
     parser.set_defaults(run=run)
 

@@ -7,7 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from sklvalve.cli.parser import seed
+from sklvalve.cli.parser import folder, seed
 
 if TYPE_CHECKING:
     from sklvalve.cli.staging import Staging
@@ -28,7 +28,7 @@ def add_parser(commands) -> None:
     )
     parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
     parser.add_argument("--valve", required=True, metavar="VALVE.toml", help="what is known of the valve")
-    parser.add_argument("--out", required=True, metavar="DIR", help="folder for the results")
+    parser.add_argument("--out", type=folder, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
         "--until",
         metavar="TIME",
@@ -45,13 +45,14 @@ def add_parser(commands) -> None:
 def run(args: Namespace) -> int:
     """Diagnose a recording."""
     from sklvalve.cli.staging import Staging
-    from sklvalve.recording import read_recording, read_valve
+    from sklvalve.recording import read_recording, read_valve, require_diagnosable
     from sklvalve.report import to_text
 
     require_extras()
     valve = read_valve(args.valve)
     recording = read_recording(args.recording, valve)
     rows = _rows_until(recording, args.until)
+    require_diagnosable(recording.slice(0, rows))
     with Staging(args.out, RESULTS) as staging:
         finder = diagnose(recording, staging, until=rows, seed=args.seed)
         written = staging.commit()

@@ -54,6 +54,8 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(argv: Sequence[str] | None) -> int:
     args = build_parser().parse_args(argv)
     # only now: reading errors.py loads numpy, and --help must be instant
+    from numpy.linalg import LinAlgError
+
     from sklvalve.recording import InputError
 
     try:
@@ -66,6 +68,11 @@ def _run(argv: Sequence[str] | None) -> int:
             raise  # a fault of the package, no missing extra
         more = "" if "pip install" in str(error) else ': pip install "sklvalve[all]"'
         return _complain(f"{error}{more}")
+    except (ArithmeticError, LinAlgError) as error:
+        return _complain(
+            f"the numbers of this recording break the computation down ({error}); look at them with "
+            "sklvalve screen, and correct units or values"
+        )
     except MemoryError:
         return _complain("the memory does not suffice; give a shorter recording or fewer samples a second")
 

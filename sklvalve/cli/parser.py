@@ -29,3 +29,10 @@ def seed(text: str) -> int:
     if not 0 <= value < 2**32:
         raise ArgumentTypeError(f"expected a whole number from 0 to 4294967295; got {text!r}")
     return value
+
+
+def folder(text: str) -> str:
+    """Name of a folder; an empty one, as from a variable never set, would mean the current folder."""
+    if not text.strip():
+        raise ArgumentTypeError(f"expected the name of a folder, . for the current one; got {text!r}")
+    return text

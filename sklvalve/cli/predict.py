@@ -43,6 +43,8 @@ def run(args: Namespace) -> int:
     from sklvalve.recording import InputError
 
     out = _target(args)
+    if Path(args.model).is_dir():
+        raise InputError(f"{args.model}: this is a folder; give the corrected_model.skops of a diagnosis")
     if not Path(args.model).is_file():
         raise InputError(f"{args.model}: no such file; give the corrected_model.skops of a diagnosis")
     model = load_model(args.model)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What was measured: signals by role, in SI, on one time base; and what is wrong with the data themselves."""
 
+from sklvalve.recording.diagnosable import require_diagnosable
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording, read_recording
@@ -14,5 +15,6 @@ __all__ = [
     "noise_floor",
     "read_recording",
     "read_valve",
+    "require_diagnosable",
     "screen_recording",
 ]

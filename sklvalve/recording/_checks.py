@@ -103,7 +103,16 @@ def characteristic(value: object, where: str) -> object:
             near = hint(value, names)
             raise InputError(f"{where} = {value!r} is no known characteristic; {near}")
         return value
-    return table(value, where, content=Number(low=0.0, high=1.0, open_low=False), rising=True)
+    pairs = table(value, where, content=Number(low=0.0, high=1.0, open_low=False), rising=True)
+    shut, wide = pairs[0][0], pairs[-1][0]
+    if shut != 0.0 or wide != 1.0:
+        raise InputError(
+            f"{where} must be a table from opening 0 to opening 1; got {shut:g} to {wide:g}, "
+            "so add the pairs at its ends"
+        )
+    if pairs[-1][1] <= 0.0:
+        raise InputError(f"{where} has no capacity at any opening; give kv / kv_rated, 1 at opening 1")
+    return pairs
 
 
 def number_or_table(content: Number) -> Check:

@@ -49,6 +49,10 @@ KEYS: dict[str, dict[str, check.Check]] = {
     },
     "simulation": {"physics": check.names_list},
 }
+#: Keys of [fluid] that only a gas has.
+GAS_KEYS = ("molar_mass", "heat_capacity_ratio", "compressibility")
+#: Fluids whose properties are known by name.
+FLUIDS = ("water",)
 _SIGNAL_KEYS = ("column", "constant", "unit", "sense", "gauge")
 SCALES = {
     **dict.fromkeys(("nominal_size", "inlet_pipe", "outlet_pipe", "travel"), 1e-3),
@@ -72,6 +76,16 @@ def read_section(
         if key not in keys:
             raise InputError(f"{where} knows no key {key!r}; {hint(key, keys)}")
     return {key: keys[key](value, f"{where} {key}") for key, value in section.items()}
+
+
+def require_known_fluid(fluid: Mapping[str, object], source: str) -> None:
+    """A name that is not known must come with a density, or with what makes it a gas."""
+    name = fluid.get("name", FLUIDS[0])
+    if name not in FLUIDS and not {"density", *GAS_KEYS} & fluid.keys():
+        raise InputError(
+            f"{source}: [fluid] name = {name!r} is no known fluid; give its density in kg/m3, or write a "
+            f"name that is known ({', '.join(FLUIDS)})"
+        )
 
 
 def read_role(role: str, value: object, travel: object, source: str) -> Signal:

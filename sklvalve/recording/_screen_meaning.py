@@ -28,7 +28,7 @@ def screen_swapped(recording: Recording) -> list[Finding]:
 def screen_units(recording: Recording) -> list[Finding]:
     """Values that are possible, but hardly in the unit or sense that the valve.toml gives."""
     return [
-        *_fractions(recording),
+        *_percent(recording),
         *_sense(recording),
         *_temperature(recording),
         *_vacuum(recording),
@@ -36,7 +36,8 @@ def screen_units(recording: Recording) -> list[Finding]:
     ]
 
 
-def _fractions(recording: Recording) -> list[Finding]:
+def fractions_as_percent(recording: Recording) -> list[tuple[str, float, float]]:
+    """Openings that never leave 0 to 1 in their unit '%': role, lowest and highest value."""
     found = []
     for role in OPENING_ROLES:
         if role not in recording or role in recording.constants or recording.unit(role) != "%":
@@ -44,20 +45,32 @@ def _fractions(recording: Recording) -> list[Finding]:
         written = recording.in_recorded_units(role, recording[role])
         low, high = np.nanmin(written), np.nanmax(written)
         if low >= -0.01 and high <= 1.0 and high - low > 0.05:
-            detail = f"runs from {low:g} to {high:g} in unit '%': is its unit '1'?"
-            found.append(finding("unit_suspect", role, detail))
+            found.append((role, float(low), float(high)))
     return found
 
 
-def _sense(recording: Recording) -> list[Finding]:
+def _percent(recording: Recording) -> list[Finding]:
+    return [
+        finding("unit_suspect", role, f"runs from {low:g} to {high:g} in unit '%': is its unit '1'?")
+        for role, low, high in fractions_as_percent(recording)
+    ]
+
+
+def against_command(recording: Recording) -> float | None:
+    """Correlation of opening and command where it is strongly negative, else None."""
     if not {"command", "opening"} <= set(recording.signals) or {"command", "opening"} & recording.constants:
-        return []
+        return None
     command, opening = recording["command"], recording["opening"]
     both = np.isfinite(command) & np.isfinite(opening)
     if both.sum() < 10 or np.ptp(command[both]) < 0.05 or np.ptp(opening[both]) < 0.05:
-        return []
+        return None
     alike = float(np.corrcoef(command[both], opening[both])[0, 1])
-    if alike > -0.7:
+    return alike if alike <= -0.7 else None
+
+
+def _sense(recording: Recording) -> list[Finding]:
+    alike = against_command(recording)
+    if alike is None:
         return []
     detail = f"moves against the command (correlation {alike:.2f}): is the sense of one of them 'closing'?"
     return [finding("unit_suspect", "opening", detail)]

@@ -5,6 +5,7 @@ import csv
 import gzip
 import hashlib
 import io
+import re
 import warnings
 import zlib
 from os import PathLike
@@ -143,16 +144,32 @@ def _read_csv(file: Path, content: bytes) -> dict[str, NDArray]:
                 skipinitialspace=True,
             )
     except pandas.errors.ParserWarning:
-        raise InputError(
-            f"{file}: rows hold more cells than the first line has names ({len(header)}); "
-            "name every column and write decimals with a point"
-        ) from None
+        raise InputError(f"{file}: {_too_long(len(header))}") from None
     except pandas.errors.ParserError as error:
-        reason = " ".join(str(error).split()).removeprefix("Error tokenizing data. C error: ")
-        raise InputError(
-            f"{file}: the table is uneven ({reason}); give every row {len(header)} cells"
-        ) from None
+        raise InputError(f"{file}: {_uneven(str(error), len(header))}") from None
     return {name: frame.iloc[:, place].to_numpy() for place, name in enumerate(header)}
+
+
+def _too_long(named: int, place: str = "the lines below it hold more") -> str:
+    """A sentence of lines with more cells than the first one has names."""
+    if named == 1:
+        return (
+            f"the file is no table: line 1 names one column, {place}; put the names of the columns into the "
+            "first line, separated by commas, with nothing above them"
+        )
+    return (
+        f"the table is uneven: line 1 names {named} columns, {place}; give every row {named} cells, "
+        "and write decimals with a point"
+    )
+
+
+def _uneven(reason: str, named: int) -> str:
+    """A sentence of a table whose rows differ in length, from what the parser says of it."""
+    place = re.search(r"Expected \d+ fields in line (\d+), saw (\d+)", reason)
+    if place:
+        return _too_long(named, f"line {place[1]} holds {place[2]} cells")
+    reason = " ".join(reason.split()).removeprefix("Error tokenizing data. C error: ")
+    return f"the file is no table ({reason}); export the recording again"
 
 
 def _read_parquet(file: Path, content: bytes) -> dict[str, NDArray]:

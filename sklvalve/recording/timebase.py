@@ -99,11 +99,11 @@ def seconds_at(value: object, first: object, offset: float) -> float:
     try:
         number = float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError):
-        raise InputError(
-            f"{value!r} is no time of this recording; give a number of seconds like {first!r}"
-        ) from None
+        number = np.nan
     if not np.isfinite(number):
-        raise InputError(f"{value!r} is no time of this recording; give a number of seconds like {first!r}")
+        raise InputError(
+            f"{value!r} is no time of this recording; give a number of seconds like {_shown(first)}"
+        )
     return offset + (number - float(first))  # type: ignore[arg-type]
 
 

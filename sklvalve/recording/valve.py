@@ -9,7 +9,15 @@ from os import PathLike
 from pathlib import Path
 
 from sklvalve.recording import _checks as check
-from sklvalve.recording._layout import KEYS, SCALES, plain, read_role, read_section, section
+from sklvalve.recording._layout import (
+    KEYS,
+    SCALES,
+    plain,
+    read_role,
+    read_section,
+    require_known_fluid,
+    section,
+)
 from sklvalve.recording.errors import InputError, hint
 from sklvalve.recording.signal import OPENING_ROLES, Signal
 
@@ -108,7 +116,8 @@ class Valve:
         Raises
         ------
         InputError
-            If a section, key or role is not known, or a value has the wrong type or is out of range.
+            If a section, key, role or fluid is not known, a value has the wrong type or is out of range, or
+            an equal-percentage trim has no rangeability.
 
         Examples
         --------
@@ -129,6 +138,12 @@ class Valve:
             if "kv_rated" in valve:
                 raise InputError(f"{source}: [valve] gives kv_rated and cv_rated; keep one of them")
             valve["kv_rated"] = valve.pop("cv_rated")
+        if valve.get("characteristic") == "equal_percentage" and "rangeability" not in valve:
+            raise InputError(
+                f'{source}: [valve] characteristic = "equal_percentage" needs rangeability, a number above '
+                '1; add it, or write characteristic = "unknown"'
+            )
+        require_known_fluid(found["fluid"], source)
         recording = dict(section(data, "recording", source))
         time = check.text(recording.pop("time", "time"), f"{source}: [recording] time")
         travel = valve.get("travel")

@@ -4,6 +4,7 @@
 import os
 
 import pytest
+from numpy.linalg import LinAlgError
 
 from sklvalve.cli import main
 from tests.cli import stand_in
@@ -35,11 +36,33 @@ RECORDINGS = {
     "binary": ("\x00\x01\x02", "binary"),
     "too short": ("t,CV,X,F,P1\n0,1,1,1,500\n1,1,1,1,500\n", "too few"),
 }
+# read and screened, but not diagnosed
+UNDIAGNOSABLE = {
+    "no flow": (_table(F=lambda v: [0.0] * len(v)), "'F' (flow) never shows any flow"),
+    "giant flow": (_table(F=lambda v: [1e300 * (x + 1.0) for x in v]), "far beyond any plant"),
+    "negated flow": (_table(F=lambda v: [-x - 1.0 for x in v]), "is negative in 100 %"),
+    "no pressure drop": (_table(P1=lambda v: [100.0] * len(v)), "nowhere above p2"),
+    "held command": (_table(CV=lambda v: [50.0] * len(v)), "'CV' (command) holds one value"),
+    "other sense": (_table(X=lambda v: v[::-1]), 'write sense = "closing"'),
+    "fraction as percent": (_table(X=lambda v: [0.01 * x for x in v]), 'write unit = "1"'),
+    "few flows": (_table(F=lambda v: [*v[:11], *[float("nan")] * (len(v) - 11)]), "only 11 of 40 rows"),
+}
 VALVES = {
     "unknown unit": (stand_in.VALVE.replace('"m3/h"', '"m3/hour"'), "m3/hour"),
     "malformed": (stand_in.VALVE + "\n[recording.", "no valid TOML"),
     "unknown key": (stand_in.VALVE.replace("tag", "tagg"), "'tagg'"),
     "unknown role": (stand_in.VALVE.replace("recording.p1", "recording.p9"), "p9"),
+    "no rangeability": (
+        stand_in.VALVE.replace("tag =", 'characteristic = "equal_percentage"\ntag ='),
+        "needs rangeability",
+    ),
+    "table without ends": (
+        stand_in.VALVE.replace("tag =", "characteristic = [[0.1, 0.0], [0.9, 1.0]]\ntag ="),
+        "from opening 0 to opening 1",
+    ),
+    "unknown fluid": (stand_in.VALVE + '[fluid]\nname = "wather"\n', "'wather'"),
+    "gas": (stand_in.VALVE + "[fluid]\nmolar_mass = 29.0\n", "a gas flows"),
+    "no positioner": (stand_in.VALVE + "[actuator]\npositioner = false\n", "positioner = false"),
     "no signals": ('[valve]\ntag = "FV"\n', "names no signal"),
 }
 ARGUMENTS = {
@@ -51,6 +74,13 @@ ARGUMENTS = {
     "no recording": (["diagnose", "absent.csv", *DIAGNOSE[2:]], "no such file"),
     "recording of a wrong kind": (["diagnose", "valve.toml", *DIAGNOSE[2:]], "expected a file named .csv"),
     "until words": ([*DIAGNOSE, "--until", "noon"], "no time of this recording"),
+    "until nan": (
+        [*DIAGNOSE, "--until", "nan"],
+        "'nan' is no time of this recording; give a number of seconds like 100\n",
+    ),
+    "out without a name": ([*DIAGNOSE[:-1], ""], "expected the name of a folder"),
+    "demo without a name": (["demo", "--out", " "], "expected the name of a folder"),
+    "model is a folder": (["predict", "recording.csv", "--model", ".", "--out", "p.csv"], "this is a folder"),
     "until before all": ([*DIAGNOSE, "--until", "3"], "give a time between 100.0 and 139.0"),
     "until after all": ([*DIAGNOSE, "--until", "500"], "give a time between 100.0 and 139.0"),
     "out is a file": ([*DIAGNOSE[:-1], "valve.toml"], "valve.toml is a file"),
@@ -78,6 +108,14 @@ def _refused(arguments, words, capsys):
 def test_recording(folder, capsys, content, words, arguments):
     (folder / "recording.csv").write_text(content)
     _refused(arguments, words, capsys)
+
+
+@pytest.mark.parametrize(("content", "words"), UNDIAGNOSABLE.values(), ids=UNDIAGNOSABLE)
+def test_recording_that_can_be_screened_only(folder, capsys, content, words):
+    (folder / "recording.csv").write_text(content)
+    assert main(["screen", *DIAGNOSE[1:4]]) == 0
+    capsys.readouterr()
+    _refused(DIAGNOSE, words, capsys)
 
 
 @pytest.mark.parametrize(("content", "words"), VALVES.values(), ids=VALVES)
@@ -108,3 +146,12 @@ def test_unwritable_folder(folder, capsys, monkeypatch):
 def test_mistake_of_the_reader_for_missing_pandas(folder, capsys, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
     _refused(DIAGNOSE, 'pip install "sklvalve[io]"', capsys)
+
+
+@pytest.mark.parametrize("error", [OverflowError(34, "too large"), LinAlgError("no convergence")])
+def test_numbers_that_break_down_all_the_same(folder, capsys, monkeypatch, error):
+    def breaks(finder, recording, until=None):
+        raise error
+
+    monkeypatch.setattr(stand_in.Finder, "fit", breaks)
+    _refused(DIAGNOSE, "break the computation down", capsys)

@@ -75,7 +75,18 @@ def sentence_for(tmp_path, content, name="recording.csv", valve=VALVE):
         (table().replace(",", ";"), ["semicolons", "commas"]),
         (table().replace(",", "\t"), ["tabs"]),
         (table().replace("time,CV", "time,F", 1), ["column 'F' stands twice"]),
-        (table().replace("12,62.0", "12,62.0,1,2"), ["uneven", "5 cells"]),
+        (
+            table().replace("12,62.0", "12,62.0,1,2"),
+            ["uneven", "line 1 names 5 columns, line 14 holds 7 cells", "every row 5 cells"],
+        ),
+        (
+            "Export of 28 June\n" + table(),
+            ["no table", "line 1 names one column, the lines below it hold more", "first line"],
+        ),
+        (
+            "Some words\nand others\n" + table(),
+            ["no table", "one column, line 3 holds 5 cells", "first line"],
+        ),
         ("\n".join(table().splitlines()[:6]), ["only 5 rows", "at least 10"]),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", ["binary"]),
         (table().encode("utf-16"), ["UTF-16"]),
@@ -94,7 +105,7 @@ def test_bad_csv(tmp_path, content, words):
 def test_one_cell_too_many_in_every_row(tmp_path):
     lines = table().splitlines()
     sentence = sentence_for(tmp_path, "\n".join([lines[0], *(line + ",1" for line in lines[1:])]))
-    assert "more cells than the first line has names (5)" in sentence
+    assert "line 1 names 5 columns, the lines below it hold more; give every row 5 cells" in sentence
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sklvalve.mechanism import fluid_from
 from sklvalve.recording import InputError, Valve, read_valve
+from sklvalve.recording._layout import FLUIDS
 from sklvalve.recording.signal import Signal
 
 FULL = {
@@ -113,6 +115,31 @@ def test_tables():
     assert Valve.from_dict(valve.to_dict()) == valve
 
 
+@pytest.mark.parametrize(
+    "fluid",
+    [
+        {"name": "oil", "density": 870.0},
+        {"name": "air", "molar_mass": 29.0, "heat_capacity_ratio": 1.4},
+        {"name": "water"},
+        {"vapour_pressure": 2.3},
+        {},
+    ],
+)
+def test_fluids_that_can_be_described(fluid):
+    valve = Valve.from_dict({"fluid": fluid})
+    assert set(valve.fluid) == set(fluid)
+
+
+@pytest.mark.parametrize("name", FLUIDS)
+def test_fluids_known_by_name_are_known_to_the_mechanism(name):
+    assert fluid_from(name).knows("density")
+
+
+def test_other_trims_do_without_rangeability():
+    for name in ("linear", "quick_opening", "parabolic", "unknown"):
+        assert Valve.from_dict({"valve": {"characteristic": name}}).rangeability is None
+
+
 def test_dict_round_trip_is_exact_and_json_able():
     valve = Valve.from_dict(FULL)
     plain = json.loads(json.dumps(valve.to_dict()))
@@ -160,8 +187,18 @@ def test_numbers_survive_the_round_trip(size, kv, area):
         (changed("valve", characteristic=[[0, 0], [100, 1]]), ["pair 2, opening", "at most 1"]),
         (changed("valve", characteristic=[[0, 0]]), ["at least two"]),
         (changed("valve", characteristic=[[0, 0], [1]]), ["pair 2 is [1]"]),
+        (
+            changed("valve", characteristic=[[0.1, 0], [0.9, 1]]),
+            ["from opening 0 to opening 1", "0.1 to 0.9"],
+        ),
+        (
+            changed("valve", characteristic=[[0, 0], [1, 0]]),
+            ["characteristic has no capacity at any opening"],
+        ),
+        (changed("valve", rangeability=None), ["equal_percentage", "needs rangeability", "add it"]),
         (changed("valve", tag=""), ["tag must be a text"]),
         (changed("fluid", densty=1.0), ["[fluid]", "did you mean 'density'?"]),
+        (changed("fluid", name="wather", density=None), ["[fluid] name = 'wather'", "density", "(water)"]),
         (changed("actuator", fail="shut"), ["fail must be one of closed, open", "'shut'"]),
         (changed("actuator", positioner="yes"), ["positioner must be true or false"]),
         (changed("actuator", spring_range=[100.0, 20.0]), ["spring_range", "lower number first"]),
