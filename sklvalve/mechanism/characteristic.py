@@ -152,7 +152,8 @@ def opening_for_capacity(phi, characteristic, *, rangeability=None, shutoff=0.0,
     inside = np.where(reachable, np.clip(phi, least, most), np.nan)
     if shutoff > 0.0:
         knee = float(trim.capacity(shutoff))
-        closing = inside < knee
+        # at the knee too: a curve that is flat from there on has that capacity only here for the first time
+        closing = inside <= knee
         # capacities under the knee may lie outside the range of the inherent curve
         opening = trim.opening(np.where(closing, knee, inside))
         opening = np.where(closing, inside * (shutoff / knee) if knee > 0.0 else 0.0, opening)

@@ -8,12 +8,12 @@ from typing import ClassVar
 import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin, _fit_context
 from sklearn.utils._param_validation import Interval, StrOptions
-from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import _check_feature_names_in, check_is_fitted, validate_data
 
+from sklvalve.mechanism._binding import column_of
+from sklvalve.mechanism._mechanism import MechanismMixin
 from sklvalve.mechanism.features import DEFAULT_FEATURES, FEATURES, ValveRows, compute_features
 from sklvalve.mechanism.fluid import Fluid, fluid_from
-from sklvalve.mechanism.liquid import choked_pressure_drop, liquid_kv
 
 _ROLES = ("opening", "p1", "p2", "temperature", "flow")
 _SETTINGS = ("characteristic", "fl", "kv_rated", "rangeability", "shutoff", "warn")
@@ -21,7 +21,7 @@ _ROLE = [Interval(Integral, 0, None, closed="left"), str, None]
 _PROPERTY = [Interval(Real, 0, None, closed="neither"), callable, None]
 
 
-class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
+class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator):
     r"""Physical features of a control valve in liquid service, and its mechanism for a hybrid model.
 
     As a transformer it turns measured columns into quantities in which a valve is simple. As a mechanism it
@@ -202,7 +202,7 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
             )
         names = getattr(self, "feature_names_in_", None)
         self.columns_ = {
-            role: _column(role, where, names, X.shape[1])
+            role: column_of(role, where, names, X.shape[1])
             for role in _ROLES
             if (where := getattr(self, role)) is not None
         }
@@ -248,112 +248,6 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
         _check_feature_names_in(self, input_features)
         return np.asarray(self.features_, dtype=object)
 
-    @available_if(lambda self: self.kv_rated is not None)
-    def predict(self, X):
-        """Output of the valve by its own characteristic; there with `kv_rated` only.
-
-        Parameters
-        ----------
-        X : array-like of shape (n_samples, n_features)
-            Measured signals in SI.
-
-        Returns
-        -------
-        output : ndarray of shape (n_samples,)
-            Flow [m3/s] or outlet pressure [Pa], by the parameter `output`.
-        """
-        X = self._check(X)
-        rows = self._rows(X)
-        return self._forward(rows, rows.kv)
-
-    def forward(self, X, parameter):
-        """Output of the valve with given flow coefficients, the paper's equation 16.
-
-        Parameters
-        ----------
-        X : array-like of shape (n_samples, n_features)
-            Measured signals in SI.
-        parameter : array-like of shape (n_samples,)
-            Flow coefficient of each row. [m3/h]
-
-        Returns
-        -------
-        output : ndarray of shape (n_samples,)
-            Flow [m3/s] or outlet pressure [Pa], by the parameter `output`.
-        """
-        X = self._check(X)
-        return self._forward(self._rows(X), _per_row(parameter, X, "parameter"))
-
-    def invert(self, X, y):
-        """Flow coefficients with which `forward` gives the measured output.
-
-        Parameters
-        ----------
-        X : array-like of shape (n_samples, n_features)
-            Measured signals in SI.
-        y : array-like of shape (n_samples,)
-            Measured flow [m3/s] or outlet pressure [Pa].
-
-        Returns
-        -------
-        parameter : ndarray of shape (n_samples,)
-            Flow coefficient [m3/h]; NaN where the output says nothing about it: at zero pressure drop, and
-            for the outlet pressure in choked flow or without flow.
-        """
-        X = self._check(X)
-        y = _per_row(y, X, "y")
-        rows = self._rows(X)
-        p1, p2, flow = (
-            (rows.signal("p1"), rows.signal("p2"), y)
-            if self.output == "flow"
-            else (rows.signal("p1"), y, rows.signal("flow"))
-        )
-        kv = liquid_kv(flow, p1, p2, rows.density, warn=self.warn, **rows.choking)
-        if self.output == "flow":
-            return kv
-        # a choked valve gives the same flow at any lower p2, and no valve lets flow run against its drop
-        determined = kv > 0.0
-        if rows.choking:
-            determined &= p1 - p2 < choked_pressure_drop(
-                p1, rows.vapour_pressure, rows.critical_pressure, rows.fl
-            )
-        return np.where(determined, kv, np.nan)
-
-    def sensitivity(self, X, parameter):
-        """Derivative of the output of `forward` by the flow coefficient.
-
-        Parameters
-        ----------
-        X : array-like of shape (n_samples, n_features)
-            Measured signals in SI.
-        parameter : array-like of shape (n_samples,)
-            Flow coefficient of each row. [m3/h]
-
-        Returns
-        -------
-        derivative : ndarray of shape (n_samples,)
-            In units of the output per m3/h; it goes to zero where the output says nothing about the
-            parameter, so its square serves as the weight of a row when parameters are learnt. NaN where
-            `forward` is.
-        """
-        X = self._check(X)
-        rows = self._rows(X, warn=False)
-        kv = _per_row(parameter, X, "parameter")
-        if self.output == "flow":
-            return np.where(np.isnan(kv), np.nan, rows.flow_through(1.0))
-        p1, flow = rows.signal("p1"), rows.signal("flow")
-        p2 = rows.outlet_pressure_behind(kv)
-        # p2 differs from a pressure that kv does not move by a drop that falls with the square of kv
-        anchor = p1
-        if rows.choking:
-            boiling = rows.ff * rows.vapour_pressure
-            turbulent = liquid_kv(flow, p1, p2, rows.density, warn=False)
-            anchor = np.where((flow < 0.0) & (turbulent < kv * (1.0 - 1e-9)), boiling, p1)
-        return 2.0 * (anchor - p2) / kv
-
-    def _forward(self, rows, kv):
-        return rows.flow_through(kv) if self.output == "flow" else rows.outlet_pressure_behind(kv)
-
     def _check(self, X):
         check_is_fitted(self)
         return validate_data(self, X, reset=False, dtype=np.float64, ensure_all_finite="allow-nan")
@@ -374,31 +268,3 @@ class ValveMechanismTransformer(TransformerMixin, BaseEstimator):
         tags = super().__sklearn_tags__()
         tags.input_tags.allow_nan = True
         return tags
-
-
-def _column(role, where, names, n_columns):
-    if not isinstance(where, str):
-        if where >= n_columns:
-            raise ValueError(
-                f"{role}={where} is no column of the data, which have {n_columns}: set {role}=..."
-            )
-        return int(where)
-    if names is None:
-        raise ValueError(f"{role}={where!r} is a name, but the columns have no names: give its position.")
-    found = np.flatnonzero(names == where)
-    if not found.size:
-        raise ValueError(
-            f"{role}={where!r} is not a column of the data. Columns: {', '.join(names)}; set {role}=..."
-        )
-    return int(found[0])
-
-
-def _per_row(values, X, name):
-    values = np.asarray(values, dtype=float)
-    if values.ndim == 2 and values.shape[1] == 1:
-        values = values[:, 0]
-    if values.ndim > 1 or (values.ndim == 1 and values.shape[0] != X.shape[0]):
-        raise ValueError(
-            f"{name} must have one value for each of the {X.shape[0]} rows; got shape {values.shape}."
-        )
-    return np.broadcast_to(values, X.shape[:1])

@@ -3,8 +3,9 @@
 
 from sklvalve.recording.diagnosable import require_diagnosable
 from sklvalve.recording.errors import InputError
+from sklvalve.recording.from_file import read_recording
 from sklvalve.recording.noise import noise_floor
-from sklvalve.recording.recording import Recording, read_recording
+from sklvalve.recording.recording import Recording
 from sklvalve.recording.screening import screen_recording
 from sklvalve.recording.valve import Valve, read_valve
 

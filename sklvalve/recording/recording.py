@@ -3,7 +3,6 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from os import PathLike
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
@@ -11,10 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from sklvalve.recording._assembly import Parts, assemble, frame_columns, named_roles
 from sklvalve.recording.errors import InputError, hint
-from sklvalve.recording.reader import read_columns
 from sklvalve.recording.signal import ROLES, Signal, si_signal
 from sklvalve.recording.timebase import read_time, seconds_at
-from sklvalve.recording.valve import Valve, read_valve
+from sklvalve.recording.valve import Valve
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -26,9 +24,6 @@ _KIN = {
     "flow": ("simulated_flow",),
     "simulated_flow": ("flow",),
 }
-
-
-_MIN_ROWS = 10
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,65 +239,15 @@ class Recording:
         columns, where = frame_columns(frame, sheet.time), "data frame"
         if not sheet.roles:
             sheet = replace(sheet, roles=named_roles(columns, where))
-        return cls._assembled(columns, sheet, where, None)
+        return cls.from_columns(columns, sheet, where)
 
     @classmethod
-    def _assembled(
-        cls, columns: Mapping[str, object], valve: Valve, source: str, sha256: str | None
+    def from_columns(
+        cls, columns: Mapping[str, object], valve: Valve, source: str, sha256: str | None = None
     ) -> "Recording":
+        """Recording of columns by name, laid out as the valve says; `source` is what messages call them."""
         parts: Parts = assemble(columns, valve, source)
         base = read_time(parts.time, f"{source}: column {valve.time!r}")
         return cls(
             base.seconds, base.stamps, parts.signals, valve, parts.constants, parts.mass_flow, source, sha256
         )
-
-
-def read_recording(path: str | PathLike[str], valve: Valve | str | PathLike[str]) -> Recording:
-    """Read a recording, its signals by role and in SI.
-
-    Parameters
-    ----------
-    path : str or path-like
-        A .csv, .csv.gz or .parquet file; UTF-8, commas between columns, their names in the first line. Empty
-        cells, ``NaN`` and ``NA`` are gaps and stay gaps; missing rows are not filled in.
-    valve : Valve, str or path-like
-        What is known of the valve, or the path of its valve.toml.
-
-    Returns
-    -------
-    recording : Recording
-
-    Raises
-    ------
-    InputError
-        With one sentence that names file, place and mend: a missing file or column, text or an infinite value
-        among the numbers, times that repeat or run backwards, a column of gaps only, p2 above p1 throughout,
-        values far outside what their unit allows, a binary file, fewer than 10 rows.
-    ImportError
-        If pandas is not installed.
-
-    Examples
-    --------
-    >>> import pathlib, tempfile
-    >>> from sklvalve.recording import Valve, read_recording
-    >>> roles = {"command": {"column": "CV", "unit": "%"}, "flow": {"column": "F", "unit": "m3/h"}}
-    >>> valve = Valve.from_dict({"recording": {"time": "t", **roles}})
-    >>> rows = "".join(f"{t},{50 + t},36\\n" for t in range(12))
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     path = pathlib.Path(folder) / "recording.csv"
-    ...     _ = path.write_text("t,CV,F\\n" + rows)
-    ...     recording = read_recording(path, valve)
-    >>> len(recording), float(recording["command"][0]), float(recording["flow"][0])
-    (12, 0.5, 0.01)
-    """
-    sheet = valve if isinstance(valve, Valve) else read_valve(valve)
-    if not sheet.roles:
-        raise InputError(
-            f"{sheet.source}: [recording] names no signal; add a section such as [recording.command] "
-            "with column and unit"
-        )
-    read = read_columns(path)
-    rows = len(next(iter(read.columns.values())))
-    if rows < _MIN_ROWS:
-        raise InputError(f"{path}: only {rows} rows, too few for a recording; give at least {_MIN_ROWS}")
-    return Recording._assembled(read.columns, sheet, str(path), read.sha256)

@@ -26,20 +26,20 @@ def screen_recording(recording: Recording) -> list[Finding]:
     command cannot explain what it sees. None of the findings is missing physics; they say what the recording
     cannot show.
 
-    ============
-    ================================================================================================== finding
-    what was seen ============
-    ================================================================================================== swapped
-    p2 above p1 in a fifth of the rows or more unit_suspect opening of at most 1 in %, opening against the
-    command, a temperature or a pressure that no plant has,
-                 flow far from what the rated capacity passes
-    gap          values missing in a signal, or rows missing between the times (role None) clock_shift
-    opening moves before the command, or flow before the opening, alike in all thirds of the recording
-    compressed   course made of straight lines of ever new slope, of jumps above a dead band, or of held scans
-    frozen       a sensor that repeats one value far longer than its own jitter allows saturated    values
-    piled up at an end of the range that is neither a stop of the stem nor no flow quantised    steps coarser
-    than the noise, or than 1/300 of the signal's span; the step is stated ============
-    ==================================================================================================
+    ============  ===========================================================================================
+    finding       what was seen
+    ============  ===========================================================================================
+    swapped       p2 above p1 in a fifth of the rows or more
+    unit_suspect  opening of at most 1 in %, opening against the command, a temperature or a pressure that no
+                  plant has, flow far from what the rated capacity passes
+    gap           values missing in a signal, or rows missing between the times (role None)
+    clock_shift   opening moves before the command, or flow before the opening, alike in all thirds of the
+                  recording
+    compressed    course made of straight lines of new slope, of jumps above a dead band, or of held scans
+    frozen        a sensor that repeats one value far longer than its own jitter allows
+    saturated     values piled up at an end of the range that is neither a stop of the stem nor no flow
+    quantised     steps coarser than the noise, or than 1/300 of the signal's span; the step is stated
+    ============  ===========================================================================================
 
     Parameters
     ----------

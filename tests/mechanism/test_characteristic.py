@@ -99,6 +99,20 @@ def test_flat_table_gives_the_smallest_opening():
     assert_allclose(opening_for_capacity(0.5, table), 0.4, rtol=1e-12)
 
 
+@pytest.mark.parametrize("shutoff", [0.1, 0.3])
+def test_flat_start_above_a_shutoff_is_reached_at_the_shutoff(shutoff):
+    table = [[0.0, 0.1], [0.3, 0.1], [0.6, 0.5], [1.0, 0.5]]
+    opening = opening_for_capacity([0.0, 0.05, 0.1, 0.5], table, shutoff=shutoff)
+    assert_allclose(opening, [0.0, 0.5 * shutoff, shutoff, 0.6], rtol=1e-12)
+    assert_allclose(relative_capacity(opening, table, shutoff=shutoff), [0.0, 0.05, 0.1, 0.5], rtol=1e-12)
+
+
+@pytest.mark.parametrize("shutoff", [0.0, 0.1])
+def test_no_capacity_at_a_flat_start_is_the_shut_valve(shutoff):
+    table = [[0.0, 0.0], [0.3, 0.0], [1.0, 1.0]]
+    assert opening_for_capacity(0.0, table, shutoff=shutoff) == 0.0
+
+
 def test_outside_travel_is_the_end_and_said():
     with pytest.warns(ValidityWarning, match="2 of 4 rows"):
         phi = relative_capacity([-0.1, 0.5, 1.1, np.nan], "equal_percentage", rangeability=50.0)

@@ -7,13 +7,11 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from sklearn.base import clone
-from sklearn.exceptions import NotFittedError
 from sklearn.linear_model import LinearRegression
 from sklearn.model_selection import GridSearchCV
 from sklearn.pipeline import make_pipeline
 
 from sklvalve.mechanism import (
-    ValidityWarning,
     ValveMechanismTransformer,
     choked_pressure_drop,
     liquid_flow,
@@ -24,36 +22,7 @@ from sklvalve.mechanism import (
     water_kinematic_viscosity,
     water_vapour_pressure,
 )
-
-COLUMNS = ["t", "h", "pin", "pout", "F"]
-ROLES = {"opening": "h", "p1": "pin", "p2": "pout", "temperature": "t", "flow": "F"}
-VALVE = {"kv_rated": 40.0, "characteristic": "equal_percentage", "rangeability": 30.0, "fl": 0.8}
-
-
-def duties(n=200, seed=0):
-    """Turbulent, choked, reversed and zero drop, about hot water."""
-    rng = np.random.default_rng(seed)
-    temperature = rng.uniform(340.0, 370.0, n)
-    opening = rng.uniform(0.05, 1.0, n)
-    p1 = rng.uniform(4e5, 1e6, n)
-    p2 = p1 * rng.uniform(0.15, 0.95, n)
-    p1[:20], p2[:20] = p2[:20], p1[:20].copy()
-    p2[20] = p1[20]
-    X = np.column_stack([temperature, opening, p1, p2, np.zeros(n)])
-    X[:, 4] = own_flow(X)
-    return X
-
-
-def own_flow(X):
-    temperature, opening, p1, p2, _ = X.T
-    kv = 40.0 * relative_capacity(opening, "equal_percentage", rangeability=30.0)
-    known = {"fl": 0.8, "p_vapour": water_vapour_pressure(temperature)}
-    return liquid_flow(kv, p1, p2, water_density(temperature), **known)
-
-
-def by_position(**settings):
-    roles = {role: COLUMNS.index(name) for role, name in ROLES.items()}
-    return ValveMechanismTransformer(**{**roles, **VALVE, **settings})
+from tests.mechanism.valves import COLUMNS, ROLES, VALVE, by_position, duties, own_flow
 
 
 def test_every_feature_is_the_function_of_its_name():
@@ -230,72 +199,3 @@ def test_safe_saving():
     name = "sklvalve.mechanism.transformer.ValveMechanismTransformer"
     assert skops.get_untrusted_types(data=saved) == [name]
     assert_array_equal(skops.loads(saved, trusted=[name]).predict(X), valve.predict(X))
-
-
-class TestOutsideValidity:
-    def test_said_once_with_the_count(self):
-        X = duties()
-        X[:3, 1] = 1.2
-        with pytest.warns(ValidityWarning, match="3 of 200 rows have an opening outside") as said:
-            by_position(features=["kv", "flow"]).fit(X).transform(X)
-        assert len(said) == 1
-
-    def test_choked_outlet_pressure_is_said(self):
-        X = duties()
-        valve = by_position(output="outlet_pressure").fit(X)
-        with pytest.warns(ValidityWarning, match="ask for a flow that the valve cannot pass"):
-            valve.predict(X)
-
-
-class TestBadInput:
-    @pytest.mark.parametrize(
-        ("settings", "message"),
-        [
-            ({"p1": "P1"}, "p1='P1' is a name, but the columns have no names: give its position"),
-            ({"p1": 9}, r"p1=9 is no column of the data, which have 5: set p1="),
-            ({"features": ["dp", "delta"]}, "unknown feature 'delta' in features: use some of opening, dp"),
-            (
-                {"features": "dp"},
-                "The 'features' parameter of ValveMechanismTransformer must be an array-like",
-            ),
-            ({"p2": None, "features": ["dp"]}, "this needs the role 'p2', which has no column"),
-            ({"kv_rated": None, "features": ["kv"]}, "give kv_rated="),
-            ({"fl": None, "features": ["choked"]}, "give fl="),
-            ({"fluid": "mead"}, "unknown fluid 'mead'"),
-            ({"characteristic": "equal"}, "unknown characteristic 'equal'"),
-            ({"rangeability": 1.0}, "The 'rangeability' parameter of ValveMechanismTransformer must be"),
-            ({"fluid": "oil", "density": 870.0}, "the fluid 'oil' has no vapour_pressure"),
-            (
-                {"fluid": "oil", "density": 870.0, "vapour_pressure": 9.0},
-                "the fluid 'oil' has no critical_pressure",
-            ),
-        ],
-    )
-    def test_fit_says_what_is_wrong(self, settings, message):
-        with pytest.raises(ValueError, match=message):
-            by_position(**settings).fit(duties())
-
-    def test_unknown_column_name(self):
-        pd = pytest.importorskip("pandas")
-        frame = pd.DataFrame(duties(), columns=COLUMNS)
-        with pytest.raises(
-            ValueError, match=r"p1='P1' is not a column of the data[.] Columns: t, h, pin, pout, F"
-        ):
-            ValveMechanismTransformer(**{**ROLES, "p1": "P1"}).fit(frame)
-
-    def test_flow_is_needed_for_the_outlet_pressure(self):
-        X = duties()
-        valve = by_position(flow=None, output="outlet_pressure").fit(X)
-        with pytest.raises(ValueError, match="this needs the role 'flow'"):
-            valve.forward(X, 10.0)
-
-    def test_one_parameter_for_each_row(self):
-        X = duties()
-        with pytest.raises(
-            ValueError, match=r"parameter must have one value for each of the 200 rows; got shape \(3,\)"
-        ):
-            by_position().fit(X).forward(X, [1.0, 2.0, 3.0])
-
-    def test_not_fitted(self):
-        with pytest.raises(NotFittedError):
-            by_position().forward(duties(), 1.0)

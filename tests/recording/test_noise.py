@@ -14,7 +14,8 @@ def test_white_noise_on_a_smooth_course_with_steps_and_outliers(sigma, seed):
     time = np.arange(4000)
     signal = sigma * (20.0 * np.sin(time / 200.0) + rng.normal(size=4000) + 50.0 * (time > 2000))
     signal[rng.integers(0, 4000, 40)] += 100.0 * sigma
-    assert noise_floor(signal) == pytest.approx(sigma, rel=0.1)
+    # outliers touch 3 % of the second differences, which lifts the median by 4 %; its own spread is 2 %
+    assert noise_floor(signal) == pytest.approx(sigma, rel=0.15)
 
 
 def test_gaps_are_left_out():

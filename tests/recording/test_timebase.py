@@ -101,7 +101,7 @@ def test_until_in_iso():
 
 @pytest.mark.parametrize("value", ["noon", None, np.nan])
 def test_no_time_of_a_recording_in_seconds(value):
-    with pytest.raises(InputError, match="a number of seconds like 0$"):
+    with pytest.raises(InputError, match=r"a number of seconds like 0$"):
         recording_at(np.arange(5.0)).index_until(value)
 
 
