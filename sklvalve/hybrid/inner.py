@@ -148,11 +148,17 @@ def fit_keywords(estimator, X, sample_weight, parameters, mechanism, regressor):
 
 
 def weight_keywords(model, weight):
-    """Keywords that give a model, or the steps of a pipeline, its weights; empty where it takes none."""
+    """Keywords that give a model, or the steps of a pipeline, its weights; empty where it takes none.
+
+    With metadata routing a model that passes on gets them only where something inside asked for them, and a
+    plain one unless it said that it wants none.
+    """
     if _routing_enabled():
         routing = get_routing_for_object(model)
         if isinstance(routing, MetadataRouter):
             return {"sample_weight": weight} if routing.consumes("fit", ["sample_weight"]) else {}
+        if routing.fit.requests.get("sample_weight") is False:
+            return {}
     if has_fit_parameter(model, "sample_weight"):
         return {"sample_weight": weight}
     if isinstance(model, Pipeline):
@@ -160,6 +166,12 @@ def weight_keywords(model, weight):
         if model.steps[-1][0] in takers:
             return {f"{name}__sample_weight": weight for name in takers}
     return {}
+
+
+def could_take_weights(model):
+    """Whether a model, or the last step of a pipeline, has weights in its `fit`, asked for or not."""
+    last = model.steps[-1][1] if isinstance(model, Pipeline) else model
+    return has_fit_parameter(last, "sample_weight")
 
 
 def keywords_of_rows(X, keywords, rows):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Series hybrid: data give the parameter that physics does not know."""
 
+import warnings
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +12,7 @@ from sklearn.utils.validation import check_is_fitted
 from sklvalve.hybrid.inner import (
     checked_table,
     clone_model,
+    could_take_weights,
     fit_keywords,
     fit_router,
     keywords_of_rows,
@@ -49,8 +51,8 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
         Columns of X that the regressor sees, by name or position; None is all.
     sensitivity_weights : bool, default=True
         Weight each row by the square of the mechanism's sensitivity, where the mechanism tells it and the
-        regressor takes weights. The noise of the parameter is that of the output over the sensitivity, so
-        rows near zero pressure drop would otherwise drown the rest.
+        regressor takes weights (with metadata routing: asks for them). The noise of the parameter is that of
+        the output over the sensitivity, so rows near zero pressure drop would otherwise drown the rest.
 
     Attributes
     ----------
@@ -76,6 +78,9 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
     to `fit` reaches the mechanism and the regressor by scikit-learn's routing; without routing,
     `sample_weight` reaches whichever of them takes it.
 
+    To search over parameters of the two models, as ``regressor__C``, hand the models in: None has none to be
+    set.
+
     Examples
     --------
     >>> import numpy as np
@@ -88,6 +93,16 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
     >>> model = SeriesHybridRegressor(link="log", regressor_columns=[0]).fit(X, flow)
     >>> model.predict_parameter([[0.5, 6e5, 3e5]]).round(1)
     array([5.7])
+
+    A search over both models inside:
+
+    >>> from sklearn.model_selection import GridSearchCV
+    >>> from sklvalve.lssvm import LSSVMRegressor
+    >>> from sklvalve.mechanism import ValveMechanismTransformer
+    >>> model = SeriesHybridRegressor(ValveMechanismTransformer(), LSSVMRegressor(), regressor_columns=[0])
+    >>> search = GridSearchCV(model, {"mechanism__fl": [None, 0.9], "regressor__C": [1e-6, 1e3]}).fit(X, flow)
+    >>> search.best_params_["regressor__C"]
+    1000.0
     """
 
     _parameter_constraints: ClassVar[dict] = {
@@ -153,6 +168,8 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
         -----
         sklvalve.mechanism.ValidityWarning
             If the mechanism can be inverted in some rows only, with their number.
+        UserWarning
+            If metadata routing is on and the regressor does not ask for the weights that it could take.
         """
         X, y = checked_table(self, X, y, reset=True)
         self.mechanism_ = clone_model(mechanism_or_default(self.mechanism))
@@ -174,7 +191,16 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
         keywords = keywords_of_rows(X, for_regressor, rows)
         if self.sensitivity_weights and hasattr(self.mechanism_, "sensitivity"):
             given = np.ones(len(rows)) if weight is None else weight[rows]
-            keywords.update(weight_keywords(regressor, self._weight_by_sensitivity(X_rows, parameter, given)))
+            weights = weight_keywords(regressor, self._weight_by_sensitivity(X_rows, parameter, given))
+            if not weights and could_take_weights(regressor):
+                warnings.warn(
+                    f"The regressor {type(regressor).__name__} does not ask for sample_weight, so the rows "
+                    "are not weighted by sensitivity; call set_fit_request(sample_weight=True) on it, or on the "
+                    "steps of a pipeline, or set sensitivity_weights=False.",
+                    UserWarning,
+                    stacklevel=2,
+                )
+            keywords.update(weights)
         target = np.log(parameter) if self.link == "log" else parameter
         self.regressor_ = regressor.fit(take_columns(X_rows, self.regressor_columns), target, **keywords)
         return self

@@ -5,9 +5,8 @@ import warnings
 import joblib
 import numpy as np
 import pytest
-from sklearn import config_context
 from sklearn.dummy import DummyRegressor
-from sklearn.linear_model import LinearRegression, Ridge
+from sklearn.linear_model import Ridge
 from sklearn.model_selection import GridSearchCV, KFold
 from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import Pipeline, make_pipeline
@@ -225,45 +224,6 @@ def test_grid_search_chooses_the_column_of_the_valves_opening():
     search = GridSearchCV(model, grid, scoring=neg_mape_scorer, cv=3, error_score="raise").fit(X, y)
     assert search.best_params_["mechanism__opening"] == "x"
     assert search.best_score_ > -1.0
-
-
-@pytest.mark.parametrize(
-    "regressor", [None, LSSVMRegressor(), make_pipeline(StandardScaler(), LSSVMRegressor())]
-)
-def test_weights_act_the_same_with_routing_on_and_off(regressor):
-    rng = np.random.default_rng(0)
-    X = rng.normal(size=(50, 2))
-    y = np.sin(X[:, 1]) + 3
-    weight = rng.uniform(0.1, 2, 50)
-    off = SeriesHybridRegressor(SensitiveGain(), regressor).fit(X, y, sample_weight=weight).predict(X)
-    with config_context(enable_metadata_routing=True):
-        if isinstance(regressor, LSSVMRegressor):
-            regressor = LSSVMRegressor().set_fit_request(sample_weight=True)
-        elif regressor is not None:
-            regressor = make_pipeline(
-                StandardScaler().set_fit_request(sample_weight=True),
-                LSSVMRegressor().set_fit_request(sample_weight=True),
-            )
-        model = SeriesHybridRegressor(SensitiveGain(), regressor)
-        on = model.fit(X, y, sample_weight=weight).predict(X)
-        plain = model.fit(X, y).predict(X)
-    np.testing.assert_allclose(on, off, rtol=1e-10)
-    assert not np.allclose(on, plain, rtol=1e-6)
-
-
-def test_routing_says_when_nobody_asked_for_the_weights():
-    X, y = np.arange(20.0)[:, None], np.arange(20.0)
-    with config_context(enable_metadata_routing=True):
-        with pytest.raises(ValueError, match="sample_weight"):
-            SeriesHybridRegressor(Gain(), LSSVMRegressor()).fit(X, y, sample_weight=np.ones(20))
-        refusing = LSSVMRegressor().set_fit_request(sample_weight=False)
-        with pytest.raises(TypeError, match="not routed to any object"):
-            SeriesHybridRegressor(Gain(), refusing).fit(X, y, sample_weight=np.ones(20))
-
-
-def test_unknown_metadata_is_refused_without_routing():
-    with pytest.raises(ValueError, match="groups"):
-        SeriesHybridRegressor(Gain(), LinearRegression()).fit(np.ones((3, 1)), np.ones(3), groups=[1, 2, 3])
 
 
 def test_saved_and_loaded_hybrids_predict_the_same():
