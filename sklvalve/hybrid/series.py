@@ -195,8 +195,8 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
             if not weights and could_take_weights(regressor):
                 warnings.warn(
                     f"The regressor {type(regressor).__name__} does not ask for sample_weight, so the rows "
-                    "are not weighted by sensitivity; call set_fit_request(sample_weight=True) on it, or on the "
-                    "steps of a pipeline, or set sensitivity_weights=False.",
+                    "are not weighted by sensitivity; call set_fit_request(sample_weight=True) on it, or on "
+                    "the steps of a pipeline, or set sensitivity_weights=False.",
                     UserWarning,
                     stacklevel=2,
                 )
