@@ -5,7 +5,7 @@ import numpy as np
 from scipy.stats import chi2
 
 
-def mismatch_p_value(explanation, unknown, workbench, n_candidates):
+def mismatch_p_value(findings, tried, unknown, workbench, n_candidates):
     """Probability that a healthy recording looks as far from its simulation as this one, or further.
 
     The hypothesis tested is that no effect is larger than what counts in practice: the likelihood ratio of
@@ -14,7 +14,9 @@ def mismatch_p_value(explanation, unknown, workbench, n_candidates):
 
     Parameters
     ----------
-    explanation : Explanation
+    findings : list of Finding
+    tried : dict
+        Effect key -> (gain of its best single fit, sizes), where nothing was found.
     unknown : Unknown or None
     workbench : Workbench
     n_candidates : int
@@ -26,9 +28,9 @@ def mismatch_p_value(explanation, unknown, workbench, n_candidates):
         Never below 1e-12: no noise model is that good.
     """
     least = {"opening": workbench.tolerance.opening_effect, "flow": workbench.tolerance.flow_effect}
-    seen = [(f.gain, f.sizes, len(f.member.effect.parameters)) for f in explanation.findings]
+    seen = [(f.gain, f.sizes, len(f.member.effect.parameters)) for f in findings]
     if not seen:
-        seen = [(gain, sizes, 2) for gain, sizes in explanation.tried.values()]
+        seen = [(gain, sizes, 2) for gain, sizes in tried.values()]
     p_values = [1.0]
     # an onset may stand anywhere, though neighbours look alike: about as many as log2 of the rows
     tries = n_candidates * np.log2(max(len(workbench.recording), 4))

@@ -2,21 +2,20 @@
 """The result of a diagnosis: plain numbers and texts, and the traces that pictures are drawn from."""
 
 import json
-from dataclasses import dataclass, field
 from html import escape
 
 
-@dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """What was found in a recording.
+    """What was found in a recording; nothing changes it any more.
 
     Parameters
     ----------
     content : dict
-        As diagnosis.json has it, schema ``sklvalve.diagnosis/1``.
+        As diagnosis.json has it, schema ``sklvalve.diagnosis/1``; copied, and it must be plain data.
     traces : dict
         Arrays for pictures: ``time``, ``units``, ``recorded``, ``nominal``, ``corrected`` (by role, in the
-        recording's own units), ``pressure_ratio``, ``flagged``, ``until``.
+        recording's own units), ``pressure_ratio``, ``flagged``, ``until``. Kept as they are, and no part of
+        what was found.
 
     Examples
     --------
@@ -25,8 +24,21 @@ class Diagnosis:
     'no_mismatch'
     """
 
-    content: dict
-    traces: dict = field(default_factory=dict)
+    __slots__ = ("_text", "_traces")
+
+    def __init__(self, content, traces=None):
+        self._text = json.dumps(content)
+        self._traces = {} if traces is None else traces
+
+    @property
+    def content(self):
+        """Plain dict, as diagnosis.json has it; a copy, so changing it leaves the diagnosis as it is."""
+        return json.loads(self._text)
+
+    @property
+    def traces(self):
+        """Arrays for pictures."""
+        return self._traces
 
     @property
     def verdict(self):
@@ -40,7 +52,7 @@ class Diagnosis:
 
     def to_dict(self):
         """Plain dict, as diagnosis.json has it; changing it leaves the diagnosis as it is."""
-        return json.loads(json.dumps(self.content))
+        return self.content
 
     def to_frame(self):
         """Data frame, a row for each possible explanation.

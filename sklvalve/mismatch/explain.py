@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import Member, Model, is_in, own_values
 from sklvalve.mismatch.onset import fit_with_onset
-from sklvalve.mismatch.workbench import Member, Model
 
 # two explanations are told apart from this profile-likelihood distance on (3 % confusion)
 DISTINGUISHABLE = 14.0
@@ -145,15 +145,17 @@ def _under_its_own_noise(workbench, chosen, before, threshold):
 def _better_in_place(findings):
     """A hypothesis with a rival in the place of an effect, where the recording prefers it; else None."""
     for finding in findings:
-        who, fitted, _ = finding.rivals[0]
-        if who is not finding.member and who.effect.name != finding.member.effect.name:
+        who, fitted, probability = finding.rivals[0]
+        own = next(p for other, _, p in finding.rivals if other is finding.member)
+        # of two that cannot be told apart either may stand in front: no reason to fit all again
+        if who.effect.name != finding.member.effect.name and probability > 2.0 * own:
             return fitted
     return None
 
 
 def _step(workbench, model, effects, report, done):
     """Fits with one effect more, best first."""
-    usable = [e for e in effects if not _is_in(e, model.members)]
+    usable = [e for e in effects if not is_in(e, model.members)]
     rough = []
     for i, effect in enumerate(usable):
         # the actuator's own parameters are dear to fit and hide little: first without them
@@ -170,28 +172,20 @@ def _step(workbench, model, effects, report, done):
             report(done + 0.2 * (i + 1) / len(usable))
     rough.sort(key=lambda m: worth(workbench, m), reverse=True)
     # the best few again, now with the whole calibration free
-    refined = [_refine(workbench, model, m) if i < 4 else m for i, m in enumerate(rough)]
+    best = rough[0].members[-1].onset if rough else None
+    refined = [_refine(workbench, model, m, best) if i < 4 else m for i, m in enumerate(rough)]
     return sorted(refined, key=lambda m: worth(workbench, m), reverse=True)
 
 
-def _refine(workbench, before, model):
+def _refine(workbench, before, model, other_onset):
+    """The last effect with the whole calibration free; one that begins, also from where the best one does."""
     last = model.members[-1]
     if last.onset is None:
         return workbench.fit(model.members, start=model)
     rest = Model(before.members, before.chain, model.values, before.predictions, before.log_likelihood, {})
-    return fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
-
-
-def _is_in(effect, members):
-    """Whether an effect, or one of the same equation, is among the members of a hypothesis."""
-    return any(
-        effect.name == m.effect.name or (effect.family and effect.family == m.effect.family) for m in members
-    )
-
-
-def own_values(member, model):
-    """Parameters of one effect in a fitted model, by their short names."""
-    return {q.name: model.values[f"{member.effect.key}.{q.name}"] for q in member.effect.parameters}
+    onsets = {last.onset, last.onset if other_onset is None else other_onset}
+    fits = [fit_with_onset(workbench, rest, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
+    return max(fits, key=lambda m: m.log_likelihood)
 
 
 def _matters(workbench, model, without, threshold):
@@ -210,14 +204,41 @@ def _matters(workbench, model, without, threshold):
 
 def _settle(workbench, model):
     """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
-    for _ in range(2):
-        workbench.learn_noise(model)
-        model = workbench.fit(model.members, start=model)
+    model = _in_turn(workbench, model)
     last = model.members[-1]
     if last.onset is not None:
         rest = workbench.fit(model.members[:-1], start=model)
         model = fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
+        model = _throughout_if_likelier(workbench, model)
     return model
+
+
+def _in_turn(workbench, model):
+    for _ in range(2):
+        workbench.learn_noise(model)
+        model = workbench.fit(model.members, start=model)
+    return model
+
+
+def _throughout_if_likelier(workbench, model):
+    """The same effect without its onset, where that is likelier when each is judged by its own noise.
+
+    Under the noise of a simulation that lacks the effect, an onset may hide rows in which the effect is
+    modelled poorly: what is left there is no stranger than the nominal's own errors.
+    """
+    noise, with_onset = workbench.noise, _own_worth(workbench, model)
+    *rest, last = model.members
+    throughout = workbench.fit((*rest, Member(last.effect)), start=model)
+    throughout = _in_turn(workbench, throughout)
+    if _own_worth(workbench, throughout) > with_onset:
+        return throughout
+    workbench.use_noise(noise)
+    return model
+
+
+def _own_worth(workbench, model):
+    """As `worth`, but to be compared between noises too: wide noise costs what it makes likelier."""
+    return worth(workbench, model) - sum(workbench.noise[c].log_spread for c in workbench.channels)
 
 
 def _drop_what_no_longer_counts(workbench, model, threshold, *, last_too=False):
@@ -243,7 +264,7 @@ def _rivals(workbench, model, effects, report):
         without = workbench.fit(rest, start=model)
         places = [(member, model)]
         for effect in effects:
-            if effect.key == member.effect.key or _is_in(effect, rest):
+            if effect.key == member.effect.key or is_in(effect, rest):
                 continue
             if not set(workbench.channels_touched(effect)) & set(workbench.channels_touched(member.effect)):
                 continue

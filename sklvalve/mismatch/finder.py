@@ -1,26 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The estimator that goes from a recording to its diagnosis, one step after the other."""
 
-import numpy as np
-from sklearn.base import BaseEstimator
+from numbers import Integral, Real
+from typing import ClassVar
+
+from sklearn.base import BaseEstimator, _fit_context
+from sklearn.utils import check_random_state
+from sklearn.utils._param_validation import Interval
 from threadpoolctl import threadpool_limits
 
-import sklvalve
+from sklvalve.mismatch.contents import Judgement, content_of, flagged_rows, traces_of
 from sklvalve.mismatch.detect import mismatch_p_value
 from sklvalve.mismatch.diagnosis import Diagnosis
-from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.explain import explain
-from sklvalve.mismatch.gate import effects_switched_off
-from sklvalve.mismatch.locate import acting_rows, regions
-from sklvalve.mismatch.next_test import next_test
-from sklvalve.mismatch.prove import errors, held_out_predictions, holds_out
+from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
+from sklvalve.mismatch.prove import (
+    correction_holds_out,
+    errors,
+    folded,
+    held_out_predictions,
+    holds_out,
+)
 from sklvalve.mismatch.unknown import find_unknown
-from sklvalve.mismatch.verdict import class_of, effect_entry, verdict_of
-from sklvalve.mismatch.workbench import Workbench
-from sklvalve.recording import InputError, Recording, screen_recording
+from sklvalve.mismatch.verdict import verdict_of
+from sklvalve.recording import screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
-
-_FEWEST_ROWS = 120
+from sklvalve.simulation.simulation import as_recording
 
 
 class MissingPhysicsFinder(BaseEstimator):
@@ -29,19 +34,22 @@ class MissingPhysicsFinder(BaseEstimator):
     Parameters
     ----------
     simulation : ValveSimulation, default=None
-        Gives the data sheet and the tolerance where set; otherwise the recording's own sheet is used.
-    effects : "all" or sequence of str, default="all"
+        The simulation to be held against the recording. Its sheet takes the place of the recording's own,
+        its tolerance that of the default; its effects, with their onsets, count as physics already held:
+        they are calibrated with the rest and are no candidates. It is calibrated anew, fitted or not.
+    effects : "all", str or sequence of str, default="all"
         Names of the effects to be considered.
     alpha : float, default=0.01
         Level of the test for any mismatch at all, for the whole recording.
     tolerance : Tolerance, default=None
-        What a data sheet leaves open, and from which size on an effect counts.
+        What a data sheet leaves open, and from which size on an effect counts; goes before that of
+        `simulation`.
     max_effects : int, default=4
         Largest number of effects at once.
     evidence : float, default=15.0
         Log likelihood that an effect must add beyond the price of its parameters.
-    random_state : int, default=0
-        Seed of surrogates and bootstrap.
+    random_state : int, RandomState or None, default=0
+        Seed of surrogates and bootstrap; the diagnosis names the one used.
     callback : callable, default=None
         Called as ``callback(stage, done)`` with a plain word and the share done.
 
@@ -49,7 +57,8 @@ class MissingPhysicsFinder(BaseEstimator):
     ----------
     diagnosis_ : Diagnosis
     nominal_simulation_, corrected_simulation_ : ValveSimulation
-        Calibrated without, and with, what was found.
+        Calibrated without, and with, what was found. What no effect explains is learnt and added to the
+        corrected one where that lowers the error of rows that it was not learnt from.
 
     Examples
     --------
@@ -60,6 +69,17 @@ class MissingPhysicsFinder(BaseEstimator):
     >>> MissingPhysicsFinder().fit(recording).diagnosis_.verdict
     'named'
     """
+
+    _parameter_constraints: ClassVar[dict] = {
+        "simulation": [ValveSimulation, None],
+        "effects": [str, list, tuple, set, frozenset],
+        "alpha": [Interval(Real, 0, 1, closed="neither")],
+        "tolerance": [Tolerance, None],
+        "max_effects": [Interval(Integral, 0, None, closed="left")],
+        "evidence": [Interval(Real, 0, None, closed="left")],
+        "random_state": ["random_state"],
+        "callback": [callable, None],
+    }
 
     def __init__(
         self,
@@ -82,6 +102,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self.random_state = random_state
         self.callback = callback
 
+    @_fit_context(prefer_skip_nested_validation=True)
     def fit(self, X, y=None, *, until=None):
         """Diagnose a recording.
 
@@ -100,19 +121,21 @@ class MissingPhysicsFinder(BaseEstimator):
         ------
         InputError
             If the recording lacks what a diagnosis needs.
+        ValueError
+            If a parameter of the finder is of the wrong kind or outside its range.
         """
         # fits of a score of parameters gain nothing from threads, and lose much to their waiting
         with threadpool_limits(1, user_api="blas"):
             return self._fit(X, y, until)
 
     def _fit(self, X, y, until):
-        whole = X if isinstance(X, Recording) else ValveSimulation(self._sheet(None))._recording(X, y)
-        used = self._used_rows(whole, until)
-        recording = whole.slice(0, used)
+        whole = as_recording(X, y, None if self.simulation is None else self.simulation.valve)
+        used = rows_to_use(whole, until)
+        seed = self._seed()
         self._say("reading", 0.0)
-        data = screen_recording(recording)
-        workbench = Workbench(recording, self._tolerance(), self._physics(whole))
-        effects, not_testable = self._candidates(workbench, data)
+        data = screen_recording(whole.slice(0, used))
+        workbench = prepared_workbench(whole.slice(0, used), self.simulation, self.tolerance)
+        effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
         nominal = workbench.calibrated()
         explanation = explain(
@@ -124,36 +147,47 @@ class MissingPhysicsFinder(BaseEstimator):
             report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
         )
         self._say("looking for the unknown", 0.8)
-        verdict, findings, model, unknown, p_value = self._judge(workbench, explanation, len(effects))
-        nominal = workbench.least_squares(explanation.nominal)
-        model = workbench.least_squares(model) if findings else nominal
-        self._keep_simulations(workbench, nominal, model, unknown)
+        judged = self._judge(workbench, explanation, len(effects), seed)
+        self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None)
+        self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction)
         self._say("proving on held-out rows", 0.85)
-        content, traces = self._report(
+        made, held = held_out_predictions(
+            workbench, whole, judged.nominal, judged.model, judged.correction, judged.tried
+        )
+        fit = {
+            c: errors(whole, made, held, c, workbench.noise[c].floor, random_state=seed)
+            for c in workbench.channels
+        }
+        flagged = flagged_rows(workbench, judged)
+        content = content_of(
             whole,
             workbench,
-            nominal,
-            model,
-            findings,
-            unknown,
-            verdict,
-            p_value,
-            data,
-            not_testable,
+            judged,
+            flagged,
+            fit,
+            data=data,
+            not_testable=not_testable,
+            alpha=float(self.alpha),
+            random_state=seed,
         )
-        self.diagnosis_ = Diagnosis(content, traces)
+        simulations = self.nominal_simulation_, self.corrected_simulation_
+        self.diagnosis_ = Diagnosis(content, traces_of(whole, flagged, used, *simulations))
         self._say("done", 1.0)
         return self
 
-    def _judge(self, workbench, explanation, n_candidates):
-        """Verdict, what stands of the findings, and the model that goes with it."""
+    def _judge(self, workbench, explanation, n_candidates, seed):
+        """Verdict, what stands of the findings, and the model and the learnt rest that go with it."""
 
         def rest_of(model):
-            return find_unknown(workbench, model, alpha=self.alpha, random_state=self.random_state)
+            return find_unknown(workbench, model, alpha=self.alpha, random_state=seed)
 
         findings, model, nominal = explanation.findings, explanation.model, explanation.nominal
         unknown = rest_of(model)
-        p_value = mismatch_p_value(explanation, unknown, workbench, n_candidates)
+        p_value = mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
+        if findings and p_value > self.alpha:
+            # effects too weak to be told from chance must not hide a rest that is not
+            findings, unknown = [], rest_of(nominal)
+            p_value = mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
         upheld = not findings or holds_out(workbench, nominal, model)
         explained = 0.0
         if unknown is not None and findings:
@@ -162,172 +196,35 @@ class MissingPhysicsFinder(BaseEstimator):
             # blocks that the fit had not seen speak against it: no name is better than a wrong one
             findings = []
         verdict, findings = verdict_of(findings, unknown, p_value, self.alpha, explained)
-        if not findings:
-            model = nominal
-            if verdict != "no_mismatch":
-                unknown = rest_of(model) or unknown
-                verdict = "none_of_these" if unknown is not None else "cannot_tell"
-        return verdict, findings, model, (None if verdict == "no_mismatch" else unknown), p_value
+        if not findings and verdict != "no_mismatch":
+            unknown = rest_of(nominal) or unknown
+            verdict = "none_of_these" if unknown is not None else "cannot_tell"
+        nominal = workbench.least_squares(nominal)
+        model = workbench.least_squares(model) if findings else nominal
+        if verdict == "no_mismatch" or unknown is None:
+            return Judgement(verdict, p_value, findings, None, nominal, model)
+        tried = folded(workbench, model, unknown.channel)
+        kept, told = correction_holds_out(workbench, tried, unknown.channel)
+        return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
 
     def _say(self, stage, done):
         if self.callback is not None:
             self.callback(stage, min(done, 1.0))
 
-    def _sheet(self, recording):
-        if self.simulation is not None and self.simulation.valve is not None:
-            return self.simulation.valve
-        return None if recording is None else recording.valve
-
-    def _tolerance(self):
-        given = self.simulation.tolerance if self.simulation is not None else None
-        return self.tolerance or given or Tolerance()
-
-    def _used_rows(self, whole, until):
-        used = len(whole) if until is None else int(until)
-        if used < _FEWEST_ROWS:
-            raise InputError(
-                f"{whole.source}: {used} rows are too few for a diagnosis; give at least {_FEWEST_ROWS}"
-                + ("" if until is None else ", or a later time to use them until")
-            )
-        return min(used, len(whole))
-
-    def _physics(self, recording):
-        known = {e.name for e in CATALOGUE}
-        unknown = [name for name in recording.valve.physics if name not in known]
-        if unknown:
-            raise InputError(
-                f"{recording.valve.source}: [simulation] physics names {unknown[0]!r}, which is no effect; "
-                f"the effects are {', '.join(sorted(known))}"
-            )
-        return recording.valve.physics
-
-    def _candidates(self, workbench, data):
-        wanted = {e.name for e in CATALOGUE} if isinstance(self.effects, str) else set(self.effects)
-        if isinstance(self.effects, str) and self.effects != "all":
-            wanted = {self.effects}
-        strange = wanted - {e.name for e in CATALOGUE}
-        if strange:
-            raise InputError(
-                f"effects names {sorted(strange)[0]!r}, which is no effect; the effects are "
-                f"{', '.join(sorted({e.name for e in CATALOGUE}))}"
-            )
-        off = effects_switched_off(data)
-        candidates, untestable = [], {}
-        for effect in CATALOGUE:
-            if effect.name not in wanted:
-                continue
-            missing = [role for role in effect.needs if role not in workbench.recording]
-            if missing:
-                untestable.setdefault(effect.name, " and ".join(missing))
-            elif effect.name in off:
-                untestable.setdefault(effect.name, off[effect.name])
-            elif effect.possible(workbench.plain) and workbench.channels_touched(effect):
-                candidates.append(effect)
-            else:
-                untestable.setdefault(effect.name, "a data sheet with the characteristic and the fluid")
-        tested = {e.name for e in candidates}
-        return candidates, [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]
-
-    def _keep_simulations(self, workbench, nominal, model, unknown):
-        def built(fitted, correction):
-            return ValveSimulation.from_parts(
-                workbench.valve,
-                workbench.trim,
-                fitted.values,
-                choking=fitted.chain.choking,
-                effects=[m.effect for m in fitted.members],
-                onsets={m.effect.key: m.onset for m in fitted.members if m.onset is not None},
-                correction=correction,
-            )
-
-        self.nominal_simulation_ = built(nominal, None)
-        self.corrected_simulation_ = built(model, None if unknown is None else unknown.correction)
-
-    def _report(
-        self, whole, workbench, nominal, model, findings, unknown, verdict, p_value, data, not_testable
-    ):
-        corrected = self.corrected_simulation_
-
-        def learnt(channel):
-            if unknown is None or unknown.channel != channel:
-                return 0.0
-            return corrected._learnt(corrected._chain(whole), channel)
-
-        made, held = held_out_predictions(workbench, whole, nominal, model, learnt)
-        # switched off in the same simulation, not calibrated away: so it shows where it acts itself
-        bare = workbench.simulate((), model.values)
-        flagged = acting_rows(workbench, model, bare)
-        if unknown is not None and not findings:
-            rest = np.abs(correct_rows(corrected, workbench.recording, unknown.channel))
-            flagged = rest > 0.25 * np.quantile(rest, 0.99)
-        onsets = [f.member.onset for f in findings if f.member.onset is not None]
-        clock = model.chain.clock
-        onset = min(onsets) - clock[0] if onsets and len(onsets) == len(findings) else None
-        started = onset if onset is not None else 0.0
-        if onset is not None:
-            flagged &= clock - clock[0] >= onset
-        entries = [effect_entry(f, whole) for f in findings]
-        blocks = sorted({b for e in entries for b in e["blocks"]})
-        found = verdict != "no_mismatch"
-        content = {
-            "schema": "sklvalve.diagnosis/1",
-            "verdict": verdict,
-            "mismatch": {"detected": found, "p_value": p_value, "alpha": self.alpha},
-            "location": {
-                "blocks": blocks or ([_block_of(unknown)] if unknown is not None else []),
-                "regions": regions(model.chain, model.values, flagged) if found else [],
-                "onset": None if onset is None else float(onset),
-                "intervals": [[float(started), float(clock[-1] - clock[0])]] if found else [],
-            },
-            "effects": entries,
-            "fit": {
-                c: errors(whole, made, held, c, workbench.noise[c].floor, random_state=self.random_state)
-                for c in workbench.channels
-            },
-            "not_testable": not_testable,
-            "next_test": next_test([class_of(f) for f in findings], verdict, unknown, workbench),
-            "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
-            "provenance": {
-                "sklvalve": sklvalve.__version__,
-                "recording_sha256": whole.sha256,
-                "rows": len(workbench.recording),
-                "random_state": self.random_state,
-            },
-        }
-        if unknown is not None:
-            content["unknown"] = {
-                "signal": unknown.channel,
-                "inputs": list(unknown.inputs),
-                "size": unknown.size,
-                "skill": unknown.skill,
-                "p_value": unknown.p_value,
-            }
-        return content, self._traces(whole, flagged, len(workbench.recording))
-
-    def _traces(self, whole, flagged, used):
-        def own(signals):
-            return {r: whole.in_recorded_units(r, v) for r, v in signals.items() if r in ("opening", "flow")}
-
-        roles = [r for r in ("command", "opening", "flow", "p1", "p2", "temperature") if r in whole]
-        shown = np.zeros(len(whole), dtype=bool)
-        shown[: len(flagged)] = flagged
-        return {
-            "time": whole.time - whole.time[0],
-            "units": {r: whole.unit(r) for r in roles},
-            "recorded": {r: whole.in_recorded_units(r, whole[r]) for r in roles},
-            "nominal": own(self.nominal_simulation_.simulate(whole)),
-            "corrected": own(self.corrected_simulation_.simulate(whole)),
-            "dp": whole["p1"] - whole["p2"] if "p1" in whole and "p2" in whole else None,
-            "pressure_ratio": self.nominal_simulation_._chain(whole).pressure_ratio,
-            "flagged": shown,
-            "until": None if used == len(whole) else used,
-        }
+    def _seed(self):
+        if isinstance(self.random_state, Integral):
+            return int(self.random_state)
+        return int(check_random_state(self.random_state).randint(2**31 - 1))
 
 
-def correct_rows(simulation, recording, channel):
-    """What the learnt part adds to a channel, row by row."""
-    return np.broadcast_to(simulation._learnt(simulation._chain(recording), channel), len(recording))
-
-
-def _block_of(unknown):
-    return "valve" if unknown.channel == "flow" else "actuator"
+def _simulation_of(workbench, fitted, correction):
+    effects, onsets = workbench.physics_of(fitted.members)
+    return ValveSimulation.from_parts(
+        workbench.valve,
+        workbench.trim,
+        fitted.values,
+        choking=fitted.chain.choking,
+        effects=effects,
+        onsets=onsets,
+        correction=correction,
+    )

@@ -78,6 +78,8 @@ class NoiseModel:
         Correlation times of the quick part and of the wander [s].
     fast_size, slow_size : float
         Their variances.
+    sensor : float, default=None
+        Variance of the sensor's own part of `white`, mean over the rows; all of it unless given.
     """
 
     white: np.ndarray
@@ -86,6 +88,7 @@ class NoiseModel:
     fast_size: float
     slow_time: float
     slow_size: float
+    sensor: float | None = None
 
     def __post_init__(self):
         filters = _gains(
@@ -98,16 +101,31 @@ class NoiseModel:
         return _innovations(np.ascontiguousarray(residuals, dtype=float), *self._filters)
 
     @property
-    def scale(self):
-        """Typical standard deviation of the noise, all parts together."""
-        seen = self.white[np.isfinite(self.white)]
-        return float(np.sqrt(np.median(seen) + self.fast_size + self.slow_size))
+    def log_spread(self):
+        """Sum over the rows of the logarithms of the innovations' standard deviations."""
+        spread = self._filters[2]
+        return float(np.sum(np.log(spread[np.isfinite(spread)])))
+
+    @property
+    def total(self):
+        """Standard deviation (rms over the rows) of all that a healthy simulation leaves over.
+
+        The sensor, errors of timing, what the simulation gets wrong, and wander.
+        """
+        return float(np.sqrt(self._white + self.fast_size + self.slow_size))
 
     @property
     def floor(self):
-        """Standard deviation (rms over the rows) that no simulation can get below."""
-        seen = self.white[np.isfinite(self.white)]
-        return float(np.sqrt(np.mean(seen) + self.fast_size + self.slow_size))
+        """Standard deviation (rms over the rows) of the sensor alone: its white noise and its quick movement.
+
+        What a simulation could do something about is no part of it: timing, inadequacy, wander.
+        """
+        sensor = self._white if self.sensor is None else self.sensor
+        return float(np.sqrt(sensor + self.fast_size))
+
+    @property
+    def _white(self):
+        return float(np.mean(self.white[np.isfinite(self.white)]))
 
 
 def movement(simulated, step, memory=4.5):
@@ -185,17 +203,17 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
         # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
         fast_time = np.clip(fast_time, 0.5 * dt, 30.0 * dt)
         slow_time = np.clip(slow_time, 40.0 * dt, max(0.25 * length, 80.0 * dt))
-        white = quantum**2 / 12.0 + inadequacy**2 + base * size**2 + timing * moving + share * size**2 * level
-        white = np.where(seen, white, np.inf)
-        return NoiseModel(white, step, fast_time, fast * size**2, slow_time, slow * size**2)
+        sensor = quantum**2 / 12.0 + base * size**2 + share * size**2 * level
+        white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
+        own = float(np.mean(sensor[seen]))
+        return NoiseModel(white, step, fast_time, fast * size**2, slow_time, slow * size**2, own)
 
     def loss(z):
         noise = model(z)
         scaled = (noise.whiten(residuals) / 3.0) ** 2
-        spread = noise._filters[2][seen]
         # weak priors keep parts that are not there from running off
         away = np.sum((z - start) ** 2) / 50.0
-        return float(np.sum(np.log(spread)) + 9.0 * np.sum(np.sqrt(1.0 + scaled) - 1.0) + away)
+        return float(noise.log_spread + 9.0 * np.sum(np.sqrt(1.0 + scaled) - 1.0) + away)
 
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
     found = minimize(

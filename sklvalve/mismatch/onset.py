@@ -3,17 +3,17 @@
 
 import numpy as np
 
-from sklvalve.mismatch.workbench import Member
+from sklvalve.mismatch.hypothesis import Member
 
 # an onset is looked for between these shares of the record: before and after there is too little to compare
 _FIRST, _LAST = 0.04, 0.96
 
 
-def row_losses(workbench, model):
-    """What each row costs a model: robust loss of its whitened residuals, all channels together."""
-    total = np.zeros(len(workbench.recording))
-    for channel, left in workbench.residuals(model).items():
-        scaled = (workbench.noise[channel].whiten(left) / 3.0) ** 2
+def row_losses(workbench, model, channels):
+    """What each row costs a model: robust loss of its whitened residuals in some channels together."""
+    total, left = np.zeros(len(workbench.recording)), workbench.residuals(model)
+    for channel in channels:
+        scaled = (workbench.noise[channel].whiten(left[channel]) / 3.0) ** 2
         total += 9.0 * (np.sqrt(1.0 + scaled) - 1.0)
     return total
 
@@ -25,13 +25,16 @@ def best_onset(workbench, without, acting):
     ----------
     workbench : Workbench
     without, acting : Model
+        The effect is the last member of `acting`.
 
     Returns
     -------
     onset : float
         Absolute time [s].
     """
-    before, after = row_losses(workbench, without), row_losses(workbench, acting)
+    # a channel that the effect leaves alone says nothing of when it began, only how often it was fitted
+    touched = workbench.channels_touched(acting.members[-1].effect)
+    before, after = (row_losses(workbench, m, touched) for m in (without, acting))
     cost = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
     cost -= np.concatenate([[0.0], np.cumsum(after)])
     n = len(before)
@@ -43,7 +46,7 @@ def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None
     """Fit of an effect that begins within the recording.
 
     Begins with the effect switched on after a half of the record, moves the onset to where the losses of the
-    models without it and with it throughout change sides, and fits again until it stays.
+    models without it and with it throughout change sides, and fits again as long as that is likelier.
 
     Parameters
     ----------
@@ -69,6 +72,9 @@ def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None
         moved = best_onset(workbench, model, throughout)
         if abs(moved - onset) < 1.5 * workbench.recording.sample_time:
             break
-        onset = moved
-        fitted = workbench.fit((*model.members, Member(effect, onset)), start=fitted, **options)
+        again = workbench.fit((*model.members, Member(effect, moved)), start=fitted, **options)
+        # what the losses of two fits suggest need not be better when it is fitted itself
+        if again.log_likelihood <= fitted.log_likelihood:
+            break
+        onset, fitted = moved, again
     return fitted

@@ -1,23 +1,106 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Proof on rows that no fit has seen: the calibrated nominal, a black box, and the corrected simulation."""
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
 from sklvalve.metrics import err_max, mape, rmse
 from sklvalve.mismatch.black_box import black_box_prediction
-from sklvalve.simulation.chain import Chain
+from sklvalve.mismatch.unknown import learn_rest
+from sklvalve.simulation.fitting import simulate_channels
+from sklvalve.simulation.simulation import learnt_rest
 
 _FOLDS = 4
+# a learnt correction must improve this many of the folds, and all of them together
+_IMPROVED = 3
 
 
-def held_out_predictions(workbench, whole, nominal, model, learnt):
+@dataclass(frozen=True, eq=False)
+class Folded:
+    """Blocks of a recording in turn, each predicted by fits to the others.
+
+    Attributes
+    ----------
+    predictions : dict
+        Channel -> ndarray of shape (n,), the simulation alone.
+    rest : ndarray of shape (n,)
+        What the correction adds to its channel, learnt from the other blocks too; zero without one.
+    """
+
+    predictions: dict
+    rest: np.ndarray
+
+
+def blocks(n):
+    """Contiguous quarters of n rows: slice of each, and the other rows as ndarray of bool."""
+    for low, high in pairwise(np.linspace(0, n, _FOLDS + 1).astype(int)):
+        others = np.ones(n, dtype=bool)
+        others[low:high] = False
+        yield slice(low, high), others
+
+
+def folded(workbench, model, channel=None):
+    """A hypothesis fitted again without each block, and so is the learnt rest of a channel if one is named.
+
+    A simulation always runs through the whole recording: only the error of held-out rows is hidden from the
+    fit.
+
+    Returns
+    -------
+    folded : Folded
+    """
+    n = len(workbench.recording)
+    made, rest = {c: np.full(n, np.nan) for c in workbench.channels}, np.zeros(n)
+    for held, others in blocks(n):
+        again = workbench.least_squares(model, rows=others, max_steps=4)
+        for c in workbench.channels:
+            made[c][held] = again.predictions[c][held]
+        part = None if channel is None else learn_rest(workbench, again, channel, others)
+        if part is not None:
+            rest[held] = learnt_rest(part, again.chain, again.values)[held]
+    return Folded(made, rest)
+
+
+def correction_holds_out(workbench, tried, channel):
+    """Whether a learnt correction lowers the error of rows that it was not learnt from.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    tried : Folded
+    channel : str
+        That of the correction.
+
+    Returns
+    -------
+    holds : bool
+    errors : tuple of float
+        Rms on held-out rows without it and with it [SI].
+    """
+    recorded, plain = workbench.recording[channel], tried.predictions[channel]
+    before, after = (recorded - plain) ** 2, (recorded - plain - tried.rest) ** 2
+    better = [np.nansum(after[held]) < np.nansum(before[held]) for held, _ in blocks(len(recorded))]
+    errors = float(np.sqrt(np.nanmean(before))), float(np.sqrt(np.nanmean(after)))
+    return bool(sum(better) >= _IMPROVED and errors[1] < errors[0]), errors
+
+
+def held_out_predictions(workbench, whole, nominal, model, correction=None, tried=None):
     """Predictions of held-out rows by simulations fitted without them.
 
     With rows behind those of the workbench (`whole` is longer) these are held out; else contiguous blocks in
-    turn, each predicted by fits to the others. A simulation always runs through the whole recording: only the
-    error of held-out rows is hidden from the fit.
+    turn.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    whole : Recording
+    nominal, model : Model
+    correction : dict, default=None
+        What is learnt beside `model`, from the rows of the workbench.
+    tried : Folded, default=None
+        `model` block by block, if that was done already.
 
     Returns
     -------
@@ -25,71 +108,57 @@ def held_out_predictions(workbench, whole, nominal, model, learnt):
         ``nominal, corrected, black_box`` -> channel -> ndarray; held : ndarray of bool.
     """
     n, used = len(whole), len(workbench.recording)
-    channels = workbench.channels
-    made = {kind: {c: np.full(n, np.nan) for c in channels} for kind in ("nominal", "corrected", "black_box")}
     if n > used:
         held = np.arange(n) >= used
-        for kind, fitted in (("nominal", nominal), ("corrected", model)):
-            for c, signal in _run(workbench, fitted, whole).items():
-                made[kind][c] = signal
-        for c in channels:
-            made["corrected"][c] = made["corrected"][c] + learnt(c)
-            made["black_box"][c] = black_box_prediction(whole, c, ~held)
+        made = {"nominal": _run(workbench, nominal, whole), "corrected": _run(workbench, model, whole)}
+        if correction is not None:
+            chain = workbench.chain(model.members, whole)
+            made["corrected"][correction["channel"]] += learnt_rest(correction, chain, model.values)
+        made["black_box"] = {c: black_box_prediction(whole, c, ~held) for c in workbench.channels}
         return made, held
-    edges = np.linspace(0, n, _FOLDS + 1).astype(int)
-    for low, high in pairwise(edges):
-        rows = np.ones(n, dtype=bool)
-        rows[low:high] = False
-        for kind, fitted in (("nominal", nominal), ("corrected", model)):
-            again = workbench.least_squares(fitted, rows=rows, max_steps=4)
-            for c in channels:
-                made[kind][c][low:high] = again.predictions[c][low:high]
-        for c in channels:
-            made["black_box"][c][low:high] = black_box_prediction(whole, c, rows)[low:high]
-    for c in channels:
-        made["corrected"][c] = made["corrected"][c] + learnt(c)
+    if tried is None:
+        tried = folded(workbench, model)
+    corrected = {c: signal.copy() for c, signal in tried.predictions.items()}
+    if correction is not None:
+        corrected[correction["channel"]] += tried.rest
+    plain = corrected if model is nominal and correction is None else folded(workbench, nominal).predictions
+    made = {"nominal": plain, "corrected": corrected}
+    made["black_box"] = {c: np.full(n, np.nan) for c in workbench.channels}
+    for rows, others in blocks(n):
+        for c in workbench.channels:
+            made["black_box"][c][rows] = black_box_prediction(whole, c, others)[rows]
     return made, np.ones(n, dtype=bool)
 
 
 def holds_out(workbench, nominal, model, least=0.5):
     """Whether a hypothesis predicts blocks it was not fitted to better than the calibrated nominal.
 
-    Contiguous quarters in turn; the sum of their whitened losses must fall to the share `least` of the
-    nominal's excess over noise, in the channels that the hypothesis changes.
+    Contiguous quarters in turn; the sum of their losses must fall to the share `least` of the nominal's
+    excess over what a healthy simulation leaves over, in the channels that the hypothesis changes.
     """
-    n = len(workbench.recording)
-    edges = np.linspace(0, n, _FOLDS + 1).astype(int)
     changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
     before = after = 0.0
-    for low, high in pairwise(edges):
-        rows = np.ones(n, dtype=bool)
-        rows[low:high] = False
-        fits = [workbench.fit(m.members, start=m, rows=rows, max_steps=4) for m in (nominal, model)]
+    for held, others in blocks(len(workbench.recording)):
+        fits = [workbench.fit(m.members, start=m, rows=others, max_steps=4) for m in (nominal, model)]
         for channel in changed:
             losses = [
-                np.nansum((workbench.recording[channel] - f.predictions[channel])[low:high] ** 2)
-                for f in fits
+                np.nansum((workbench.recording[channel] - f.predictions[channel])[held] ** 2) for f in fits
             ]
-            floor = (high - low) * workbench.noise[channel].floor ** 2
-            before += max(losses[0] - floor, 0.0) / floor
-            after += max(losses[1] - floor, 0.0) / floor
+            usual = (held.stop - held.start) * workbench.noise[channel].total ** 2
+            before += max(losses[0] - usual, 0.0) / usual
+            after += max(losses[1] - usual, 0.0) / usual
     return bool(changed) and after < least * before
 
 
 def _run(workbench, model, whole):
-    chain = Chain(
-        whole,
-        workbench.valve,
-        workbench.trim,
-        effects=[m.effect for m in model.members],
-        onsets={m.effect.key: m.onset for m in model.members if m.onset is not None},
-        choking=model.chain.choking,
-    )
-    return {c: getattr(chain, c)(model.values) for c in workbench.channels}
+    return simulate_channels(workbench.chain(model.members, whole), model.values, workbench.channels)
 
 
 def errors(whole, made, held, channel, floor, *, random_state=0):
-    """The ``fit`` entry of a channel for diagnosis.json, in the recording's own units."""
+    """The ``fit`` entry of a channel for diagnosis.json, in the recording's own units.
+
+    The noise floor is no larger than the least error achieved: a floor that was passed was none.
+    """
     unit = whole.unit(channel)
     offset = whole.in_recorded_units(channel, np.zeros(1))[0]
     slope = whole.in_recorded_units(channel, np.ones(1))[0] - offset
@@ -104,6 +173,8 @@ def errors(whole, made, held, channel, floor, *, random_state=0):
                 entry[name][kind] = float(metric(recorded[rows], values[rows]))
             except ValueError:
                 entry[name][kind] = None
+    achieved = [error for error in entry["rmse"].values() if error is not None]
+    entry["noise_floor"] = min([entry["noise_floor"], *achieved])
     before = (recorded[rows] - seen["nominal"][rows]) ** 2
     after = (recorded[rows] - seen["corrected"][rows]) ** 2
     entry["skill"], entry["skill_ci95"] = _skill(before, after, entry["noise_floor"] ** 2, random_state)
@@ -124,5 +195,6 @@ def _skill(before, after, floor, random_state):
         starts = rng.integers(0, len(before), many)
         rows = ((starts[:, None] + np.arange(length)) % len(before)).ravel()[: len(before)]
         drawn.append((before[rows].mean() - after[rows].mean()) / max(before[rows].mean() - floor, 1e-30))
-    low, high = np.quantile(drawn, [0.025, 0.975])
+    # rows drawn by chance may lie below the floor, a skill above one means nothing
+    low, high = np.minimum(np.quantile(drawn, [0.025, 0.975]), 1.0)
     return float((before.mean() - after.mean()) / room), [float(low), float(high)]

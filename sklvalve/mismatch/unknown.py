@@ -7,10 +7,12 @@ from itertools import pairwise
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.simulation.simulation import rest_inputs
 
 _BLOCKS = 8
 _MOST_POINTS = 700
 _MOST_SHIFTS = 100
+_FEWEST_POINTS = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,19 +44,14 @@ class Unknown:
 
 def static_inputs(chain, model_values, channel):
     """Signals that a rest may hang on: name -> values."""
-    found = {}
-    if channel == "flow":
-        found["opening"] = chain.drive(model_values)
-        if chain.has_pressures:
-            found["dp"] = chain.dp / 1e5
-        if chain.pressure_ratio is not None:
-            found["pressure_ratio"] = chain.pressure_ratio
-    else:
-        found["command"] = chain.command
+    names = ["command"] if channel == "opening" else ["opening"]
+    if channel == "flow" and chain.has_pressures:
+        names += ["dp"] + (["pressure_ratio"] if chain.pressure_ratio is not None else [])
     if "temperature" in chain.recording:
-        found["temperature"] = chain.temperature
+        names.append("temperature")
+    columns = rest_inputs(chain, model_values, names).T
     steady = {}
-    for name, values in found.items():
+    for name, values in zip(names, columns, strict=True):
         spread = np.nanstd(values)
         if np.isfinite(spread) and spread > 1e-9:
             steady[name] = values
@@ -100,50 +97,106 @@ def find_unknown(workbench, model, *, alpha, random_state=0):
     return best
 
 
-def _in_channel(workbench, model, channel, alpha, rng):
-    chain = model.chain
-    inputs = static_inputs(chain, model.values, channel)
+def learn_rest(workbench, model, channel, rows=None):
+    """The rest of a channel as an LS-SVM of slow signals, tuned and fitted on some rows and no others.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        Fitted to the same rows.
+    channel : str
+    rows : ndarray of bool, default=None
+        All of them unless given.
+
+    Returns
+    -------
+    correction : dict or None
+        As `learnt_rest` takes it; None where the rows are too few.
+    """
+    slow = _slow(workbench, model, channel, rows)
+    return None if slow is None else _tuned(*slow).correction(channel, workbench.spans[channel])
+
+
+def _slow(workbench, model, channel, rows=None):
+    """Slow part of the rest, share of span, and of what it may hang on; None if there is little of it."""
+    inputs = static_inputs(model.chain, model.values, channel)
     if not inputs:
         return None
     rest = workbench.residuals(model)[channel] / workbench.spans[channel]
     shown = model.predictions[channel] / workbench.spans[channel]
     quiet = np.abs(np.gradient(np.nan_to_num(shown))) < 0.01
     width = max(int(np.ceil(len(rest) / _MOST_POINTS)), 3)
+    if rows is not None:
+        quiet &= rows
     y = _thinned(rest, quiet, width)
     X = np.column_stack([_thinned(v, quiet, width) for v in inputs.values()])
     keep = np.isfinite(y) & np.isfinite(X).all(axis=1)
-    y, X = y[keep], X[keep]
-    if len(y) < 60:
+    return (X[keep], y[keep], tuple(inputs)) if keep.sum() >= _FEWEST_POINTS else None
+
+
+def _in_channel(workbench, model, channel, alpha, rng):
+    slow = _slow(workbench, model, channel)
+    if slow is None:
         return None
-    names = tuple(inputs)
-    centre, scale = X.mean(axis=0), X.std(axis=0) + 1e-12
-    Z = (X - centre) / scale
-    chosen, regressor, skill, predicted = _tuned(Z, y)
-    Z, names, centre, scale = Z[:, chosen], tuple(names[i] for i in chosen), centre[chosen], scale[chosen]
-    size = _acting_rms(predicted)
-    least = workbench.tolerance.opening_effect if channel == "opening" else workbench.tolerance.flow_effect
-    if size < least or skill < 0.1:
+    y, best = slow[1], _tuned(*slow)
+    size = _acting_rms(best.predicted)
+    if size < workbench.least(channel) or best.skill < 0.1:
         return None
     shifts = np.unique(rng.integers(len(y) // 8, len(y) - len(y) // 8, size=_MOST_SHIFTS))
-    chance = [_held_out(regressor, np.roll(Z, s, axis=0), y)[0] for s in shifts]
-    p_value = (1.0 + np.sum(np.asarray(chance) >= skill)) / (1.0 + len(chance))
+    chance = [_held_out(best.regressor, np.roll(best.Z, s, axis=0), y)[0] for s in shifts]
+    p_value = (1.0 + np.sum(np.asarray(chance) >= best.skill)) / (1.0 + len(chance))
     # no number of shifts that is cheap can show less than one in their number
     if p_value > max(alpha, 1.5 / (1.0 + len(chance))):
         return None
-    regressor.fit(Z, y)
-    correction = {
-        "channel": channel,
-        "inputs": names,
-        "centre": centre,
-        "scale": scale,
-        "support": Z,
-        "coefficients": np.asarray(regressor.dual_coef_, dtype=float),
-        "intercept": float(regressor.intercept_),
-        "gamma": float(regressor.gamma),
-        "span": float(workbench.spans[channel]),
-    }
-    matter = _inputs_that_matter(regressor, Z, y, names, skill)
-    return Unknown(channel, matter, size, float(skill), float(p_value), correction)
+    matter = _inputs_that_matter(best.regressor, best.Z, y, best.names, best.skill)
+    correction = best.correction(channel, workbench.spans[channel])
+    return Unknown(channel, matter, size, float(best.skill), float(p_value), correction)
+
+
+@dataclass(frozen=True, eq=False)
+class _Tuned:
+    """An LS-SVM of chosen inputs, scaled, and how it predicts blocks that it was not fitted to."""
+
+    names: tuple
+    centre: np.ndarray
+    scale: np.ndarray
+    Z: np.ndarray
+    y: np.ndarray
+    regressor: LSSVMRegressor
+    skill: float
+    predicted: np.ndarray
+
+    def correction(self, channel, span):
+        """Fitted to every row, as plain data."""
+        self.regressor.fit(self.Z, self.y)
+        return {
+            "channel": channel,
+            "inputs": self.names,
+            "centre": self.centre,
+            "scale": self.scale,
+            "support": self.Z,
+            "coefficients": np.asarray(self.regressor.dual_coef_, dtype=float),
+            "intercept": float(self.regressor.intercept_),
+            "gamma": float(self.regressor.gamma),
+            "span": float(span),
+        }
+
+
+def _tuned(X, y, names):
+    """Inputs and LS-SVM that predict held-out blocks best: each input alone, finely, or all, smoothly."""
+    centre, scale = X.mean(axis=0), X.std(axis=0) + 1e-12
+    Z, d = (X - centre) / scale, X.shape[1]
+    trials = [([i], gamma) for i in range(d) for gamma in (1.0, 8.0)]
+    trials += [(list(range(d)), gamma) for gamma in (0.1, 0.5, 2.0) if d > 1]
+    best = None
+    for chosen, gamma in trials:
+        regressor = LSSVMRegressor(gamma=gamma, C=10.0)
+        skill, predicted = _held_out(regressor, Z[:, chosen], y)
+        if best is None or skill > best.skill:
+            kept = tuple(names[i] for i in chosen)
+            best = _Tuned(kept, centre[chosen], scale[chosen], Z[:, chosen], y, regressor, skill, predicted)
+    return best
 
 
 def _acting_rms(predicted):
@@ -161,20 +214,6 @@ def _held_out(regressor, Z, y):
         regressor.fit(Z[train], y[train])
         predicted[low:high] = regressor.predict(Z[low:high])
     return 1.0 - np.sum((y - predicted) ** 2) / np.sum((y - y.mean()) ** 2), predicted
-
-
-def _tuned(Z, y):
-    """Inputs and LS-SVM that predict held-out blocks best: each input alone, finely, or all, smoothly."""
-    d = Z.shape[1]
-    trials = [([i], gamma) for i in range(d) for gamma in (1.0, 8.0)]
-    trials += [(list(range(d)), gamma) for gamma in (0.1, 0.5, 2.0) if d > 1]
-    best = None
-    for chosen, gamma in trials:
-        regressor = LSSVMRegressor(gamma=gamma, C=10.0)
-        skill, predicted = _held_out(regressor, Z[:, chosen], y)
-        if best is None or skill > best[2]:
-            best = chosen, regressor, skill, predicted
-    return best
 
 
 def _inputs_that_matter(regressor, Z, y, names, skill):

@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from sklvalve.mismatch.explain import DISTINGUISHABLE, own_values
+from sklvalve.mismatch.explain import DISTINGUISHABLE
+from sklvalve.mismatch.hypothesis import own_values
 
 # a class is named from this probability on
 NAMED_FROM = 0.8

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fits of hypotheses to one recording: a hypothesis is a set of effects, each from its onset on."""
 
-from dataclasses import dataclass
-
 import numpy as np
-from scipy.stats import qmc
 
+from sklvalve.mismatch.first_guess import first_guess
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.noise import fit_noise
 from sklvalve.simulation.calibration import (
-    apparent_kv,
     channels_of,
     choose_trim,
     flow_parameters,
@@ -17,63 +15,12 @@ from sklvalve.simulation.calibration import (
 )
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.fitting import PlainNoise, fit_chain, residual_of, simulate_channels
-from sklvalve.simulation.parameters import ParameterVector
 
 # a healthy simulation is wrong by about this share of what counts as an effect
 _INADEQUACY = 0.2
 # and no sensor's noise is larger than this many times what counts
 _LARGEST = 2.0
 _OPENING_STAGES = ("signal", "actuator", "stem")
-
-
-@dataclass(frozen=True, eq=False)
-class Member:
-    """An effect in a hypothesis.
-
-    Parameters
-    ----------
-    effect : Effect
-    onset : float or None
-        Absolute time from which on it acts [s]; None from before the recording.
-    """
-
-    effect: object
-    onset: float | None = None
-
-    @property
-    def sign(self):
-        """What tells this member from others."""
-        return (self.effect.key, self.onset)
-
-
-@dataclass(frozen=True, eq=False)
-class Model:
-    """A hypothesis fitted jointly with the calibration.
-
-    Attributes
-    ----------
-    members : tuple of Member
-    chain : Chain
-    values : dict
-        Every parameter's value.
-    predictions : dict
-        Channel -> simulated signal.
-    log_likelihood : float
-    spreads : dict
-        Parameter name -> standard deviation, of the logarithm where the parameter moves by that.
-    """
-
-    members: tuple
-    chain: Chain
-    values: dict
-    predictions: dict
-    log_likelihood: float
-    spreads: dict
-
-    @property
-    def keys(self):
-        """Keys of its effects."""
-        return tuple(m.effect.key for m in self.members)
 
 
 class Workbench:
@@ -84,14 +31,22 @@ class Workbench:
     recording : Recording
     tolerance : Tolerance
     physics : tuple of str
-        Effects that the simulation holds already.
+        Effects that the data sheet's simulation holds already.
     rows : ndarray of bool or None
         Rows that may be used.
+    valve : Valve, default=None
+        Data sheet; that of the recording unless given.
+    held : sequence of Member, default=()
+        Effects that are part of every hypothesis, calibrated with it and never judged.
+    held_values : dict, default=None
+        Values of their parameters to begin with.
     """
 
-    def __init__(self, recording, tolerance, physics, rows=None):
-        self.recording, self.valve, self.tolerance = recording, recording.valve, tolerance
+    def __init__(self, recording, tolerance, physics, rows=None, *, valve=None, held=(), held_values=None):
+        self.recording, self.tolerance = recording, tolerance
+        self.valve = recording.valve if valve is None else valve
         self.rows = rows
+        self.held, self.held_values = tuple(held), dict(held_values or {})
         self.channels = channels_of(recording)
         self.trim = choose_trim(recording, self.valve, tolerance)
         self.choking = "choked_flow" in physics
@@ -102,16 +57,23 @@ class Workbench:
         self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
         self._known = {}
 
-    def chain(self, members):
-        """Chain with the effects of a hypothesis."""
+    def chain(self, members, recording=None):
+        """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
+        recording = self.recording if recording is None else recording
+        effects, onsets = self.physics_of(members)
         return Chain(
-            self.recording,
+            recording,
             self.valve,
             self.trim,
-            effects=[m.effect for m in members],
-            onsets={m.effect.key: m.onset for m in members if m.onset is not None},
-            choking=self.choking and "p1" in self.recording and "p2" in self.recording,
+            effects=effects,
+            onsets=onsets,
+            choking=self.choking and "p1" in recording and "p2" in recording,
         )
+
+    def physics_of(self, members):
+        """Effects of a hypothesis, those held included, and the onsets of those that have one."""
+        every = (*self.held, *members)
+        return [m.effect for m in every], {m.effect.key: m.onset for m in every if m.onset is not None}
 
     def channels_touched(self, effect):
         """Channels whose simulation an effect changes."""
@@ -124,7 +86,8 @@ class Workbench:
         return tuple(c for c in self.channels if c == "flow")
 
     def _groups(self, members):
-        joined = self.coupled or any(m.effect.stage == "position_sensor" for m in members)
+        stages = {m.effect.stage for m in (*self.held, *members)}
+        joined = self.coupled or "position_sensor" in stages
         return (self.channels,) if joined else tuple((c,) for c in self.channels)
 
     def calibration(self, channels):
@@ -135,6 +98,9 @@ class Workbench:
         if "flow" in channels:
             choking = self.plain.choking and self.plain.margin is not None
             found += flow_parameters(self.recording, self.valve, self.tolerance, self.trim, choking=choking)
+        for member in self.held:
+            if set(self.channels_touched(member.effect)) & set(channels):
+                found += [q.parameter_of(member.effect.key) for q in member.effect.quantities(self.plain)]
         return found
 
     def fit(self, members, *, start=None, attempt=0, hold=None, rows=None, max_steps=20):
@@ -211,22 +177,27 @@ class Workbench:
         """Recorded less simulated, by channel."""
         return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
 
+    def use_noise(self, noise):
+        """Judge by this noise from now on; fits made under another one are forgotten."""
+        self.noise = noise
+        self._known.clear()
+
     def learn_noise(self, model, *, cautious=False):
         """Fit the noise of every channel to what a model leaves over; `cautious` as in `fit_noise`."""
         left = self.residuals(model)
-        self.noise = {
+        noise = {
             c: fit_noise(
                 left[c],
                 model.predictions[c],
                 model.chain.step,
                 quantum=self.recording.resolution(c),
-                inadequacy=_INADEQUACY * self._least(c) * self.spans[c],
-                largest=_LARGEST * self._least(c) * self.spans[c],
+                inadequacy=_INADEQUACY * self.least(c) * self.spans[c],
+                largest=_LARGEST * self.least(c) * self.spans[c],
                 cautious=cautious,
             )
             for c in self.channels
         }
-        self._known.clear()
+        self.use_noise(noise)
 
     def least_squares(self, model, *, rows=None, max_steps=15):
         """A hypothesis fitted for the least error itself, each row weighing the same.
@@ -247,51 +218,12 @@ class Workbench:
 
     def calibrated(self):
         """The simulation without any further effect, calibrated, and the noise learnt from it."""
-        guess = self._first_guess()
+        guess = first_guess(self)
         model = self.fit((), start=guess, hold="actuator_" if guess.values and not self.coupled else None)
         for _ in range(2):
             self.learn_noise(model, cautious=True)
             model = self.fit((), start=model)
         return model
-
-    def _first_guess(self):
-        """Values to begin with: the actuator's landscape has side valleys, so several are tried."""
-        first = {}
-        if "flow" in self.channels and not self.trim.known:
-            opening = self.recording.get("opening")
-            opening = self.recording["command"] if opening is None else opening
-            first = self.trim.first_values(opening, apparent_kv(self.recording))
-        if "command" not in self.recording or self.coupled:
-            return Model((), self.plain, first, {}, np.nan, {})
-        parameters = opening_parameters(self.recording, self.valve, self.tolerance)
-        vector = ParameterVector(parameters)
-        low, high = vector.low, vector.high
-        draws = low + (high - low) * qmc.Sobol(len(vector), seed=0).random(64)
-        losses = [self._opening_loss(vector.values(z)) for z in draws]
-        # coarse enough that a wrong stroke costs more than a small error that lasts
-        coarse = {"opening": PlainNoise(0.02)}
-        best, least = {}, np.inf
-        # whether there is a scan between command and stem decides which valley is the right one
-        scans = [
-            vector.pack({"actuator_delay": share * self.recording.sample_time}) for share in (0.02, 0.5, 1.0)
-        ]
-        for z in (*scans, draws[int(np.argmin(losses))]):
-            fit = fit_chain(
-                self.plain,
-                parameters,
-                ("opening",),
-                coarse,
-                start=vector.values(z),
-                rows=self.rows,
-                max_steps=8,
-            )
-            if -fit.log_likelihood < least:
-                best, least = fit.values, -fit.log_likelihood
-        return Model((), self.plain, first | best, {}, np.nan, {})
-
-    def _opening_loss(self, values):
-        gap = np.abs(self.recording["opening"] - self.plain.opening(values))
-        return float(np.nanmean(np.minimum(gap, 0.1)))
 
     def change(self, model, other):
         """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.
@@ -314,7 +246,8 @@ class Workbench:
 
     def counts(self, sizes):
         """Whether a change is one that matters in practice."""
-        return any(size >= self._least(channel) for channel, size in sizes.items())
+        return any(size >= self.least(channel) for channel, size in sizes.items())
 
-    def _least(self, channel):
+    def least(self, channel):
+        """Size from which on a change of a channel counts, share of span [1]."""
         return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect

@@ -2,11 +2,13 @@
 """One valve, simulated: the chain with its parameters, calibrated on a recording."""
 
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
+from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation.calibration import (
     channels_of,
@@ -83,14 +85,14 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         InputError
             If the recording lacks what a simulation is judged by.
         """
-        recording = self._recording(X, y)
+        recording = as_recording(X, y, self.valve)
         tolerance = self.tolerance or Tolerance()
         channels = channels_of(recording)
         self.valve_ = self.valve or recording.valve
         self.trim_ = choose_trim(recording, self.valve_, tolerance)
         self.choking_ = "choked_flow" in self.valve_.physics
         self.correction_ = None
-        chain = self._chain(recording)
+        chain = self.chain_of(recording)
         parameters = []
         if "command" in recording:
             parameters += opening_parameters(recording, self.valve_, tolerance)
@@ -155,8 +157,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             or, without one, from the command; ``flow_from_command``, free run through the whole chain.
         """
         check_is_fitted(self, "values_")
-        recording = self._recording(X)
-        chain, made = self._chain(recording), {}
+        recording = as_recording(X, valve=self.valve)
+        chain, made = self.chain_of(recording), {}
         drives = "actuator_filter" in self.values_
         if "command" in recording and drives:
             made["opening"] = chain.opening(self.values_)
@@ -165,11 +167,11 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         if "meter_lag" not in self.values_:
             return made
         if "opening" in recording or (drives and "command" in recording):
-            made["flow"] = chain.flow(self.values_) + self._learnt(chain, "flow")
+            made["flow"] = chain.flow(self.values_) + self.learnt(chain, "flow")
         if "opening" in made:
             stem = chain.drive_of_free_run(self.values_)
-            made["flow_from_command"] = chain.flow(self.values_, stem) + self._learnt(chain, "flow", stem)
-            made["opening"] = made["opening"] + self._learnt(chain, "opening")
+            made["flow_from_command"] = chain.flow(self.values_, stem) + self.learnt(chain, "flow", stem)
+            made["opening"] = made["opening"] + self.learnt(chain, "opening")
         return made
 
     def predict(self, X):
@@ -189,17 +191,15 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.where(np.abs(flow) > 1e-12, np.asarray(y, dtype=float) / flow, np.nan)
 
-    def _learnt(self, chain, channel, stem=None):
+    def learnt(self, chain, channel, stem=None):
+        """What data add to a simulated channel, for a chain of `chain_of` and the opening `stem` [1]."""
         part = self.correction_
         if part is None or part["channel"] != channel:
             return 0.0
-        inputs = {"command": chain.command, "temperature": chain.temperature, "dp": chain.dp / 1e5}
-        inputs["pressure_ratio"] = chain.pressure_ratio
-        if "opening" in part["inputs"]:
-            inputs["opening"] = chain.drive(self.values_) if stem is None else stem
-        return correct(part, inputs)
+        return learnt_rest(part, chain, self.values_, stem)
 
-    def _chain(self, recording):
+    def chain_of(self, recording):
+        """Stages of the simulation bound to the signals of a recording."""
         return Chain(
             recording,
             self.valve_,
@@ -209,73 +209,82 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             choking=self.choking_ and "p1" in recording and "p2" in recording,
         )
 
-    def _recording(self, X, y=None):
-        if isinstance(X, Recording):
-            return X
-        columns = (
-            {str(c): np.asarray(X[c]) for c in X}
-            if hasattr(X, "__getitem__") and hasattr(X, "keys")
-            else None
+
+def as_recording(X, y=None, valve=None):
+    """Recording from a recording, or from a data frame of roles in SI with `y` as flow and a valve's sheet.
+
+    Raises
+    ------
+    InputError
+        If the signals have no names.
+    """
+    if isinstance(X, Recording):
+        return X
+    columns = (
+        {str(c): np.asarray(X[c]) for c in X} if hasattr(X, "__getitem__") and hasattr(X, "keys") else None
+    )
+    if columns is None:
+        raise InputError(
+            f"a valve simulation needs signals by name; got {type(X).__name__}: give a Recording, or a "
+            "data frame whose columns are roles such as command, opening, p1, p2, flow"
         )
-        if columns is None:
-            raise InputError(
-                f"a valve simulation needs signals by name; got {type(X).__name__}: give a Recording, or a "
-                "data frame whose columns are roles such as command, opening, p1, p2, flow"
-            )
-        if y is not None and "flow" not in columns:
-            columns["flow"] = np.asarray(y, dtype=float)
-        n = len(next(iter(columns.values())))
-        if "time" not in columns:
-            index = None
-            with suppress(TypeError, ValueError):
-                index = np.asarray(X.index, dtype=float) if getattr(X.index, "name", None) == "time" else None
-            columns["time"] = np.arange(n, dtype=float) if index is None else index
-        valve = self.valve or Valve()
-        bare = Recording.from_frame(columns, None)
-        return type(bare)(
-            bare.time,
-            bare.stamps,
-            bare.signals,
-            _without_layout(valve),
-            bare.constants,
-            bare.mass_flow,
-            bare.source,
-            bare.sha256,
-        )
+    if y is not None and "flow" not in columns:
+        columns["flow"] = np.asarray(y, dtype=float)
+    n = len(next(iter(columns.values())))
+    if "time" not in columns:
+        index = None
+        with suppress(TypeError, ValueError):
+            index = np.asarray(X.index, dtype=float) if getattr(X.index, "name", None) == "time" else None
+        columns["time"] = np.arange(n, dtype=float) if index is None else index
+    # the signals are in SI already, so the sheet's own columns and units do not count
+    bare = Recording.from_frame(columns, None)
+    return replace(bare, valve=replace(valve or Valve(), roles={}, time="time"))
 
 
-def _without_layout(valve):
-    """The sheet of a valve without its recording's columns: the signals are in SI already."""
-    sheet = valve.to_dict()
-    sheet.pop("recording", None)
-    return Valve.from_dict(sheet)
+def rest_inputs(chain, values, names, stem=None):
+    """Signals on which a learnt rest hangs, one column for each name (opening, command, dp [bar], ...)."""
+    columns = {"command": chain.command, "temperature": chain.temperature, "dp": chain.dp / 1e5}
+    columns["pressure_ratio"] = chain.pressure_ratio
+    if "opening" in names:
+        columns["opening"] = chain.drive(values) if stem is None else stem
+    return np.column_stack([columns[name] for name in names])
 
 
-def correct(correction, inputs):
-    """Rest that a stored LS-SVM predicts, in the signal's unit; zero where an input is a gap.
+def learnt_rest(correction, chain, values, stem=None):
+    """Rest that a stored LS-SVM predicts for the signals of a chain; zero where one of them is a gap.
 
     Parameters
     ----------
     correction : dict
-        Centre, scale, support points, coefficients, intercept, gamma and span; names of the inputs.
-    inputs : dict
-        Input name -> ndarray of shape (n,).
+        Plain data: names of the inputs, their centre and scale; support, coefficients, intercept and gamma
+        of the LS-SVM; span, the unit of what it predicts.
+    chain : Chain
+    values : dict
+        Values of the simulation's parameters.
+    stem : ndarray of shape (n,), default=None
+        Opening that drives the flow [1]; that of the chain unless given.
 
     Returns
     -------
     rest : ndarray of shape (n,)
         To be added to the simulated signal.
     """
-    X = np.column_stack([inputs[name] for name in correction["inputs"]])
-    Z = (X - correction["centre"]) / correction["scale"]
-    # beyond what it was trained on it must not guess: the nearest edge holds
+    X = rest_inputs(chain, values, correction["inputs"], stem)
     support = correction["support"]
-    Z = np.clip(Z, support.min(axis=0), support.max(axis=0))
+    # beyond what it was trained on it must not guess: the nearest edge holds
+    Z = np.clip((X - correction["centre"]) / correction["scale"], support.min(axis=0), support.max(axis=0))
     known = np.isfinite(Z).all(axis=1)
-    out = np.zeros(len(Z))
-    for start in range(0, len(Z), 4096):
-        rows = np.flatnonzero(known[start : start + 4096]) + start
-        distance = ((Z[rows, None, :] - support[None]) ** 2).sum(axis=2)
-        kernel = np.exp(-correction["gamma"] * distance)
-        out[rows] = kernel @ correction["coefficients"] + correction["intercept"]
-    return out * correction["span"]
+    rest = np.zeros(len(Z))
+    if known.any():
+        rest[known] = _lssvm_of(correction).predict(Z[known])
+    return rest * correction["span"]
+
+
+def _lssvm_of(correction):
+    """The fitted estimator whose numbers a model file holds: plain data in, nothing executed."""
+    regressor = LSSVMRegressor(gamma=float(correction["gamma"]))
+    regressor.X_fit_ = np.asarray(correction["support"], dtype=float)
+    regressor.dual_coef_ = np.asarray(correction["coefficients"], dtype=float)
+    regressor.intercept_ = float(correction["intercept"])
+    regressor.n_features_in_ = regressor.X_fit_.shape[1]
+    return regressor

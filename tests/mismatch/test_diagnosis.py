@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The result as dict, table and page: a copy, plain, and escaped."""
 
+import copy
+import pickle
+
 import pytest
 
 from sklvalve.mismatch import Diagnosis
@@ -48,3 +51,18 @@ def test_frame_has_a_row_for_each_explanation(diagnosis):
 def test_diagnosis_cannot_be_reassigned(diagnosis):
     with pytest.raises(AttributeError):
         diagnosis.content = {}
+
+
+def test_what_was_found_cannot_be_changed():
+    given = {"verdict": "named", "effects": [{"members": [{"name": "clogging"}]}]}
+    diagnosis = Diagnosis(given)
+    diagnosis.content["verdict"] = "no_mismatch"
+    diagnosis.content["effects"][0]["members"].clear()
+    given["verdict"] = "cannot_tell"
+    assert diagnosis.verdict == "named"
+    assert diagnosis.effects == (("clogging",),)
+
+
+def test_copies_and_pickles_as_it_is(diagnosis):
+    for back in (copy.deepcopy(diagnosis), pickle.loads(pickle.dumps(diagnosis))):
+        assert back.content == diagnosis.content

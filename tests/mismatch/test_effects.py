@@ -7,8 +7,11 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.workbench import Member, Workbench
+from sklvalve.mismatch.effects.backlash import play_with_overshoot
+from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.workbench import Workbench
 from sklvalve.simulation import Tolerance
+from sklvalve.simulation.stages import play
 
 DESIGNED = {
     "actuator": "stiction friction backlash presliding positioner_deadband spring_fault supply_pressure_drop "
@@ -23,7 +26,7 @@ DESIGNED = {
 }
 # parameters at which an effect is none
 NOTHING = {
-    "backlash": {"width": 0.0},
+    "backlash": {"width": 0.0, "overshoot": 0.1},
     "backlash_linkage": {"width": 0.0},
     "stiction": {"static_friction": 0.0, "sliding_share": 0.5},
     "positioner_deadband": {"half_width": 0.0},
@@ -136,3 +139,23 @@ def test_nothing_is_within_tolerance_where_there_is_one(effect, plain):
         assert not effect.beyond_tolerance(NOTHING[effect.key], plain.chain, tolerance, False)
         most = {q.name: q.high for q in effect.quantities(plain.chain)}
         assert effect.beyond_tolerance(most, plain.chain, tolerance, False)
+
+
+def test_play_without_overshoot_is_play():
+    stem = np.cumsum(0.02 * np.random.default_rng(0).standard_normal(500)) + 0.5
+    stem[100:110] = np.nan
+    np.testing.assert_array_equal(play_with_overshoot(stem, np.ones(500), 0.05, 0.0), play(stem, 0.05))
+
+
+def test_plug_stays_where_the_unseen_peak_of_a_stroke_took_it():
+    # a stroke of 0.4 swings 0.02 beyond between two samples, and is back when it is seen
+    stem = np.r_[np.full(20, 0.3), np.full(40, 0.7), np.full(40, 0.69)]
+    plug = play_with_overshoot(stem, np.ones(100), 0.04, 0.05)
+    np.testing.assert_allclose(plug[20:], 0.7, atol=1e-12)
+    assert np.all(np.abs(plug - stem) <= 0.02 + 1e-12)
+    np.testing.assert_allclose(play(stem, 0.04)[20:], 0.68, atol=1e-12)
+    # what moves slowly does not swing
+    ramp = np.linspace(0.2, 0.4, 400)
+    np.testing.assert_allclose(
+        play_with_overshoot(ramp, np.ones(400), 0.04, 0.05)[100:], ramp[100:] - 0.02, atol=1e-4
+    )

@@ -80,8 +80,9 @@ def test_the_true_filter_whitens(seed, white, fast, fast_time, slow, slow_time):
     assert np.std(out) == pytest.approx(1.0, abs=5.0 / np.sqrt(2.0 * ROWS))
     for lag in (1, 3, 10):
         assert abs(_autocorrelation(out, lag)) < 5.0 / np.sqrt(ROWS)
-    assert noise.floor == pytest.approx(np.sqrt(white**2 + fast**2 + slow**2), rel=1e-12)
-    assert noise.scale == pytest.approx(noise.floor, rel=1e-12)
+    assert noise.total == pytest.approx(np.sqrt(white**2 + fast**2 + slow**2), rel=1e-12)
+    # wander is nothing that no simulation could follow
+    assert noise.floor == pytest.approx(np.sqrt(white**2 + fast**2), rel=1e-12)
 
 
 def test_correlated_parts_are_no_larger_than_allowed():
@@ -97,13 +98,32 @@ def test_cautious_noise_does_not_take_up_a_step():
     simulated, step = np.full(ROWS, 10.0), np.ones(ROWS)
     free = fit_noise(residuals, simulated, step)
     held = fit_noise(residuals, simulated, step, cautious=True)
-    assert held.floor < 0.3
+    assert held.total < 0.3
     assert np.sum(held.whiten(residuals) ** 2) > np.sum(free.whiten(residuals) ** 2)
 
 
 def test_resolution_and_inadequacy_are_floors():
     flat = fit_noise(np.zeros(ROWS), np.full(ROWS, 5.0), np.ones(ROWS), quantum=0.6, inadequacy=0.1)
-    assert flat.floor >= np.sqrt(0.6**2 / 12.0 + 0.1**2)
+    assert flat.total >= np.sqrt(0.6**2 / 12.0 + 0.1**2)
+    # the resolution is the sensor's, the inadequacy the simulation's
+    assert 0.6 / np.sqrt(12.0) <= flat.floor < 0.6 / np.sqrt(12.0) + 0.01
+
+
+def test_floor_is_the_sensors_and_not_the_simulations():
+    residuals = 0.1 * np.random.default_rng(8).standard_normal(ROWS)
+    noise = fit_noise(residuals, np.full(ROWS, 5.0), np.ones(ROWS), inadequacy=0.5)
+    assert noise.total >= 0.5
+    # an error of the simulation that is allowed for is not out of any simulation's reach
+    assert noise.floor < 0.15
+    late = NoiseModel(np.full(ROWS, 4.0), np.ones(ROWS), 4.0, 0.09, 200.0, 1.0, sensor=0.16)
+    assert (late.floor, late.total) == pytest.approx((0.5, np.sqrt(5.09)), rel=1e-12)
+
+
+def test_spreads_of_gaps_do_not_count():
+    white = np.full(ROWS, 4.0)
+    white[::10] = np.inf
+    noise = NoiseModel(white, np.ones(ROWS), 4.0, 0.0, 200.0, 0.0)
+    assert noise.log_spread == pytest.approx(0.9 * ROWS * np.log(2.0), rel=1e-12)
 
 
 def test_movement_is_forgotten_at_its_pace():

@@ -13,11 +13,11 @@ from sklvalve.mismatch.detect import mismatch_p_value
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.explain import DISTINGUISHABLE
 from sklvalve.mismatch.gate import effects_switched_off
+from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.locate import regions
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.verdict import class_of, verdict_of
-from sklvalve.mismatch.workbench import Member
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.fitting import PlainNoise
 
@@ -32,8 +32,7 @@ def _finding(*rivals, gain=100.0, sizes=None):
 
 
 def _p(findings=(), tried=None, unknown=None, candidates=20):
-    explanation = SimpleNamespace(findings=list(findings), tried=tried or {})
-    return mismatch_p_value(explanation, unknown, BENCH, candidates)
+    return mismatch_p_value(list(findings), tried or {}, unknown, BENCH, candidates)
 
 
 LEAK = ("seat_leakage", -10.0, 0.6)
@@ -160,16 +159,20 @@ def test_what_acts_everywhere_or_nowhere_has_no_region():
 def test_onset_is_where_the_losses_change_sides(row):
     rng = np.random.default_rng(row)
     noise = rng.standard_normal(1200)
+    # the other channel was fitted better without, up to a row of its own: no matter of this effect
+    other = {"without": np.where(np.arange(1200) < 1100, 0.0, 9.0), "acting": np.full(1200, 5.0)}
     late = np.arange(1200) >= row
     left = {"without": noise + 2.0 * late, "acting": noise - 2.0 * ~late}
     bench = SimpleNamespace(
         recording=range(1200),
-        noise={"flow": PlainNoise(1.0)},
-        residuals=lambda model: {"flow": left[model.kind]},
+        noise={"flow": PlainNoise(1.0), "opening": PlainNoise(1.0)},
+        residuals=lambda model: {"flow": left[model.kind], "opening": other[model.kind]},
+        channels_touched=lambda effect: ("flow",),
         rows=None,
     )
     chain = SimpleNamespace(clock=5000.0 + np.arange(1200.0))
-    without, acting = (SimpleNamespace(kind=kind, chain=chain) for kind in left)
+    members = (Member(EFFECTS["clogging"]),)
+    without, acting = (SimpleNamespace(kind=kind, chain=chain, members=members) for kind in left)
     assert best_onset(bench, without, acting) == pytest.approx(5000.0 + row, abs=5.0)
 
 

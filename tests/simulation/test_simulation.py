@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The simulation as an estimator: calibrated within its tolerance, kept, copied, and a hybrid's mechanism."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from sklearn.base import clone
 from sklearn.exceptions import NotFittedError
 
 from sklvalve.datasets import make_valve_recording
+from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.calibration import flow_parameters, opening_parameters
-from sklvalve.simulation.simulation import correct
+from sklvalve.simulation.simulation import learnt_rest
 
 EFFECTS = {effect.key: effect for effect in CATALOGUE}
 
@@ -104,6 +107,27 @@ def test_a_bare_array_is_refused():
         ValveSimulation().fit(np.zeros((200, 3)))
 
 
+def _signals(dp):
+    """What a chain hands to a correction that hangs on the pressure drop [bar]."""
+    return SimpleNamespace(command=None, temperature=None, dp=dp * 1e5, pressure_ratio=None)
+
+
+def test_correction_is_the_estimator_whose_numbers_it_keeps():
+    x = np.random.default_rng(0).uniform(-1.0, 1.0, 40)
+    fitted = LSSVMRegressor(gamma=1.5, C=10.0).fit(x[:, None], np.sin(3.0 * x))
+    part = {
+        "inputs": ("dp",),
+        "centre": np.zeros(1),
+        "scale": np.ones(1),
+        "support": fitted.X_fit_,
+        "coefficients": fitted.dual_coef_,
+        "intercept": fitted.intercept_,
+        "gamma": fitted.gamma,
+        "span": 1.0,
+    }
+    np.testing.assert_allclose(learnt_rest(part, _signals(x), {}), fitted.predict(x[:, None]), rtol=1e-12)
+
+
 def test_correction_never_guesses_beyond_what_it_saw():
     support = np.linspace(-1.0, 1.0, 5)[:, None]
     part = {
@@ -117,7 +141,7 @@ def test_correction_never_guesses_beyond_what_it_saw():
         "span": 3.0,
     }
     at = np.array([1.5, 2.0, 2.5, -7.0, 9.0, np.nan])
-    rest = correct(part, {"dp": at})
+    rest = learnt_rest(part, _signals(at), {})
     z = (at[:3] - 2.0) / 0.5
     kernel = np.exp(-0.8 * (z[:, None] - support.T) ** 2)
     np.testing.assert_allclose(rest[:3], 3.0 * (kernel @ part["coefficients"] + 0.1), rtol=1e-12)

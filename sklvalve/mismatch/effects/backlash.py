@@ -1,8 +1,56 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Play, between the stem's sensor and the plug or in the linkage before the sensor."""
 
+from math import exp
+
+import numba as nb
+import numpy as np
+
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.stages import play
+
+# a positioner's swing after a stroke is over in about this time [s]
+_SWING = 1.0
+
+
+@nb.njit(cache=True)
+def play_with_overshoot(inside, step, width, overshoot):
+    """Play whose driving part swings beyond its samples after a stroke.
+
+    Parameters
+    ----------
+    inside, step : ndarray of shape (n,)
+        Recorded movement of the driving part [1], and time since the sample before [s].
+    width : float
+        Whole gap [1].
+    overshoot : float
+        How far the driving part goes beyond where it is next seen, share of the movement just made [1].
+
+    Returns
+    -------
+    outside : ndarray of shape (n,)
+        Movement of the driven part, in the middle of its gap at the beginning [1].
+    """
+    half = 0.5 * width
+    out = np.empty_like(inside)
+    y = np.nan
+    before = 0.0
+    moved = 0.0
+    for k in range(len(inside)):
+        v = inside[k]
+        if v != v:
+            out[k] = np.nan
+            continue
+        if y != y:
+            y = v
+            before = v
+        moved = moved * exp(-step[k] / _SWING) + v - before
+        before = v
+        peak = v + overshoot * moved
+        y = min(max(y, peak - half), peak + half)
+        y = min(max(y, v - half), v + half)
+        out[k] = y
+    return out
 
 
 class Backlash(Effect):
@@ -11,12 +59,17 @@ class Backlash(Effect):
     .. math:: x_{plug}(t) = \min(\max(x_{plug}(t^-), x - w/2), x + w/2)
 
     It shows in the flow only, as a constant shift of opening by direction of travel; without jumps, and
-    whatever the rate.
+    whatever the rate. After a stroke the stem swings beyond where the next sample sees it, and the plug stays
+    where the peak took it, until the stem comes back by the whole gap: hence the overshoot, a share of the
+    stroke. Without it a recording with large strokes shows play that changes, or too little of it.
     """
 
     name = key = "backlash"
     block, stage = "valve", "plug"
-    parameters = (Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),)
+    parameters: tuple = (
+        Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),
+        Quantity("overshoot", "1", 0.0, 0.3, (0.03,)),
+    )
     needs: tuple = ("flow",)
     family = "play"
     phrase = "there is play between stem and plug of {width:.1%} of travel"
@@ -26,7 +79,7 @@ class Backlash(Effect):
     damadics = "f4"
 
     def apply(self, value, p, chain):
-        return play(value, p["width"])
+        return play_with_overshoot(value, chain.step, p["width"], p["overshoot"])
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return p["width"] > tolerance.static_error
@@ -37,8 +90,12 @@ class LinkageBacklash(Backlash):
 
     key = "backlash_linkage"
     block, stage = "actuator", "stem"
+    parameters = (Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),)
     needs = ("command", "opening")
     phrase = "there is play of {width:.1%} of travel between actuator and stem"
+
+    def apply(self, value, p, chain):
+        return play(value, p["width"])
 
     def possible(self, chain):
         return chain.measured is not None

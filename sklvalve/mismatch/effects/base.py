@@ -59,8 +59,6 @@ class Effect:
         Effects of one family have the same equation: a hypothesis holds one of them at most.
     may_begin : bool
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
-    rugged : bool
-        Whether its likelihood has many side valleys, so that a fit needs a search before it.
     damadics : str
         Fault of the benchmark with the same physics, or ``""``.
     """
@@ -68,7 +66,6 @@ class Effect:
     name = key = block = stage = phrase = separated_by = damadics = ""
     family = ""
     may_begin = True
-    rugged = False
     needs: tuple = ()
     parameters: tuple = ()
 

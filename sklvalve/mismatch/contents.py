@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a diagnosis says, laid out as diagnosis.json has it, and the traces that pictures are drawn from."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+import sklvalve
+from sklvalve.mismatch.locate import acting_rows, regions
+from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.verdict import class_of, effect_entry
+from sklvalve.simulation.simulation import learnt_rest
+
+
+@dataclass(frozen=True, eq=False)
+class Judgement:
+    """What was made of a recording.
+
+    Attributes
+    ----------
+    verdict : str
+    p_value : float
+    findings : list of Finding
+    unknown : Unknown or None
+    nominal, model : Model
+        The simulation calibrated without and with the findings.
+    tried : Folded or None
+        `model` with the learnt rest, block by block, where there is a rest.
+    kept : bool
+        Whether the learnt rest lowers the error of rows it was not learnt from, so that it is added.
+    errors : tuple of float or None
+        Rms of the unknown's channel on such rows, without and with the learnt rest [SI].
+    """
+
+    verdict: str
+    p_value: float
+    findings: list
+    unknown: object
+    nominal: object
+    model: object
+    tried: object = None
+    kept: bool = False
+    errors: tuple | None = None
+
+    @property
+    def found(self):
+        """Whether anything is missing."""
+        return self.verdict != "no_mismatch"
+
+    @property
+    def correction(self):
+        """The learnt rest that joins the corrected simulation; None where there is none."""
+        return self.unknown.correction if self.kept else None
+
+
+def onset_of(judgement):
+    """Time from the first sample at which all that was found begins [s]; None if it was there before."""
+    onsets = [f.member.onset for f in judgement.findings]
+    if not onsets or None in onsets:
+        return None
+    return float(min(onsets) - judgement.model.chain.clock[0])
+
+
+def flagged_rows(workbench, judgement):
+    """Rows in which what was found acts."""
+    unknown, model = judgement.unknown, judgement.model
+    # switched off in the same simulation, not calibrated away: so it shows where it acts itself
+    flagged = acting_rows(workbench, model, workbench.simulate((), model.values))
+    if unknown is not None and not judgement.findings:
+        rest = np.abs(learnt_rest(unknown.correction, model.chain, model.values))
+        flagged = rest > 0.25 * np.quantile(rest, 0.99)
+    onset = onset_of(judgement)
+    if onset is not None:
+        flagged &= model.chain.clock - model.chain.clock[0] >= onset
+    return flagged
+
+
+def content_of(whole, workbench, judgement, flagged, fit, *, data, not_testable, alpha, random_state):
+    """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``."""
+    chain, values = judgement.model.chain, judgement.model.values
+    onset, unknown, found = onset_of(judgement), judgement.unknown, judgement.found
+    entries = [effect_entry(f, whole) for f in judgement.findings]
+    blocks = sorted({b for e in entries for b in e["blocks"]})
+    if not blocks and unknown is not None:
+        blocks = ["valve" if unknown.channel == "flow" else "actuator"]
+    classes = [class_of(f) for f in judgement.findings]
+    content = {
+        "schema": "sklvalve.diagnosis/1",
+        "verdict": judgement.verdict,
+        "mismatch": {"detected": found, "p_value": judgement.p_value, "alpha": alpha},
+        "location": {
+            "blocks": blocks,
+            "regions": regions(chain, values, flagged) if found else [],
+            "onset": onset,
+            "intervals": [[onset or 0.0, float(chain.clock[-1] - chain.clock[0])]] if found else [],
+        },
+        "effects": entries,
+        "fit": fit,
+        "not_testable": not_testable,
+        "next_test": next_test(classes, judgement.verdict, unknown, workbench),
+        "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
+        "provenance": {
+            "sklvalve": sklvalve.__version__,
+            "recording_sha256": whole.sha256,
+            "rows": len(workbench.recording),
+            "random_state": random_state,
+        },
+    }
+    if unknown is not None:
+        content["unknown"] = _unknown_entry(whole, judgement)
+    return content
+
+
+def _unknown_entry(whole, judgement):
+    unknown = judgement.unknown
+    entry = {
+        "signal": unknown.channel,
+        "inputs": list(unknown.inputs),
+        "size": unknown.size,
+        "skill": unknown.skill,
+        "p_value": unknown.p_value,
+        # learnt without them: what a prediction of rows that are still to come would be like
+        "correction": {"added": judgement.kept, "rmse_without": None, "rmse_with": None},
+    }
+    if judgement.errors is not None:
+        zero = whole.in_recorded_units(unknown.channel, np.zeros(1))[0]
+        told = np.abs(whole.in_recorded_units(unknown.channel, np.array(judgement.errors)) - zero)
+        entry["correction"] |= {"rmse_without": float(told[0]), "rmse_with": float(told[1])}
+    return entry
+
+
+def traces_of(whole, flagged, used, nominal, corrected):
+    """Arrays for pictures, of every row, in the recording's own units.
+
+    Parameters
+    ----------
+    whole : Recording
+    flagged : ndarray of bool
+        Of the rows used.
+    used : int
+    nominal, corrected : ValveSimulation
+    """
+
+    def own(signals):
+        return {r: whole.in_recorded_units(r, v) for r, v in signals.items() if r in ("opening", "flow")}
+
+    roles = [r for r in ("command", "opening", "flow", "p1", "p2", "temperature") if r in whole]
+    shown = np.zeros(len(whole), dtype=bool)
+    shown[: len(flagged)] = flagged
+    return {
+        "time": whole.time - whole.time[0],
+        "units": {r: whole.unit(r) for r in roles},
+        "recorded": {r: whole.in_recorded_units(r, whole[r]) for r in roles},
+        "nominal": own(nominal.simulate(whole)),
+        "corrected": own(corrected.simulate(whole)),
+        "dp": whole["p1"] - whole["p2"] if "p1" in whole and "p2" in whole else None,
+        "pressure_ratio": nominal.chain_of(whole).pressure_ratio,
+        "flagged": shown,
+        "until": None if used == len(whole) else used,
+    }

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is fitted: a set of effects, each from its onset on, and what the fit made of it."""
+
+from dataclasses import dataclass
+
+from sklvalve.simulation.chain import Chain
+
+
+@dataclass(frozen=True, eq=False)
+class Member:
+    """An effect in a hypothesis.
+
+    Parameters
+    ----------
+    effect : Effect
+    onset : float or None
+        Absolute time from which on it acts [s]; None from before the recording.
+    """
+
+    effect: object
+    onset: float | None = None
+
+    @property
+    def sign(self):
+        """What tells this member from others."""
+        return (self.effect.key, self.onset)
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """A hypothesis fitted jointly with the calibration.
+
+    Attributes
+    ----------
+    members : tuple of Member
+    chain : Chain
+    values : dict
+        Every parameter's value.
+    predictions : dict
+        Channel -> simulated signal.
+    log_likelihood : float
+    spreads : dict
+        Parameter name -> standard deviation, of the logarithm where the parameter moves by that.
+    """
+
+    members: tuple
+    chain: Chain
+    values: dict
+    predictions: dict
+    log_likelihood: float
+    spreads: dict
+
+    @property
+    def keys(self):
+        """Keys of its effects."""
+        return tuple(m.effect.key for m in self.members)
+
+
+def is_in(effect, members):
+    """Whether an effect, or one of the same equation, is among the members of a hypothesis."""
+    return any(
+        effect.name == m.effect.name or (effect.family and effect.family == m.effect.family) for m in members
+    )
+
+
+def own_values(member, model):
+    """Parameters of one effect in a fitted model, by their short names."""
+    return {q.name: model.values[f"{member.effect.key}.{q.name}"] for q in member.effect.parameters}

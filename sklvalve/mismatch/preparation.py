@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a finder is given, checked, and laid out on the workbench."""
+
+from dataclasses import replace
+from numbers import Integral
+
+from sklvalve.mismatch.effects import CATALOGUE, Effect
+from sklvalve.mismatch.gate import effects_switched_off
+from sklvalve.mismatch.hypothesis import Member, is_in
+from sklvalve.mismatch.workbench import Workbench
+from sklvalve.recording import InputError
+from sklvalve.simulation import Tolerance
+
+_FEWEST_ROWS = 120
+_NAMES = tuple(sorted({e.name for e in CATALOGUE}))
+
+
+def rows_to_use(whole, until):
+    """Number of rows of a recording that serve for finding.
+
+    Raises
+    ------
+    InputError
+        If `until` is no number of rows, or leaves too few.
+    """
+    if until is not None and (not isinstance(until, Integral) or isinstance(until, bool)):
+        raise InputError(
+            f"until must be a number of rows, got {until!r}; recording.index_until gives it for a time"
+        )
+    used = len(whole) if until is None else min(int(until), len(whole))
+    if used < _FEWEST_ROWS:
+        raise InputError(
+            f"{whole.source}: {used} rows are too few for a diagnosis; give at least {_FEWEST_ROWS}"
+            + ("" if until is None else ", or a later time to use them until")
+        )
+    return used
+
+
+def prepared_workbench(recording, simulation=None, tolerance=None):
+    """Workbench for a recording and, where one is given, the simulation that it is to be held against.
+
+    The simulation's own sheet, tolerance, effects and onsets count; where it was fitted, the values of its
+    effects are where the calibration begins. How the signals are recorded is the recording's matter.
+
+    Parameters
+    ----------
+    recording : Recording
+    simulation : ValveSimulation, default=None
+    tolerance : Tolerance, default=None
+        Goes before that of the simulation.
+
+    Returns
+    -------
+    workbench : Workbench
+
+    Raises
+    ------
+    InputError
+        If the sheet or the simulation names what is no effect, or an effect needs a role that is missing.
+    """
+    valve, held, values = recording.valve, (), {}
+    if simulation is not None:
+        tolerance = tolerance or simulation.tolerance
+        if simulation.valve is not None:
+            valve = replace(simulation.valve, roles=valve.roles, time=valve.time)
+        held = _held(simulation, recording)
+        keys = tuple(f"{m.effect.key}." for m in held)
+        known = getattr(simulation, "values_", {})
+        values = {name: value for name, value in known.items() if name.startswith(keys)} if keys else {}
+    strange = [name for name in valve.physics if name not in _NAMES]
+    if strange:
+        raise InputError(
+            f"{valve.source}: [simulation] physics names {strange[0]!r}, which is no effect; "
+            f"the effects are {', '.join(_NAMES)}"
+        )
+    return Workbench(
+        recording, tolerance or Tolerance(), valve.physics, valve=valve, held=held, held_values=values
+    )
+
+
+def _held(simulation, recording):
+    onsets = simulation.onsets or {}
+    for effect in simulation.effects:
+        if not isinstance(effect, Effect):
+            raise InputError(
+                f"the effects of a simulation are objects of the catalogue sklvalve.mismatch.CATALOGUE; "
+                f"got {effect!r}"
+            )
+        missing = [role for role in effect.needs if role not in recording]
+        if missing:
+            raise InputError(
+                f"{recording.source}: the simulation given holds {effect.name}, which needs "
+                f"{' and '.join(missing)}; record it, or leave the effect out of the simulation"
+            )
+    keys = {effect.key for effect in simulation.effects}
+    strange = sorted(set(onsets) - keys)
+    if strange:
+        raise InputError(
+            f"the simulation given has an onset for {strange[0]!r}, which is none of its effects "
+            f"({', '.join(sorted(keys)) or 'it has none'})"
+        )
+    return tuple(Member(effect, onsets.get(effect.key)) for effect in simulation.effects)
+
+
+def candidates(workbench, wanted, data):
+    """Effects of the catalogue that a recording can speak for, and what the others would need.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    wanted : "all", str or sequence of str
+        Names to be considered.
+    data : list of dict
+        Findings of `screen_recording`.
+
+    Returns
+    -------
+    found : list of Effect
+    not_testable : list of dict
+        ``name`` and ``needs``.
+
+    Raises
+    ------
+    InputError
+        If a name is no effect.
+    """
+    names = {wanted} if isinstance(wanted, str) else set(wanted)
+    if wanted == "all":
+        names = set(_NAMES)
+    strange = sorted(map(str, names - set(_NAMES)))
+    if strange:
+        raise InputError(
+            f"effects names {strange[0]!r}, which is no effect; the effects are {', '.join(_NAMES)}"
+        )
+    off = effects_switched_off(data)
+    found, untestable = [], {}
+    for effect in CATALOGUE:
+        # what the simulation holds already is calibrated, so it cannot be missing
+        if effect.name not in names or is_in(effect, workbench.held):
+            continue
+        missing = [role for role in effect.needs if role not in workbench.recording]
+        if missing:
+            untestable.setdefault(effect.name, " and ".join(missing))
+        elif effect.name in off:
+            untestable.setdefault(effect.name, off[effect.name])
+        elif effect.possible(workbench.plain) and workbench.channels_touched(effect):
+            found.append(effect)
+        else:
+            untestable.setdefault(effect.name, "a data sheet with the characteristic and the fluid")
+    tested = {e.name for e in found}
+    return found, [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Held-out rows are hidden from everything that predicts them, the learnt correction too."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import sklvalve.mismatch.finder as finder_module
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch.prove import Folded, blocks, correction_holds_out, errors, folded
+from sklvalve.mismatch.unknown import learn_rest
+from sklvalve.mismatch.workbench import Workbench
+from sklvalve.simulation import Tolerance
+
+from .conftest import record
+
+
+@pytest.fixture(scope="module")
+def bowed():
+    """Trim that bends with the temperature: no effect of the catalogue."""
+    return record("thermal_bow", 0.03, random_state=0)
+
+
+@pytest.fixture(scope="module")
+def bench(bowed):
+    return Workbench(bowed, Tolerance(), bowed.valve.physics)
+
+
+@pytest.fixture(scope="module")
+def nominal(bench):
+    return bench.least_squares(bench.fit((), max_steps=5))
+
+
+def _shuffled_within(recording, held):
+    """The same recording with the flow of some rows in another order, so that its span stays."""
+    flow = recording["flow"].copy()
+    flow[held] = np.random.default_rng(0).permutation(flow[held])
+    return replace(recording, signals={**recording.signals, "flow": flow})
+
+
+def test_blocks_cover_every_row_once():
+    seen = np.zeros(1001, dtype=int)
+    for held, others in blocks(1001):
+        seen[held] += 1
+        assert not others[held].any()
+        assert others.sum() == 1001 - (held.stop - held.start)
+    assert (seen == 1).all()
+
+
+def test_correction_learns_from_the_rows_given_and_no_others(bowed, bench, nominal):
+    held, others = next(iter(blocks(len(bowed))))
+    changed = Workbench(_shuffled_within(bowed, held), Tolerance(), bowed.valve.physics)
+    same = changed.simulate((), nominal.values)
+    one, two = (learn_rest(w, m, "flow", others) for w, m in ((bench, nominal), (changed, same)))
+    assert one.keys() == two.keys()
+    for key in ("support", "coefficients", "intercept", "gamma", "span"):
+        np.testing.assert_array_equal(one[key], two[key])
+    assert one["inputs"] == two["inputs"]
+    whole = [learn_rest(w, m, "flow") for w, m in ((bench, nominal), (changed, same))]
+    assert not np.array_equal(whole[0]["coefficients"], whole[1]["coefficients"])
+
+
+def test_every_block_has_a_correction_of_its_own(bench, nominal):
+    tried = folded(bench, nominal, "flow")
+    once = folded(bench, nominal)
+    np.testing.assert_array_equal(once.rest, 0.0)
+    for c, signal in once.predictions.items():
+        np.testing.assert_array_equal(signal, tried.predictions[c])
+    for held, _ in blocks(len(tried.rest)):
+        assert np.abs(tried.rest[held]).max() > 0.0
+
+
+def _tried(rest):
+    """A flow of zeros and ones, simulated as zeros, with a rest learnt block by block."""
+    flow = np.tile([0.0, 1.0], 200)
+    bench = SimpleNamespace(recording={"flow": flow})
+    return bench, Folded({"flow": np.zeros(400)}, rest(flow))
+
+
+@pytest.mark.parametrize(
+    ("rest", "holds"),
+    [
+        (lambda flow: flow, True),
+        (lambda flow: -flow, False),
+        (lambda flow: np.zeros(400), False),
+        # better in sum, thanks to half of the blocks
+        (lambda flow: np.where(np.arange(400) < 200, flow, -0.2 * flow), False),
+    ],
+    ids=["right", "wrong", "none", "in places"],
+)
+def test_correction_must_improve_what_it_was_not_learnt_from(rest, holds):
+    bench, tried = _tried(rest)
+    kept, (without, with_it) = correction_holds_out(bench, tried, "flow")
+    assert kept is holds
+    assert without == pytest.approx(np.sqrt(0.5))
+    assert with_it == pytest.approx(np.sqrt(np.mean((bench.recording["flow"] - tried.rest) ** 2)))
+
+
+@pytest.mark.parametrize("kept", [True, False])
+def test_correction_that_does_not_hold_out_is_told_and_left_out(bowed, monkeypatch, kept):
+    told = []
+
+    def judged(*args):
+        told.append(correction_holds_out(*args)[1])
+        return kept, told[-1]
+
+    monkeypatch.setattr(finder_module, "correction_holds_out", judged)
+    finder = MissingPhysicsFinder(effects=("clogging",)).fit(bowed)
+    content = finder.diagnosis_.content
+    assert content["verdict"] == "none_of_these"
+    assert content["unknown"]["correction"]["added"] is kept
+    # in the recording's own unit
+    assert content["unknown"]["correction"]["rmse_with"] == pytest.approx(3600.0 * told[0][1], rel=1e-9)
+    error = content["fit"]["flow"]["rmse"]
+    same = np.array_equal(
+        finder.corrected_simulation_.predict(bowed), finder.nominal_simulation_.predict(bowed)
+    )
+    assert same is not kept
+    assert error["corrected"] == pytest.approx(error["nominal"], rel=1e-12) or kept
+    if kept:
+        assert error["corrected"] == pytest.approx(3600.0 * told[0][1], rel=1e-6)
+
+
+def test_floor_that_was_passed_is_none():
+    flow = np.random.default_rng(0).standard_normal(400)
+
+    class Whole:
+        def unit(self, role):
+            return "m3/s"
+
+        def in_recorded_units(self, role, values):
+            return np.asarray(values)
+
+        def __getitem__(self, role):
+            return flow
+
+    made = {
+        "nominal": {"flow": 0.0 * flow},
+        "corrected": {"flow": 0.9 * flow},
+        "black_box": {"flow": 0.5 * flow},
+    }
+    entry = errors(Whole(), made, np.ones(400, dtype=bool), "flow", 0.4)
+    assert entry["noise_floor"] == pytest.approx(entry["rmse"]["corrected"])
+    assert entry["skill"] == pytest.approx(1.0)
+    assert max(entry["skill_ci95"]) <= 1.0
+    low = errors(Whole(), made, np.ones(400, dtype=bool), "flow", 0.05)
+    assert low["noise_floor"] == 0.05
+    assert low["skill"] < 1.0
