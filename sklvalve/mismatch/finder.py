@@ -23,7 +23,7 @@ from sklvalve.mismatch.prove import (
 )
 from sklvalve.mismatch.unknown import find_unknown
 from sklvalve.mismatch.verdict import verdict_of
-from sklvalve.recording import screen_recording
+from sklvalve.recording import require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.simulation import as_recording
 
@@ -133,8 +133,10 @@ class MissingPhysicsFinder(BaseEstimator):
         used = rows_to_use(whole, until)
         seed = self._seed()
         self._say("reading", 0.0)
-        data = screen_recording(whole.slice(0, used))
-        workbench = prepared_workbench(whole.slice(0, used), self.simulation, self.tolerance)
+        recording = whole.slice(0, used)
+        require_diagnosable(recording)
+        data = screen_recording(recording)
+        workbench = prepared_workbench(recording, self.simulation, self.tolerance)
         effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
         nominal = workbench.calibrated()

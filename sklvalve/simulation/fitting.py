@@ -164,6 +164,10 @@ def _minimise(stacked, slopes, z, vector, max_steps):
 
 def _step_inside(hessian, gradient, lowest, highest):
     """Newton step between bounds: parameters that would leave are set on theirs, the others solved again."""
+    # in each parameter's own curvature: in raw units a pascal beside a m3/s falls below the solver's rounding
+    unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
+    hessian, gradient = hessian * np.outer(unit, unit), gradient * unit
+    lowest, highest = lowest / unit, highest / unit
     step, free = np.zeros_like(gradient), np.ones(len(gradient), dtype=bool)
     free &= ~((lowest >= 0.0) & (gradient > 0.0)) & ~((highest <= 0.0) & (gradient < 0.0))
     for _ in range(len(gradient)):
@@ -174,7 +178,7 @@ def _step_inside(hessian, gradient, lowest, highest):
             break
         step[outside] = np.clip(step[outside], lowest[outside], highest[outside])
         free &= ~outside
-    return np.clip(step, lowest, highest)
+    return np.clip(step, lowest, highest) * unit
 
 
 def log_likelihood(residuals, noise):

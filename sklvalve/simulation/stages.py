@@ -72,8 +72,10 @@ def positioner_and_actuator(
     for k in range(n):
         if command[k] == command[k]:
             target = command[k]
-        many = max(1, min(400, int(step[k] / 0.1 + 0.5)))
-        h = step[k] / many
+        # whatever happened before the last 40 s has settled: a gap costs no more, and keeps its fine steps
+        lasting = min(step[k], 40.0)
+        many = max(1, int(lasting / 0.1 + 0.5))
+        h = lasting / many
         pull = h / max(filter_time, h)
         ps = supply[k]
         slide = max(coulomb[k], 1e-4)

@@ -216,3 +216,27 @@ def test_gap_in_the_command_holds_the_value_before_it():
 def test_a_recording_that_begins_with_a_gap_begins_where_the_stem_is():
     stem = _stem(np.r_[np.full(30, np.nan), np.full(30, 0.4)], start=0.4)
     np.testing.assert_allclose(stem, 0.4, atol=0.005)
+
+
+@pytest.mark.parametrize("gap", [600.0, 20_000.0, 5e6])
+def test_a_night_without_samples_settles_the_stem_and_keeps_it_finite(gap):
+    command = np.r_[np.full(50, 0.3), np.full(50, 0.7)]
+    step = np.ones(100)
+    step[50] = gap
+    n = len(command)
+    stem = positioner_and_actuator(
+        command,
+        step,
+        0.3,
+        SPRING,
+        np.full(n, SUPPLY),
+        np.full(n, 0.003),
+        np.zeros(n),
+        np.zeros(n),
+        0.1,
+        20.0,
+        0.3,
+        1.0,
+    )
+    assert np.all(np.isfinite(stem))
+    np.testing.assert_allclose(stem[50:], 0.7, atol=0.01)
