@@ -10,6 +10,7 @@ from sklvalve.mechanism.fluid import (
     clausius_clapeyron,
     fluid_from,
 )
+from sklvalve.mechanism.installed import installed_characteristic, opening_for_installed, valve_authority
 from sklvalve.mechanism.liquid import (
     choked_pressure_drop,
     critical_pressure_ratio_factor,
@@ -47,15 +48,18 @@ __all__ = [
     "estimate_fl",
     "fitting_loss",
     "fluid_from",
+    "installed_characteristic",
     "liquid_flow",
     "liquid_inlet_pressure",
     "liquid_kv",
     "liquid_outlet_pressure",
     "opening_for_capacity",
+    "opening_for_installed",
     "orifice_area",
     "orifice_flow",
     "piping_factor",
     "relative_capacity",
+    "valve_authority",
     "vena_contracta_pressure",
     "water_density",
     "water_kinematic_viscosity",

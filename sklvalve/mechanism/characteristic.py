@@ -33,7 +33,7 @@ _UNRANGED = {
 _ROUNDING = 8.0 * np.finfo(float).eps
 
 
-def relative_capacity(opening, characteristic, *, rangeability=None, shutoff=0.0, warn=True):
+def relative_capacity(opening, characteristic, *, rangeability=None, shutoff=0.0, leakage=0.0, warn=True):
     r"""Relative flow coefficient phi = kv / kv_rated at an opening.
 
     Parameters
@@ -48,6 +48,8 @@ def relative_capacity(opening, characteristic, *, rangeability=None, shutoff=0.0
         equal percentage and hyperbolic; the others take None for the form that begins at zero. [1]
     shutoff : float, default=0.0
         Opening below which the trim closes down, linearly, to nothing. [1]
+    leakage : float, default=0.0
+        Part of the rated capacity that passes beside the trim, at the seat. [1]
     warn : bool, default=True
         Emit a `ValidityWarning` with the number of openings outside [0, 1].
 
@@ -60,7 +62,7 @@ def relative_capacity(opening, characteristic, *, rangeability=None, shutoff=0.0
     ------
     ValueError
         If the characteristic is unknown, its table is not monotone, the rangeability is missing or not
-        above 1, or the shutoff is outside [0, 1).
+        above 1, the shutoff is outside [0, 1), or the leakage is outside [0, 1).
 
     See Also
     --------
@@ -80,19 +82,22 @@ def relative_capacity(opening, characteristic, *, rangeability=None, shutoff=0.0
     =================  =================================================  ==============
 
     Below :math:`h_0` = `shutoff` :math:`\varphi(h) = \varphi(h_0)\, h / h_0`. Without a shutoff a trim with a
-    rangeability still passes 1/R when shut. Real trims lie within :math:`\pm 10\,(1/\varphi)^{0.2}` % of
-    their stated curve.
+    rangeability still passes 1/R when shut. A leakage l lifts the curve to
+    :math:`l + (1 - l/\varphi(1))\,\varphi(h)`, so that the open valve keeps its capacity; the seat classes
+    II, III and IV of [2]_ allow 0.005, 0.001 and 0.0001. Real trims lie within
+    :math:`\pm 10\,(1/\varphi)^{0.2}` % of their stated curve.
 
     References
     ----------
     .. [1] IEC 60534-2-4, Industrial-process control valves: inherent flow characteristics and rangeability.
+    .. [2] IEC 60534-4, Industrial-process control valves: inspection and routine testing.
 
     Examples
     --------
     >>> relative_capacity([0.0, 0.01, 0.5, 1.0], "equal_percentage", rangeability=50, shutoff=0.02).round(4)
     array([0.    , 0.0108, 0.1414, 1.    ])
     """
-    trim = _trim(characteristic, rangeability, shutoff)
+    trim = _trim(characteristic, rangeability, shutoff, leakage)
     opening = np.asarray(opening, dtype=float)
     if warn:
         outside = (opening < 0.0) | (opening > 1.0)
@@ -104,17 +109,19 @@ def relative_capacity(opening, characteristic, *, rangeability=None, shutoff=0.0
         phi = np.where(
             opening < shutoff, trim.capacity(shutoff) * np.minimum(opening, shutoff) / shutoff, phi
         )
+    if leakage > 0.0:
+        phi = leakage + (1.0 - leakage / trim.capacity(1.0)) * phi
     return phi[()]
 
 
-def opening_for_capacity(phi, characteristic, *, rangeability=None, shutoff=0.0, warn=True):
+def opening_for_capacity(phi, characteristic, *, rangeability=None, shutoff=0.0, leakage=0.0, warn=True):
     r"""Opening at which the trim has a given relative capacity: the inverse of `relative_capacity`.
 
     Parameters
     ----------
     phi : float or array-like
         Relative capacity kv / kv_rated. [1]
-    characteristic, rangeability, shutoff
+    characteristic, rangeability, shutoff, leakage
         As in `relative_capacity`.
     warn : bool, default=True
         Emit a `ValidityWarning` with the number of capacities that no opening has.
@@ -139,16 +146,20 @@ def opening_for_capacity(phi, characteristic, *, rangeability=None, shutoff=0.0,
     >>> opening_for_capacity(phi, "equal_percentage", rangeability=30, shutoff=0.05).round(12)
     array([0.01, 0.3 , 0.9 ])
     """
-    trim = _trim(characteristic, rangeability, shutoff)
+    trim = _trim(characteristic, rangeability, shutoff, leakage)
     phi = np.asarray(phi, dtype=float)
     least = 0.0 if shutoff > 0.0 else float(trim.capacity(0.0))
     most = float(trim.capacity(1.0))
+    through_trim = 1.0 - leakage / most
     slack = _ROUNDING * most
-    reachable = (phi >= least - slack) & (phi <= most + slack)
+    lowest = leakage + through_trim * least
+    reachable = (phi >= lowest - slack) & (phi <= most + slack)
     if warn:
         unreachable = ~reachable & ~np.isnan(phi)
-        what = f"have a relative capacity outside [{least:.4g}, {most:.4g}], which no opening gives: NaN."
+        what = f"have a relative capacity outside [{lowest:.4g}, {most:.4g}], which no opening gives: NaN."
         warn_rows(unreachable, "opening_for_capacity", what)
+    if leakage > 0.0:
+        phi = (phi - leakage) / through_trim
     inside = np.where(reachable, np.clip(phi, least, most), np.nan)
     if shutoff > 0.0:
         knee = float(trim.capacity(shutoff))
@@ -162,13 +173,19 @@ def opening_for_capacity(phi, characteristic, *, rangeability=None, shutoff=0.0,
     return np.clip(opening, 0.0, 1.0)[()]
 
 
-def _trim(characteristic, rangeability, shutoff):
+def _trim(characteristic, rangeability, shutoff, leakage):
     if not 0.0 <= shutoff < 1.0:
         raise ValueError(f"shutoff must be an opening in [0, 1); got {shutoff!r}.")
+    if not 0.0 <= leakage < 1.0:
+        raise ValueError(f"leakage must be a part of the rated capacity in [0, 1); got {leakage!r}.")
     if rangeability is not None and not rangeability > 1.0:
         raise ValueError(f"rangeability must be above 1; got {rangeability!r}.")
     if not isinstance(characteristic, str):
-        return _TableTrim(characteristic)
+        trim = _TableTrim(characteristic)
+        if leakage >= trim.capacity(1.0):
+            last = f"{trim.capacity(1.0):.4g}"
+            raise ValueError(f"leakage must be below the table's last capacity, {last}; got {leakage!r}.")
+        return trim
     if characteristic not in CHARACTERISTICS:
         known = ", ".join(CHARACTERISTICS)
         raise ValueError(

@@ -43,6 +43,32 @@ def test_round_trip(kind, rangeability, shutoff, openings):
     assert_allclose(opening_for_capacity(phi, kind, **given_so), openings, rtol=0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("leakage", [0.0, 1e-4])
+@pytest.mark.parametrize("shutoff", [0.0, 0.02])
+@pytest.mark.parametrize("kind", [*CHARACTERISTICS, "table"])
+@pytest.mark.parametrize("rangeability", [2.0, 50.0, None])
+def test_round_trip_of_100_000(kind, rangeability, shutoff, leakage):
+    if rangeability is None and kind in ("equal_percentage", "hyperbolic"):
+        rangeability = 1000.0
+    given_so = {"rangeability": rangeability, "shutoff": shutoff, "leakage": leakage}
+    opening = np.random.default_rng(20).random(100_000)
+    phi = relative_capacity(opening, TABLE if kind == "table" else kind, **given_so)
+    again = opening_for_capacity(phi, TABLE if kind == "table" else kind, **given_so)
+    assert_allclose(again, opening, rtol=0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", [*CHARACTERISTICS, TABLE])
+def test_leakage_lifts_the_shut_valve_and_leaves_the_open_one(kind):
+    given_so = {"rangeability": 30.0, "shutoff": 0.05, "leakage": 5e-3}
+    tight = relative_capacity([0.0, 0.4, 1.0], kind, rangeability=30.0, shutoff=0.05)
+    leaking = relative_capacity([0.0, 0.4, 1.0], kind, **given_so)
+    assert_allclose(leaking[[0, 2]], [5e-3, tight[2]], rtol=1e-14)
+    assert tight[1] < leaking[1] < tight[1] + 5e-3
+    with pytest.warns(ValidityWarning, match=r"1 of 2 rows .* outside \[0.005, "):
+        opening = opening_for_capacity([4e-3, 5e-3], kind, **given_so)
+    assert_array_equal(opening, [np.nan, 0.0])
+
+
 @given(st.sampled_from(["linear", "quick_opening", "parabolic"]), st.floats(0.0, 1.0))
 @settings(max_examples=50, deadline=None)
 def test_round_trip_from_zero(kind, opening):
@@ -145,6 +171,11 @@ def test_scalars_stay_scalars():
         ({"characteristic": "equal_percentage"}, "needs a rangeability"),
         ({"characteristic": "linear", "rangeability": 1.0}, "rangeability must be above 1; got 1.0"),
         ({"characteristic": "linear", "shutoff": 1.0}, r"shutoff must be an opening in \[0, 1\); got 1.0"),
+        ({"characteristic": "linear", "leakage": -0.1}, r"leakage must be a part of .* got -0.1"),
+        (
+            {"characteristic": [[0.0, 0.0], [1.0, 0.5]], "leakage": 0.6},
+            "below the table's last capacity, 0.5",
+        ),
         ({"characteristic": [0.0, 1.0]}, "two or more pairs"),
         ({"characteristic": [[0.0, 0.0], [0.9, 1.0]]}, "must rise from 0 to 1"),
         ({"characteristic": [[0.0, 0.0], [0.5, 0.6], [1.0, 0.5]]}, "never fall"),
