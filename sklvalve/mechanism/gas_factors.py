@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Factors of a gas in a control valve: heat capacities, reducers, expansion, and where the flow chokes."""
+
+import numpy as np
+
+from sklvalve.mechanism.piping import piping_factor
+
+# for Kv in m3/h and sizes in mm; 9/8 of N2, for x_T is defined at the choked flow, where Y is 2/3
+_N5 = 1.80e-3
+_MM = 1e3
+
+
+def specific_heat_ratio_factor(gamma):
+    r"""Specific heat ratio factor F_gamma.
+
+    Parameters
+    ----------
+    gamma : float or array-like
+        Ratio of the heat capacities of the gas. [1]
+
+    Returns
+    -------
+    f_gamma : float or ndarray
+        Factor on x_T, which is measured with air. [1]
+
+    Notes
+    -----
+    .. math:: F_\gamma = \gamma / 1.4
+
+    For ideal gases with :math:`1.08 < \gamma < 1.65`.
+
+    References
+    ----------
+    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
+
+    Examples
+    --------
+    >>> round(float(specific_heat_ratio_factor(1.3)), 3)
+    0.929
+    """
+    return np.asarray(gamma, dtype=float) / 1.4
+
+
+def combined_drop_ratio_factor(kv, nominal_size, zeta_sum, zeta_inlet, xt, *, warn=True):
+    r"""Pressure drop ratio factor x_TP of a valve with its reducers.
+
+    Parameters
+    ----------
+    kv : float or array-like
+        Flow coefficient of the valve without reducers, at the actual opening. [m3/h]
+    nominal_size : float or array-like
+        Bore of the valve's ends. [m]
+    zeta_sum, zeta_inlet : float or array-like
+        Loss coefficients of the reducers, see `fitting_loss`. [1]
+    xt : float or array-like
+        Pressure drop ratio factor of the valve alone at its actual travel. [1]
+    warn : bool, default=True
+        Emit a `ValidityWarning` with the number of rows without an answer.
+
+    Returns
+    -------
+    xtp : float or ndarray
+        Combined factor; NaN where a negative `zeta_sum` outweighs the valve. [1]
+
+    Notes
+    -----
+    .. math:: x_{TP} = \frac{x_T}{F_P^2}
+              \left(1 + \frac{x_T\,\zeta_i}{N_5} \left(\frac{K_v}{d^2}\right)^2\right)^{-1}
+
+    with N5 = 0.0018 for m3/h and mm, which is 9/8 of N2.
+
+    References
+    ----------
+    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
+
+    Examples
+    --------
+    Worked example 3 of the standard:
+
+    >>> from sklvalve.mechanism import fitting_loss
+    >>> zeta_sum, zeta_inlet = fitting_loss(0.050, 0.080, 0.100)
+    >>> round(float(combined_drop_ratio_factor(70.9, 0.050, zeta_sum, zeta_inlet, 0.6)), 3)
+    0.626
+    """
+    fp = piping_factor(kv, nominal_size, zeta_sum, warn=warn)
+    xt = np.asarray(xt, dtype=float)
+    kv = np.asarray(kv, dtype=float)
+    return xt / (fp * fp * (1.0 + kv * kv * inlet_share(nominal_size, zeta_inlet, xt)))
+
+
+def choked_drop_ratio(gamma, xt):
+    r"""Ratio of pressure drop to inlet pressure from which on the flow of a gas no longer grows.
+
+    Parameters
+    ----------
+    gamma : float or array-like
+        Ratio of the heat capacities of the gas. [1]
+    xt : float or array-like
+        Pressure drop ratio factor of the valve at its actual travel; with reducers x_TP, see
+        `combined_drop_ratio_factor`. [1]
+
+    Returns
+    -------
+    x_choked : float or ndarray
+        Choked pressure drop ratio; at 1 or more the flow never chokes. [1]
+
+    Notes
+    -----
+    .. math:: x_{choked} = F_\gamma x_{TP}
+
+    References
+    ----------
+    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
+
+    Examples
+    --------
+    The outlet pressure at which choking sets in [kPa]:
+
+    >>> round(100.0 * (1.0 - float(choked_drop_ratio(1.3, 1.0))), 3)
+    7.143
+    """
+    return specific_heat_ratio_factor(gamma) * np.asarray(xt, dtype=float)
+
+
+def expansion_factor(x, x_choked):
+    r"""Expansion factor Y of a gas in turbulent flow.
+
+    Parameters
+    ----------
+    x : float or array-like
+        Ratio of the pressure drop to the pressure before the valve. [1]
+    x_choked : float or array-like
+        The ratio at which the flow chokes, see `choked_drop_ratio`. [1]
+
+    Returns
+    -------
+    y : float or ndarray
+        1 without a drop, 2/3 from the onset of choking on; NaN for a negative ratio. [1]
+
+    Notes
+    -----
+    .. math:: Y = 1 - \frac{\min(x,\, x_{choked})}{3\, x_{choked}}
+
+    With reducers the choked ratio is that of x_TP, in this equation too. At the onset of choking
+    :math:`\sqrt{x}\,Y` has its maximum, so the flow enters choking without a kink.
+
+    References
+    ----------
+    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
+
+    Examples
+    --------
+    >>> expansion_factor([0.0, 0.3, 0.9], 0.6).round(4)
+    array([1.    , 0.8333, 0.6667])
+    """
+    x, x_choked = np.asarray(x, dtype=float), np.asarray(x_choked, dtype=float)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        factor = 1.0 - np.minimum(x, x_choked) / (3.0 * x_choked)
+    return np.where((x >= 0.0) & (x_choked > 0.0), factor, np.nan)[()]
+
+
+def fitting_share(nominal_size, zeta_sum):
+    """What the reducers take of each square of kv: F_P**-2 = 1 + kv**2 share. [h2/m6]"""
+    return np.asarray(zeta_sum, dtype=float) / (8.0 / 9.0 * _N5) / _fourth_power(nominal_size)
+
+
+def inlet_share(nominal_size, zeta_inlet, xt):
+    """The same for the inlet's part of x_TP. [h2/m6]"""
+    return (
+        np.asarray(xt, dtype=float) * np.asarray(zeta_inlet, dtype=float) / _N5 / _fourth_power(nominal_size)
+    )
+
+
+def _fourth_power(nominal_size):
+    square = (_MM * np.asarray(nominal_size, dtype=float)) ** 2
+    return square * square

@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Gas through a control valve: the pressure behind it or before it, from the flow."""
+
+import numpy as np
+
+from sklvalve.mechanism.gas_inputs import drop_ratio, positive, throughput, unit_speed, valve_of, warn_gas
+from sklvalve.mechanism.gas_units import check_basis, gas_density, gas_mass_flow
+from sklvalve.mechanism.liquid import floats
+from sklvalve.mechanism.validity import warn_rows
+
+_LARGE = 1e12
+_POLISH = 2
+
+
+def gas_outlet_pressure(
+    flow,
+    kv,
+    p1,
+    temperature,
+    molar_mass,
+    *,
+    gamma,
+    xt,
+    compressibility=1.0,
+    basis="mass",
+    nominal_size=None,
+    inlet_pipe=None,
+    outlet_pipe=None,
+    return_feasible=False,
+    warn=True,
+):
+    r"""Pressure behind the valve from the flow of a gas through it.
+
+    Parameters
+    ----------
+    flow : float or array-like
+        Flow on the `basis`; negative flow runs from `p2` to `p1`. [kg/s] or [m3/s]
+    kv : float or array-like
+        Flow coefficient at the actual opening. [m3/h]
+    p1 : float or array-like
+        Inlet pressure, absolute. [Pa]
+    temperature, molar_mass, gamma, xt, compressibility, basis
+        As in `gas_flow`; the temperature and compressibility are those upstream.
+    nominal_size, inlet_pipe, outlet_pipe, warn
+        As in `gas_flow`.
+    return_feasible : bool, default=False
+        Also return the mask of rows that have an answer.
+
+    Returns
+    -------
+    p2 : float or ndarray
+        Outlet pressure, absolute. NaN where the valve cannot pass the flow: `kv` is not positive, or the flow
+        reaches the choked flow, from where on any lower `p2` gives the same flow. [Pa]
+    feasible : bool or ndarray of bool
+        Only with ``return_feasible=True``.
+
+    Raises
+    ------
+    ValueError
+        If the basis is unknown or pipes are given without `nominal_size`.
+
+    Warns
+    -----
+    ValidityWarning
+        Rows that are infeasible, and a `gamma` outside 1.08 to 1.65.
+
+    Notes
+    -----
+    The cubic :math:`v (1 - v^2) = c` for :math:`v^2 = x / (3 x_c)`, with :math:`x_c = F_\gamma x_{TP}` and
+    :math:`c = W / (N_6 F_P K_v \sqrt{3 x_c\, p_1 \rho_1})`, is a sine of a third of an angle:
+
+    .. math:: v = \frac{2}{\sqrt 3} \sin\left(\tfrac13 \arcsin \tfrac{3\sqrt3}{2} c\right), \qquad
+              p_2 = p_1 (1 - 3 x_c v^2)
+
+    Near choking a small error of the flow is a large one of the pressure.
+
+    References
+    ----------
+    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
+
+    Examples
+    --------
+    >>> gas = {"gamma": 1.3, "xt": 0.6, "compressibility": 0.988}
+    >>> w = gas_flow(71.0, 680e3, 310e3, 433.0, 0.04401, **gas)
+    >>> round(float(gas_outlet_pressure(w, 71.0, 680e3, 433.0, 0.04401, **gas)))
+    310000
+    """
+    check_basis(basis)
+    flow, kv, p1 = floats(flow, kv, p1)
+    backward = flow < 0.0
+    valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
+    capacity, x_choked = valve.at(positive(kv))
+    gas = (temperature, molar_mass, compressibility)
+    speed = unit_speed(*gas)
+    known = np.where(p1 >= 0.0, p1, np.nan)
+    amount = np.abs(flow)
+    if basis == "actual":
+        # volume at the inlet says the drop ratio by itself, whichever side's pressure is known
+        x = drop_ratio(amount * gas_density(1.0, *gas) / (capacity * speed), x_choked)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            p2 = np.where(backward, known / (1.0 - x), known * (1.0 - x))
+        undefined = known <= 0.0
+    else:
+        demand = gas_mass_flow(amount, basis, known, *gas) / (capacity * speed)
+        forward = known * (1.0 - drop_ratio(demand / positive(known), x_choked))
+        p2 = np.where(backward, _pressure_before(demand, known, x_choked), forward)
+        undefined = (known <= 0.0) & ~backward
+    p2 = np.where(undefined | ~np.isfinite(p2), np.nan, p2)[()]
+    if warn:
+        warn_gas("gas_outlet_pressure", gamma, xt)
+        lost = np.isnan(p2) & ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p1))
+        warn_rows(lost, "gas_outlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
+    return (p2, ~np.isnan(p2)) if return_feasible else p2
+
+
+def gas_inlet_pressure(
+    flow,
+    kv,
+    p2,
+    temperature,
+    molar_mass,
+    *,
+    gamma,
+    xt,
+    compressibility=1.0,
+    basis="mass",
+    nominal_size=None,
+    inlet_pipe=None,
+    outlet_pipe=None,
+    warn=True,
+):
+    r"""Pressure before the valve from the flow of a gas and the pressure behind it.
+
+    Parameters
+    ----------
+    flow, kv, temperature, molar_mass, gamma, xt, compressibility, basis
+        As in `gas_outlet_pressure`.
+    p2 : float or array-like
+        Outlet pressure, absolute. [Pa]
+    nominal_size, inlet_pipe, outlet_pipe, warn
+        As in `gas_flow`.
+
+    Returns
+    -------
+    p1 : float or ndarray
+        Inlet pressure, absolute; defined in choked flow too, but not on the basis ``"actual"``, where a
+        choked valve passes the same volume at any higher `p1`. NaN there, where `kv` is not positive and, for
+        a flow that runs backwards, where it is choked. [Pa]
+
+    Raises
+    ------
+    ValueError
+        If the basis is unknown or pipes are given without `nominal_size`.
+
+    Notes
+    -----
+    With :math:`q = W / (N_6 F_P K_v p_2 \sqrt{M / Z R T})` choked flow has
+    :math:`p_1 = 3 q p_2 / (2 \sqrt{x_c})`; otherwise :math:`s = \sqrt x` is the middle root of
+
+    .. math:: s^3 - 3 x_c q s^2 - 3 x_c s + 3 x_c q = 0, \qquad p_1 = p_2 / (1 - s^2).
+
+    The compressibility is that at the wanted pressure; where it changes much, repeat with the new one.
+
+    References
+    ----------
+    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
+
+    Examples
+    --------
+    >>> gas = {"gamma": 1.3, "xt": 0.6, "compressibility": 0.988}
+    >>> w = gas_flow(71.0, 680e3, 100e3, 433.0, 0.04401, **gas)
+    >>> round(float(gas_inlet_pressure(w, 71.0, 100e3, 433.0, 0.04401, **gas)))
+    680000
+    """
+    # the valve seen from its other side: the flow changes sign, the wanted pressure becomes the outlet
+    flow, kv, p2 = floats(flow, kv, p2)
+    p1 = gas_outlet_pressure(
+        -flow,
+        kv,
+        p2,
+        temperature,
+        molar_mass,
+        gamma=gamma,
+        xt=xt,
+        compressibility=compressibility,
+        basis=basis,
+        nominal_size=nominal_size,
+        inlet_pipe=outlet_pipe,
+        outlet_pipe=inlet_pipe,
+        warn=False,
+    )
+    if warn:
+        warn_gas("gas_inlet_pressure", gamma, xt)
+        lost = np.isnan(p1) & ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p2))
+        warn_rows(lost, "gas_inlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
+    return p1
+
+
+def _pressure_before(demand, behind, x_choked):
+    """Pressure upstream from the one behind and the demand W / (capacity speed), itself a pressure."""
+    choked = 1.5 * demand / np.sqrt(x_choked)
+    is_choked = choked * (1.0 - x_choked) >= behind
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # only a valve that never chokes reaches the upper end, where nothing changes any more
+        q = np.where(is_choked, 0.0, np.minimum(demand / behind, _LARGE))
+    scale = np.sqrt(x_choked * (1.0 + x_choked * q * q))
+    sine = 1.5 * x_choked * q * (2.0 / 3.0 * (x_choked * q) ** 2 + x_choked - 1.0) / scale**3
+    root = x_choked * q - 2.0 * scale * np.sin(np.arcsin(np.clip(sine, -1.0, 1.0)) / 3.0)
+    for _ in range(_POLISH):
+        # the root is the difference of two larger numbers where the drop is nearly the whole pressure
+        square = root * root
+        excess = root * (1.0 - square / (3.0 * x_choked)) - q * (1.0 - square)
+        root = root - excess / (1.0 - square / x_choked + 2.0 * q * root)
+    x = root * root
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # each of the two is exact where the other loses digits
+        unchoked = np.where(x < 0.5, behind / (1.0 - x), demand / throughput(x, x_choked))
+    return np.where(is_choked, choked, unchoked)
