@@ -8,16 +8,11 @@ the piping factors :math:`F_P` and :math:`F_{LP}` call any of these functions wi
 
 import numpy as np
 
+from sklvalve.mechanism._constants import FLOW_CONSTANT
 from sklvalve.mechanism.validity import warn_rows
 
 WATER_CRITICAL_PRESSURE = 22.064e6
 """Critical pressure of water, IAPWS. [Pa]"""
-
-REFERENCE_DENSITY = 999.1026
-"""Density of water at 15 degC and 0.1 MPa (IAPWS): IEC 60534 takes densities relative to it. [kg/m3]"""
-
-# Q = FLOW_CONSTANT Kv sqrt(dp / rho) in SI with Kv in m3/h; N1 = 0.1 itself holds for m3/h and kPa
-FLOW_CONSTANT = 0.1 / 3600.0 * np.sqrt(REFERENCE_DENSITY / 1000.0)
 
 
 def critical_pressure_ratio_factor(p_vapour, p_critical=WATER_CRITICAL_PRESSURE):

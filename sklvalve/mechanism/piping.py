@@ -3,11 +3,8 @@
 
 import numpy as np
 
+from sklvalve.mechanism._constants import N2, capacity_over_bore
 from sklvalve.mechanism.validity import warn_rows
-
-# N2 = 1.60e-3 holds for Kv in m3/h and sizes in mm
-_N2 = 1.60e-3
-_MM = 1e3
 
 
 def fitting_loss(nominal_size, inlet_pipe, outlet_pipe):
@@ -134,8 +131,7 @@ def combined_recovery_factor(kv, nominal_size, zeta_inlet, fl):
 
 
 def _relative_size(kv, nominal_size):
-    size = _MM * np.asarray(nominal_size, dtype=float)
-    return (np.asarray(kv, dtype=float) / (size * size)) ** 2 / _N2
+    return capacity_over_bore(kv, nominal_size) ** 2 / N2
 
 
 def _one_over_root(excess):
