@@ -2,15 +2,24 @@
 """What physics says about a control valve: array functions in SI, and the transformer that binds them."""
 
 from sklvalve.mechanism.characteristic import CHARACTERISTICS, opening_for_capacity, relative_capacity
-from sklvalve.mechanism.fluid import (
-    WATER_ANTOINE,
-    WATER_CLAUSIUS_CLAPEYRON,
-    Fluid,
-    antoine,
-    clausius_clapeyron,
-    fluid_from,
+from sklvalve.mechanism.fluid import Fluid, fluid_from
+from sklvalve.mechanism.gas import gas_flow, gas_kv
+from sklvalve.mechanism.gas_factors import (
+    choked_drop_ratio,
+    combined_drop_ratio_factor,
+    expansion_factor,
+    specific_heat_ratio_factor,
+)
+from sklvalve.mechanism.gas_pressure import gas_inlet_pressure, gas_outlet_pressure
+from sklvalve.mechanism.gas_units import (
+    GAS_CONSTANT,
+    GAS_FLOW_BASES,
+    gas_density,
+    gas_mass_flow,
+    gas_volume_flow,
 )
 from sklvalve.mechanism.installed import installed_characteristic, opening_for_installed, valve_authority
+from sklvalve.mechanism.juice import juice_density, juice_kinematic_viscosity, juice_vapour_pressure
 from sklvalve.mechanism.liquid import (
     choked_pressure_drop,
     critical_pressure_ratio_factor,
@@ -26,13 +35,30 @@ from sklvalve.mechanism.orifice import (
     vena_contracta_pressure,
 )
 from sklvalve.mechanism.piping import combined_recovery_factor, fitting_loss, piping_factor
+from sklvalve.mechanism.steam import STEAM_MOLAR_MASS, steam_density, steam_kinematic_viscosity
 from sklvalve.mechanism.transformer import ValveMechanismTransformer
 from sklvalve.mechanism.travel import at_travel
 from sklvalve.mechanism.validity import ValidityWarning
-from sklvalve.mechanism.water import water_density, water_kinematic_viscosity, water_vapour_pressure
+from sklvalve.mechanism.vapour_pressure import (
+    WATER_ANTOINE,
+    WATER_CLAUSIUS_CLAPEYRON,
+    antoine,
+    clausius_clapeyron,
+    fit_antoine,
+    fit_clausius_clapeyron,
+)
+from sklvalve.mechanism.water import (
+    water_density,
+    water_kinematic_viscosity,
+    water_saturation_temperature,
+    water_vapour_pressure,
+)
 
 __all__ = [
     "CHARACTERISTICS",
+    "GAS_CONSTANT",
+    "GAS_FLOW_BASES",
+    "STEAM_MOLAR_MASS",
     "WATER_ANTOINE",
     "WATER_CLAUSIUS_CLAPEYRON",
     "Fluid",
@@ -41,14 +67,29 @@ __all__ = [
     "antoine",
     "area_from_kv",
     "at_travel",
+    "choked_drop_ratio",
     "choked_pressure_drop",
     "clausius_clapeyron",
+    "combined_drop_ratio_factor",
     "combined_recovery_factor",
     "critical_pressure_ratio_factor",
     "estimate_fl",
+    "expansion_factor",
+    "fit_antoine",
+    "fit_clausius_clapeyron",
     "fitting_loss",
     "fluid_from",
+    "gas_density",
+    "gas_flow",
+    "gas_inlet_pressure",
+    "gas_kv",
+    "gas_mass_flow",
+    "gas_outlet_pressure",
+    "gas_volume_flow",
     "installed_characteristic",
+    "juice_density",
+    "juice_kinematic_viscosity",
+    "juice_vapour_pressure",
     "liquid_flow",
     "liquid_inlet_pressure",
     "liquid_kv",
@@ -59,9 +100,13 @@ __all__ = [
     "orifice_flow",
     "piping_factor",
     "relative_capacity",
+    "specific_heat_ratio_factor",
+    "steam_density",
+    "steam_kinematic_viscosity",
     "valve_authority",
     "vena_contracta_pressure",
     "water_density",
     "water_kinematic_viscosity",
+    "water_saturation_temperature",
     "water_vapour_pressure",
 ]

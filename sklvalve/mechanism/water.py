@@ -48,14 +48,50 @@ def water_vapour_pressure(temperature, *, warn=True):
     >>> round(float(water_vapour_pressure(373.1243)))
     101325
     """
-    temperature, tau = _tau(temperature, "water_vapour_pressure", warn)
-    root = np.sqrt(tau)
-    cube = tau * tau * tau
-    series = -7.85951783 * tau + 1.84408259 * tau * root
-    series = series + cube * (
-        -11.7866497 + 22.6807411 * root - 15.9618719 * tau + 1.80122502 * cube * tau * root
-    )
-    return CRITICAL_PRESSURE * np.exp(CRITICAL_TEMPERATURE / temperature * series)
+    temperature, tau = saturation_tau(temperature, "water_vapour_pressure", warn)
+    return CRITICAL_PRESSURE * np.exp(CRITICAL_TEMPERATURE / temperature * _pressure_series(tau))
+
+
+def water_saturation_temperature(p_vapour, *, warn=True):
+    r"""Boiling point of water at a pressure: the inverse of `water_vapour_pressure`.
+
+    Parameters
+    ----------
+    p_vapour : float or array-like
+        Pressure, absolute. [Pa]
+    warn : bool, default=True
+        Emit a `ValidityWarning` with the number of pressures outside 611 Pa to 22.064 MPa.
+
+    Returns
+    -------
+    temperature : float or ndarray
+        Temperature of boiling water and of saturated steam; NaN outside the range. [K]
+
+    Notes
+    -----
+    Newton steps on :math:`\ln p_v` over 1/T, which is nearly a straight line; eight reach the last digits
+    from anywhere.
+
+    Examples
+    --------
+    >>> round(float(water_saturation_temperature(101325.0)), 4)
+    373.1243
+    """
+    p_vapour = np.asarray(p_vapour, dtype=float)
+    lowest = float(water_vapour_pressure(_FREEZING))
+    inside = (p_vapour >= lowest) & (p_vapour <= CRITICAL_PRESSURE)
+    if warn:
+        what = f"have a pressure outside {lowest:.0f} to {CRITICAL_PRESSURE:.0f} Pa (is it absolute?): NaN."
+        warn_rows(~inside & ~np.isnan(p_vapour), "water_saturation_temperature", what)
+    wanted = np.log(np.where(inside, p_vapour, np.nan) / CRITICAL_PRESSURE)
+    inverse = 1.0 / CRITICAL_TEMPERATURE - wanted * 2.0e-4
+    for _ in range(8):
+        temperature = np.minimum(1.0 / inverse, CRITICAL_TEMPERATURE)
+        tau = 1.0 - temperature / CRITICAL_TEMPERATURE
+        found = CRITICAL_TEMPERATURE / temperature * _pressure_series(tau)
+        slope = temperature * (found + _pressure_series_slope(tau))
+        inverse = 1.0 / temperature - (found - wanted) / slope
+    return np.minimum(1.0 / inverse, CRITICAL_TEMPERATURE)[()]
 
 
 def water_density(temperature, *, warn=True):
@@ -91,7 +127,7 @@ def water_density(temperature, *, warn=True):
     >>> round(float(water_density(373.1243)), 3)
     958.365
     """
-    _, tau = _tau(temperature, "water_density", warn)
+    _, tau = saturation_tau(temperature, "water_density", warn)
     third = np.cbrt(tau)
     two_thirds = third * third
     tau2 = tau * tau
@@ -149,7 +185,23 @@ def water_kinematic_viscosity(temperature, *, warn=True):
     return 1e-6 * viscosity / water_density(temperature, warn=False)
 
 
-def _tau(temperature, name, warn):
+def _pressure_series(tau):
+    root = np.sqrt(tau)
+    cube = tau * tau * tau
+    series = -7.85951783 * tau + 1.84408259 * tau * root
+    return series + cube * (
+        -11.7866497 + 22.6807411 * root - 15.9618719 * tau + 1.80122502 * cube * tau * root
+    )
+
+
+def _pressure_series_slope(tau):
+    root = np.sqrt(tau)
+    series = -7.85951783 + 1.5 * 1.84408259 * root
+    middle = -3.0 * 11.7866497 + 3.5 * 22.6807411 * root - 4.0 * 15.9618719 * tau
+    return series + tau * tau * (middle + 7.5 * 1.80122502 * tau**4 * root)
+
+
+def saturation_tau(temperature, name, warn):
     temperature = np.asarray(temperature, dtype=float)
     if warn:
         outside = (temperature < _FREEZING) | (temperature > CRITICAL_TEMPERATURE)
