@@ -80,7 +80,7 @@ def combined_drop_ratio_factor(kv, nominal_size, zeta_sum, zeta_inlet, xt, *, wa
     >>> from sklvalve.mechanism import fitting_loss
     >>> zeta_sum, zeta_inlet = fitting_loss(0.050, 0.080, 0.100)
     >>> round(float(combined_drop_ratio_factor(70.9, 0.050, zeta_sum, zeta_inlet, 0.6)), 3)
-    0.626
+    0.625
     """
     fp = piping_factor(kv, nominal_size, zeta_sum, warn=warn)
     xt = np.asarray(xt, dtype=float)

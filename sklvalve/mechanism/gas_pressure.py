@@ -5,6 +5,7 @@ import numpy as np
 
 from sklvalve.mechanism.gas_inputs import drop_ratio, positive, throughput, unit_speed, valve_of, warn_gas
 from sklvalve.mechanism.gas_units import check_basis, gas_density, gas_mass_flow
+from sklvalve.mechanism.gas_viscous import jet_of, viscous_drop_ratio, viscous_pressure_before
 from sklvalve.mechanism.liquid import floats
 from sklvalve.mechanism.validity import warn_rows
 
@@ -23,6 +24,10 @@ def gas_outlet_pressure(
     xt,
     compressibility=1.0,
     basis="mass",
+    dynamic_viscosity=None,
+    fl=None,
+    fd=None,
+    kv_rated=None,
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
@@ -41,7 +46,7 @@ def gas_outlet_pressure(
         Inlet pressure, absolute. [Pa]
     temperature, molar_mass, gamma, xt, compressibility, basis
         As in `gas_flow`; the temperature and compressibility are those upstream.
-    nominal_size, inlet_pipe, outlet_pipe, warn
+    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, warn
         As in `gas_flow`.
     return_feasible : bool, default=False
         Also return the mask of rows that have an answer.
@@ -80,6 +85,7 @@ def gas_outlet_pressure(
 
     Examples
     --------
+    >>> from sklvalve.mechanism import gas_flow
     >>> gas = {"gamma": 1.3, "xt": 0.6, "compressibility": 0.988}
     >>> w = gas_flow(71.0, 680e3, 310e3, 433.0, 0.04401, **gas)
     >>> round(float(gas_outlet_pressure(w, 71.0, 680e3, 433.0, 0.04401, **gas)))
@@ -94,7 +100,17 @@ def gas_outlet_pressure(
     speed = unit_speed(*gas)
     known = np.where(p1 >= 0.0, p1, np.nan)
     amount = np.abs(flow)
-    if basis == "actual":
+    jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
+    if jet is not None:
+        # of the mass flow that a volume at an unknown inlet pressure means there may be two
+        mass = gas_mass_flow(
+            amount, basis, np.where(backward, np.nan, known) if basis == "actual" else known, *gas
+        )
+        x = viscous_drop_ratio(mass, positive(kv), positive(known) * speed, valve, jet)
+        before = viscous_pressure_before(mass, positive(kv), known, speed, valve, jet)
+        p2 = np.where(backward, before, known * (1.0 - x))
+        undefined = (known <= 0.0) & ~backward
+    elif basis == "actual":
         # volume at the inlet says the drop ratio by itself, whichever side's pressure is known
         x = drop_ratio(amount * gas_density(1.0, *gas) / (capacity * speed), x_choked)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -124,6 +140,10 @@ def gas_inlet_pressure(
     xt,
     compressibility=1.0,
     basis="mass",
+    dynamic_viscosity=None,
+    fl=None,
+    fd=None,
+    kv_rated=None,
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
@@ -137,7 +157,7 @@ def gas_inlet_pressure(
         As in `gas_outlet_pressure`.
     p2 : float or array-like
         Outlet pressure, absolute. [Pa]
-    nominal_size, inlet_pipe, outlet_pipe, warn
+    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, warn
         As in `gas_flow`.
 
     Returns
@@ -167,6 +187,7 @@ def gas_inlet_pressure(
 
     Examples
     --------
+    >>> from sklvalve.mechanism import gas_flow
     >>> gas = {"gamma": 1.3, "xt": 0.6, "compressibility": 0.988}
     >>> w = gas_flow(71.0, 680e3, 100e3, 433.0, 0.04401, **gas)
     >>> round(float(gas_inlet_pressure(w, 71.0, 100e3, 433.0, 0.04401, **gas)))
@@ -184,6 +205,10 @@ def gas_inlet_pressure(
         xt=xt,
         compressibility=compressibility,
         basis=basis,
+        dynamic_viscosity=dynamic_viscosity,
+        fl=fl,
+        fd=fd,
+        kv_rated=kv_rated,
         nominal_size=nominal_size,
         inlet_pipe=outlet_pipe,
         outlet_pipe=inlet_pipe,
