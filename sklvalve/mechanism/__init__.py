@@ -35,6 +35,7 @@ from sklvalve.mechanism.orifice import (
     vena_contracta_pressure,
 )
 from sklvalve.mechanism.piping import combined_recovery_factor, fitting_loss, piping_factor
+from sklvalve.mechanism.rating import rate_liquid
 from sklvalve.mechanism.steam import STEAM_MOLAR_MASS, steam_density, steam_kinematic_viscosity
 from sklvalve.mechanism.transformer import ValveMechanismTransformer
 from sklvalve.mechanism.travel import at_travel
@@ -99,6 +100,7 @@ __all__ = [
     "orifice_area",
     "orifice_flow",
     "piping_factor",
+    "rate_liquid",
     "relative_capacity",
     "specific_heat_ratio_factor",
     "steam_density",
