@@ -3,11 +3,11 @@
 
 import numpy as np
 
+from sklvalve.mechanism._constants import N2, capacity_over_bore
 from sklvalve.mechanism.piping import piping_factor
 
-# for Kv in m3/h and sizes in mm; 9/8 of N2, for x_T is defined at the choked flow, where Y is 2/3
-_N5 = 1.80e-3
-_MM = 1e3
+# x_T belongs to the choked flow, where Y is 2/3, and the inlet's loss lowers pressure and density at once
+_N5 = 9.0 / 8.0 * N2
 
 
 def specific_heat_ratio_factor(gamma):
@@ -161,16 +161,10 @@ def expansion_factor(x, x_choked):
 
 def fitting_share(nominal_size, zeta_sum):
     """What the reducers take of each square of kv: F_P**-2 = 1 + kv**2 share. [h2/m6]"""
-    return np.asarray(zeta_sum, dtype=float) / (8.0 / 9.0 * _N5) / _fourth_power(nominal_size)
+    return np.asarray(zeta_sum, dtype=float) / N2 * capacity_over_bore(1.0, nominal_size) ** 2
 
 
 def inlet_share(nominal_size, zeta_inlet, xt):
     """The same for the inlet's part of x_TP. [h2/m6]"""
-    return (
-        np.asarray(xt, dtype=float) * np.asarray(zeta_inlet, dtype=float) / _N5 / _fourth_power(nominal_size)
-    )
-
-
-def _fourth_power(nominal_size):
-    square = (_MM * np.asarray(nominal_size, dtype=float)) ** 2
-    return square * square
+    loss = np.asarray(xt, dtype=float) * np.asarray(zeta_inlet, dtype=float) / _N5
+    return loss * capacity_over_bore(1.0, nominal_size) ** 2

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.mechanism._constants import FLOW_CONSTANT
 from sklvalve.mechanism.gas_factors import choked_drop_ratio, fitting_share, inlet_share
 from sklvalve.mechanism.gas_units import gas_density
-from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.mechanism.piping import fitting_loss
 from sklvalve.mechanism.validity import warn_rows
 
