@@ -10,14 +10,21 @@ import numpy as np
 from sklvalve.mechanism._constants import MM, N18
 from sklvalve.mechanism._rating_stages import (
     BLOCK,
+    BOIL,
     CRITICAL_TEMPERATURE,
+    FD,
+    FL,
+    FLOW,
     FREEZING,
+    INLET,
     KV,
     NU,
+    OUTLET,
     P1,
     P2,
     PLACE,
     PV,
+    RATED,
     RHO,
     ROW,
     SIZE,
@@ -26,6 +33,7 @@ from sklvalve.mechanism._rating_stages import (
     T,
     boiling,
     compiled,
+    keep_fast,
     literal,
     no_pipes,
     pipes,
@@ -34,12 +42,13 @@ from sklvalve.mechanism._rating_stages import (
     smaller,
     transitional,
     turbulent,
+    turn_fast,
     water,
     water_viscosity,
 )
 
 # what is counted
-TROUBLES = ("temperature", "cold", "boils", "kv", "density", "viscosity", "wide")
+TROUBLES = ("temperature", "cold", "boils", "kv", "density", "viscosity", "wide", "lost")
 
 
 @compiled
@@ -68,6 +77,18 @@ def _load(flat, steps, shape, first, many, w, at):
 
 
 @compiled
+def _count_lost(w, n, choking, counts):
+    """Rows without a flow, though a valve without pipes and viscosity would have one."""
+    for i in range(n):
+        p1, p2, kv = w[P1 + i], w[P2 + i], w[KV + i]
+        entering = (p1 if p1 > p2 else p2) > (w[BOIL + i] if choking else -np.inf)
+        known = (kv == kv) & (p1 == p1) & (p2 == p2) & (w[RHO + i] > 0.0) & (w[NU + i] > 0.0)
+        known &= (w[FL + i] > 0.0) & (w[FD + i] > 0.0) & ((w[RATED + i] > 0.0) | (w[RATED + i] == kv))
+        known &= (w[SIZE + i] > 0.0) & (w[INLET + i] > 0.0) & (w[OUTLET + i] > 0.0)
+        counts[7] += (w[FLOW + i] != w[FLOW + i]) & entering & known
+
+
+@compiled
 def _count(w, n, of_water, choking, piping, viscous, counts):
     for i in range(n):
         counts[3] += w[KV + i] < 0.0
@@ -87,6 +108,7 @@ def _count(w, n, of_water, choking, piping, viscous, counts):
         for i in range(n):
             size = MM * w[SIZE + i]
             counts[6] += abs(w[KV + i]) > 0.047 * N18 * size * size
+        _count_lost(w, n, choking, counts)
 
 
 @compiled
@@ -134,12 +156,20 @@ def rate(first, end, shape, inputs, steps, wanted, out, counts, of_water, chokin
         turbulent(w, n, choking)
         if viscous:
             reynolds(w, n, strict)
+            bare = strict and piping
+            if bare:
+                keep_fast(w, n)
+                no_pipes(w, n)
+                turbulent(w, n, choking)
+                reynolds(w, n, strict)
             transitional(w, n)
             if strict:
                 literal(w, n)
             else:
                 smaller(w, n)
             reduce(w, n)
+            if bare:
+                turn_fast(w, n)
         _count(w, n, of_water, choking, piping, viscous, counts)
         for k in range(len(wanted)):
             at = PLACE[wanted[k]]

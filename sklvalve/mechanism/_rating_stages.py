@@ -46,8 +46,8 @@ INPUTS = (
 )
 OUTPUTS = ("density", "p_vapour", "viscosity", "flow", "mass_flow", "dp_choked", "reynolds", "fr")
 KV, P1, P2, T, RHO, PV, NU, PC, FL, FD, RATED, SIZE, INLET, OUTLET = (k * ROW for k in range(14))
-FLOW, MASS, DPC, RE, FR, KVP, FL2, BOIL, LAM, TRIM, SLOPE = (k * ROW for k in range(14, 25))
-WORK = 25 * ROW
+FLOW, MASS, DPC, RE, FR, KVP, FL2, BOIL, LAM, SLOPE, FAST_FLOW, FAST_RE = (k * ROW for k in range(14, 26))
+WORK = 26 * ROW
 PLACE = np.array([RHO, PV, NU, FLOW, MASS, DPC, RE, FR])
 
 CRITICAL_TEMPERATURE = 647.096
@@ -196,7 +196,6 @@ def reynolds(w, n, strict):
         inverse = one_over_cube_root(1e-280 if square < 1e-280 else square)
         trim = N2 / square if rated >= 0.016 * N18 else 1.0 + N32 * square * inverse * inverse
         w[RE + i] = reynolds
-        w[TRIM + i] = trim
         w[LAM + i] = 0.026 * 0.026 / (fl * fl) * trim
         w[SLOPE + i] = _SLOPE_FACTOR * sqrt(fl / sqrt(trim))
 
@@ -251,7 +250,32 @@ def literal(w, n):
 
 @compiled
 def reduce(w, n):
+    """Flow by the Reynolds factor; no flow stays none, whatever its Reynolds number."""
     for i in range(n):
-        w[FLOW + i] *= w[FR + i]
-        w[MASS + i] *= w[FR + i]
-        w[RE + i] *= w[FR + i]
+        fr = w[FR + i]
+        factor = fr if w[FLOW + i] != 0.0 else 1.0
+        w[FLOW + i] *= factor
+        w[MASS + i] *= factor
+        w[RE + i] *= fr
+
+
+@compiled
+def keep_fast(w, n):
+    """Set aside the turbulent flow between reducers."""
+    for i in range(n):
+        w[FAST_FLOW + i] = w[FLOW + i]
+        w[FAST_RE + i] = w[RE + i]
+
+
+@compiled
+def turn_fast(w, n):
+    """Flow by the letter: with reducers where it is turbulent, without them where it is not."""
+    for i in range(n):
+        flow, found = w[FAST_FLOW + i], w[FAST_RE + i]
+        fast = (found >= TURBULENT_REYNOLDS) | (flow != flow) | (flow == 0.0)
+        flow = flow if fast else w[FLOW + i]
+        w[FLOW + i] = flow
+        w[MASS + i] = flow * w[RHO + i]
+        w[RE + i] = found if fast else w[RE + i]
+        turbulent_found = found >= TURBULENT_REYNOLDS
+        w[FR + i] = 1.0 if turbulent_found else w[FR + i]

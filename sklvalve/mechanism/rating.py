@@ -37,6 +37,7 @@ _TOLD = {
     "density": "have a density that is not positive and give NaN.",
     "viscosity": "have a viscosity that is not positive and give NaN.",
     "wide": "have a kv beyond 0.047 N18 d2: outside the accuracy of the standard.",
+    "lost": "have no flow that satisfies the equations and give NaN.",
 }
 
 
@@ -74,7 +75,8 @@ def rate_liquid(
     fluid : str or Fluid, default="water"
         Water is computed within the pass; the properties of any other `Fluid` are computed before it.
     fl : float or array-like, default=None
-        Pressure recovery factor at the actual travel; None leaves choking out. [1]
+        Pressure recovery factor at the actual travel; None leaves choking out, as does, with `fd`, a fluid
+        without a vapour pressure. [1]
     fd : float or array-like, default=None
         Valve style modifier. With it flow at a low Reynolds number is reduced by F_R; needs `fl` and
         `nominal_size`. [1]
@@ -140,9 +142,12 @@ def rate_liquid(
         given.setdefault("outlet_pipe", given["nominal_size"])
         given.setdefault("kv_rated", given["kv"])
     fluid = fluid_from(fluid)
-    of_water = _is_water(fluid, "fl" in given, viscous)
-    given |= _properties(fluid, temperature, of_water, "fl" in given, viscous, warn)
-    modes = (of_water, "fl" in given, piping, viscous, bool(strict))
+    # as `liquid_flow`: viscosity asks for fl too, and alone does not mean choking
+    needless = viscous and not {"p_vapour", "dp_choked"} & set(names)
+    choking = "fl" in given and (fluid.knows("vapour_pressure") or not needless)
+    of_water = _is_water(fluid, choking, viscous)
+    given |= _properties(fluid, temperature, of_water, choking, viscous, warn)
+    modes = (of_water, choking, piping, viscous, bool(strict))
     shape, found, counts = _run(given, names, modes, n_jobs)
     if warn:
         for trouble, count in counts.items():
