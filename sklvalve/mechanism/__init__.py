@@ -27,6 +27,7 @@ from sklvalve.mechanism.liquid import (
     liquid_kv,
 )
 from sklvalve.mechanism.liquid_pressure import liquid_inlet_pressure, liquid_outlet_pressure
+from sklvalve.mechanism.opening import opening_for_flow, opening_for_gas_flow
 from sklvalve.mechanism.orifice import (
     area_from_kv,
     estimate_fl,
@@ -96,6 +97,8 @@ __all__ = [
     "liquid_kv",
     "liquid_outlet_pressure",
     "opening_for_capacity",
+    "opening_for_flow",
+    "opening_for_gas_flow",
     "opening_for_installed",
     "orifice_area",
     "orifice_flow",

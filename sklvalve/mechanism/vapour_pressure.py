@@ -4,10 +4,8 @@
 import numpy as np
 from scipy.optimize import least_squares
 
+from sklvalve.mechanism.gas_units import GAS_CONSTANT
 from sklvalve.mechanism.validity import warn_rows
-
-GAS_CONSTANT = 8.314462618
-"""Molar gas constant; the paper's 287 is the specific constant of dry air. [J/(mol K)]"""
 
 WATER_CLAUSIUS_CLAPEYRON = {"p_ref": 12351.95, "t_ref": 323.15, "enthalpy": 42911.0}
 """Water about 50 degC: within 13 % of IAPWS-95 from 0 to 150 degC."""
