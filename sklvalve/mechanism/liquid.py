@@ -1,96 +1,60 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Liquid through a control valve, turbulent and choked: flow from capacity, and capacity from flow.
+"""Liquid through a control valve: flow from capacity, and capacity from flow.
 
-IEC 60534-2-1 for incompressible fluids, written for arrays and in SI. Reducers need nothing more here: with
-the piping factors :math:`F_P` and :math:`F_{LP}` call any of these functions with ``kv * fp`` and
-``fl=flp / fp``.
+IEC 60534-2-1 for incompressible fluids, written for arrays and in SI: turbulent and, where the data for it
+are given, choked, viscous, and between reducers. With :math:`F_P` and :math:`F_{LP}` from elsewhere call any
+of these functions with ``kv * fp`` and ``fl=flp / fp``.
 """
 
 import numpy as np
 
 from sklvalve.mechanism._constants import FLOW_CONSTANT
+from sklvalve.mechanism._liquid_sizing import SizingDuty, required_kv
+from sklvalve.mechanism._liquid_valve import LiquidValve
+from sklvalve.mechanism.choking import (
+    WATER_CRITICAL_PRESSURE,
+    boiling_pressure,
+    choked_limit,
+    choked_pressure_drop,
+    critical_pressure_ratio_factor,
+    floats,
+    with_choking,
+)
 from sklvalve.mechanism.validity import warn_rows
 
-WATER_CRITICAL_PRESSURE = 22.064e6
-"""Critical pressure of water, IAPWS. [Pa]"""
-
-
-def critical_pressure_ratio_factor(p_vapour, p_critical=WATER_CRITICAL_PRESSURE):
-    r"""Liquid critical pressure ratio factor F_F, the paper's equation 5.
-
-    Parameters
-    ----------
-    p_vapour : float or array-like
-        Vapour pressure of the liquid at the inlet temperature, absolute. [Pa]
-    p_critical : float or array-like, default=22.064e6
-        Thermodynamic critical pressure; the default is that of water. [Pa]
-
-    Returns
-    -------
-    ff : float or ndarray
-        Factor between 0.68 and 0.96; NaN where `p_vapour` lies outside [0, p_critical], for there is no
-        liquid. [1]
-
-    Notes
-    -----
-    .. math:: F_F = 0.96 - 0.28 \sqrt{p_v / p_c}
-
-    For pure liquids. The paper prints 22 565 kPa as the critical pressure of water; it is 22 064 kPa (IAPWS).
-
-    References
-    ----------
-    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
-
-    Examples
-    --------
-    >>> round(float(critical_pressure_ratio_factor(70.1e3, 22.12e6)), 4)
-    0.9442
-    """
-    ratio = np.asarray(p_vapour, dtype=float) / np.asarray(p_critical, dtype=float)
-    ratio = np.where((ratio >= 0.0) & (ratio <= 1.0), ratio, np.nan)[()]
-    return 0.96 - 0.28 * np.sqrt(ratio)
-
-
-def choked_pressure_drop(p1, p_vapour, p_critical, fl):
-    r"""Pressure drop from which on the flow of a liquid no longer grows.
-
-    Parameters
-    ----------
-    p1 : float or array-like
-        Inlet pressure, absolute. [Pa]
-    p_vapour : float or array-like
-        Vapour pressure at the inlet temperature. [Pa]
-    p_critical : float or array-like
-        Critical pressure. [Pa]
-    fl : float or array-like
-        Pressure recovery factor of the valve at its actual travel; ``flp / fp`` with reducers. [1]
-
-    Returns
-    -------
-    dp_choked : float or ndarray
-        Onset of choking; negative or zero where the liquid boils before the valve. [Pa]
-
-    Notes
-    -----
-    .. math:: \Delta p_{choked} = F_L^2 (p_1 - F_F p_v)
-
-    References
-    ----------
-    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations.
-
-    Examples
-    --------
-    >>> round(float(choked_pressure_drop(680e3, 70.1e3, 22.12e6, 0.9)) / 1e3)
-    497
-    """
-    fl = np.asarray(fl, dtype=float)
-    return fl * fl * (np.asarray(p1, dtype=float) - boiling_pressure(p_vapour, p_critical))
+__all__ = [
+    "FLOW_CONSTANT",
+    "WATER_CRITICAL_PRESSURE",
+    "boiling_pressure",
+    "choked_limit",
+    "choked_pressure_drop",
+    "critical_pressure_ratio_factor",
+    "floats",
+    "liquid_flow",
+    "liquid_kv",
+    "with_choking",
+]
 
 
 def liquid_flow(
-    kv, p1, p2, density, *, fl=None, p_vapour=None, p_critical=WATER_CRITICAL_PRESSURE, warn=True
+    kv,
+    p1,
+    p2,
+    density,
+    *,
+    fl=None,
+    p_vapour=None,
+    p_critical=WATER_CRITICAL_PRESSURE,
+    viscosity=None,
+    fd=None,
+    kv_rated=None,
+    nominal_size=None,
+    inlet_pipe=None,
+    outlet_pipe=None,
+    strict=False,
+    warn=True,
 ):
-    r"""Volume flow of a liquid through a valve, turbulent and, where `fl` is given, choked.
+    r"""Volume flow of a liquid through a valve: turbulent, and by what else is given.
 
     Parameters
     ----------
@@ -103,9 +67,25 @@ def liquid_flow(
     fl : float or array-like, default=None
         Pressure recovery factor; None leaves choking out. [1]
     p_vapour : float or array-like, default=None
-        Vapour pressure at the inlet temperature; needed with `fl`. [Pa]
+        Vapour pressure at the inlet temperature; needed with `fl` unless `viscosity` is what `fl` is given
+        for. [Pa]
     p_critical : float or array-like, default=22.064e6
         Critical pressure. [Pa]
+    viscosity : float or array-like, default=None
+        Kinematic viscosity; None takes the flow as turbulent. Needs `fl`, `fd` and `nominal_size`. [m2/s]
+    fd : float or array-like, default=None
+        Valve style modifier, for `viscosity`. [1]
+    kv_rated : float or array-like, default=None
+        Flow coefficient of the open valve, for `viscosity`: it decides what kind of trim the valve has. None
+        takes `kv` itself; the trim may then flip with the travel, see `trim_parameter`. [m3/h]
+    nominal_size : float or array-like, default=None
+        Bore of the valve's ends; needed with `viscosity` and with pipes. [m]
+    inlet_pipe, outlet_pipe : float or array-like, default=None
+        Bore of the pipes before and behind the valve; either one None is as wide as the valve. With both None
+        there are no reducers. Flow backwards goes through them the other way round. [m]
+    strict : bool, default=False
+        Take viscosity by the letter of the standard, jumps included: see `reynolds_factor` and
+        `trim_parameter`; and reducers count in turbulent flow only.
     warn : bool, default=True
         Emit a `ValidityWarning` with the number of rows outside the validity.
 
@@ -114,30 +94,36 @@ def liquid_flow(
     flow : float or ndarray
         Volume flow, odd in the pressure drop: where `p2` exceeds `p1` the flow is negative and chokes by the
         conditions at `p2`. NaN where an input is NaN, the density is not positive, or the pressure upstream
-        lies at or under F_F p_v, where no liquid enters. [m3/s]
+        lies at or under F_F p_v, where no liquid enters; with `strict`, where the standard jumps over the
+        answer. [m3/s]
 
     Raises
     ------
     ValueError
-        If `fl` is given without `p_vapour`.
+        If `fl` is given without `p_vapour` or `viscosity`, or `viscosity` or a pipe without what it needs.
 
     Warns
     -----
     ValidityWarning
         Rows where the liquid boils before the valve, `kv` is negative (the linear continuation is returned)
-        or the density is not positive.
+        or wider than the standard covers, the density or the viscosity is not positive, or no answer.
 
     See Also
     --------
     liquid_kv : The same equation solved for kv.
     liquid_outlet_pressure, liquid_inlet_pressure : Solved for a pressure.
+    liquid_state : Which of the regimes a row is in.
 
     Notes
     -----
-    .. math:: Q = N_1 K_v \sqrt{\frac{\min(\Delta p,\, \Delta p_{choked})}{\rho_1 / \rho_0}}
+    .. math:: Q = F_R F_P N_1 K_v \sqrt{\frac{\min(\Delta p,\, \Delta p_{choked})}{\rho_1 / \rho_0}},
+              \qquad \Delta p_{choked} = \left(\frac{F_{LP}}{F_P}\right)^2 (p_1 - F_F p_v)
 
-    with :math:`N_1 = 0.1` for m3/h and kPa and :math:`\rho_0` = 999.1026 kg/m3. Valid for a Newtonian pure
-    liquid, turbulent in the valve (valve Reynolds number above 10 000).
+    with :math:`N_1 = 0.1` for m3/h and kPa and :math:`\rho_0` = 999.1026 kg/m3; F_P and F_R are 1 and F_LP is
+    F_L where no pipe or viscosity is given. F_R depends on the flow, which follows all the same without
+    iteration: `nonturbulent_flow_ratio`. Valid for a Newtonian pure liquid and C below 0.047 N18 d2. The
+    standard has no F_P in flow that is not turbulent; the product of both is an extension that keeps the flow
+    continuous where it turns turbulent, and `strict` goes without it.
 
     References
     ----------
@@ -145,31 +131,62 @@ def liquid_flow(
 
     Examples
     --------
-    Worked example 1 of the standard, the other way round (360 m3/h is the flow it sizes for):
+    Worked example 1 of the standard, the other way round (360 m3/h is the flow it sizes for), and with a
+    liquid 6000 times as viscous:
 
     >>> q = liquid_flow(165.0, 680e3, 220e3, 965.4, fl=0.9, p_vapour=70.1e3)
     >>> round(float(q) * 3600.0)
     360
+    >>> q = liquid_flow(
+    ...     165.0, 680e3, 220e3, 965.4, fl=0.9, p_vapour=70.1e3, viscosity=2e-3, fd=0.46, nominal_size=0.15
+    ... )
+    >>> round(float(q) * 3600.0)
+    256
     """
     kv, p1, p2, density = floats(kv, p1, p2, density)
-    dp = p1 - p2
-    drop = np.abs(dp)
-    if with_choking(fl, p_vapour):
-        upstream = np.maximum(p1, p2)
-        drop = np.minimum(drop, choked_limit(upstream, fl, p_vapour, p_critical))
-        if warn:
-            warn_rows(upstream <= np.asarray(p_vapour), "liquid_flow", _BOILS)
+    valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
+    chokes = with_choking(fl, p_vapour, valve.viscous)
+    dp, upstream = p1 - p2, np.maximum(p1, p2)
+
+    def turbulent(kv, fl):
+        drop = np.abs(dp)
+        if chokes:
+            drop = np.minimum(drop, choked_limit(upstream, fl, p_vapour, p_critical))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            # a density of zero must not pass as an infinite flow
+            root = np.sqrt(drop / np.where(density > 0.0, density, np.nan))
+        return FLOW_CONSTANT * kv * np.copysign(root, dp)
+
+    flow = valve.slowed(turbulent, kv, dp < 0.0)
     if warn:
+        if chokes:
+            warn_rows(upstream <= np.asarray(p_vapour), "liquid_flow", _BOILS)
         warn_rows(kv < 0.0, "liquid_flow", "have a negative kv; the linear continuation is returned.")
         warn_rows(density <= 0.0, "liquid_flow", "have a density that is not positive and give NaN.")
-    with np.errstate(invalid="ignore", divide="ignore"):
-        # a density of zero must not pass as an infinite flow
-        root = np.sqrt(drop / np.where(density > 0.0, density, np.nan))
-    return FLOW_CONSTANT * kv * np.copysign(root, dp)
+        valve.warn(kv, "liquid_flow")
+        if valve.extended:
+            lost = np.isnan(flow) & ~np.isnan(turbulent(kv, fl)) & valve.known()
+            warn_rows(lost, "liquid_flow", "have no flow that satisfies the equations and give NaN.")
+    return flow
 
 
 def liquid_kv(
-    flow, p1, p2, density, *, fl=None, p_vapour=None, p_critical=WATER_CRITICAL_PRESSURE, warn=True
+    flow,
+    p1,
+    p2,
+    density,
+    *,
+    fl=None,
+    p_vapour=None,
+    p_critical=WATER_CRITICAL_PRESSURE,
+    viscosity=None,
+    fd=None,
+    kv_rated=None,
+    nominal_size=None,
+    inlet_pipe=None,
+    outlet_pipe=None,
+    strict=False,
+    warn=True,
 ):
     r"""Flow coefficient that passes a given flow: sizing, the paper's equation 6 and its choked form.
 
@@ -177,26 +194,37 @@ def liquid_kv(
     ----------
     flow : float or array-like
         Volume flow at inlet conditions. [m3/s]
-    p1, p2, density, fl, p_vapour, p_critical, warn
+    p1, p2, density, fl, p_vapour, p_critical
+        As in `liquid_flow`.
+    viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict, warn
         As in `liquid_flow`.
 
     Returns
     -------
     kv : float or ndarray
-        Flow coefficient; NaN where the pressure drop is zero or the liquid boils before the valve. Negative,
-        with a warning, where the flow runs against the pressure drop. [m3/h]
+        Flow coefficient of the valve alone; NaN where the pressure drop is zero, the liquid boils before the
+        valve, or no valve of the size passes the flow between its pipes. Negative, with a warning, where the
+        flow runs against the pressure drop. Where without `kv_rated` a viscous duty has several answers, the
+        smallest. [m3/h]
 
     Raises
     ------
     ValueError
-        If `fl` is given without `p_vapour`.
+        As in `liquid_flow`.
 
     Notes
     -----
     .. math:: K_v = \frac{Q}{N_1} \sqrt{\frac{\rho_1/\rho_0}{\min(\Delta p, \Delta p_{choked})}}
 
     The paper gives the turbulent form only; the choked one follows with
-    :math:`\Delta p_{choked} = F_L^2 (p_1 - F_F p_v)`.
+    :math:`\Delta p_{choked} = F_L^2 (p_1 - F_F p_v)`. Between reducers, with q the result above for turbulent
+    and for choked flow,
+
+    .. math:: K_v = \max\left(q_t \Big/ \sqrt{1 - \tfrac{\sum\zeta}{N_2 d^4} q_t^2},\;
+              q_c \Big/ \sqrt{1 - \tfrac{F_L^2 \zeta_i}{N_2 d^4} q_c^2}\right)
+
+    Each form asks for what the flow needs at least, so the larger one is the one that holds. Viscosity makes
+    F_R depend on the answer: a bracketed iteration that always ends.
 
     References
     ----------
@@ -209,42 +237,45 @@ def liquid_kv(
     >>> kv = liquid_kv(360 / 3600, 680e3, 220e3, 965.4, fl=[0.9, 0.6], p_vapour=70.1e3, p_critical=22.12e6)
     >>> kv.round(0)
     array([165., 238.])
+
+    A globe valve of 80 mm between reducers:
+
+    >>> pipes = {"nominal_size": 0.08, "inlet_pipe": 0.1, "outlet_pipe": 0.09}
+    >>> kv = liquid_kv(360 / 3600, 680e3, 220e3, 965.4, fl=0.9, p_vapour=70.1e3, **pipes)
+    >>> round(float(kv), 1)
+    177.9
     """
     flow, p1, p2, density = floats(flow, p1, p2, density)
-    unit_flow = liquid_flow(1.0, p1, p2, density, fl=fl, p_vapour=p_vapour, p_critical=p_critical, warn=False)
+    valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
+    chokes = with_choking(fl, p_vapour, valve.viscous)
+    upstream = np.maximum(p1, p2)
+
+    def unit_flow(fl, drop_behind):
+        known = {"fl": fl, "p_vapour": p_vapour, "p_critical": p_critical} if fl is not None else {}
+        return liquid_flow(1.0, upstream, upstream - drop_behind, density, **known, warn=False)
+
     with np.errstate(invalid="ignore", divide="ignore"):
-        kv = np.where(unit_flow == 0.0, np.nan, flow / unit_flow)[()]
+        if valve.extended:
+            unit = unit_flow(None, np.abs(p1 - p2))
+            choked_unit = unit_flow(1.0, np.inf) if chokes else None
+            duty = SizingDuty(valve, np.abs(flow), np.where(unit > 0.0, unit, np.nan), choked_unit, p2 > p1)
+            kv = np.copysign(required_kv(duty), np.copysign(1.0, flow) * np.copysign(1.0, p1 - p2))[()]
+        else:
+            unit = liquid_flow(
+                1.0, p1, p2, density, fl=fl, p_vapour=p_vapour, p_critical=p_critical, warn=False
+            )
+            kv = np.where(unit == 0.0, np.nan, flow / unit)[()]
     if warn:
         warn_rows(p1 == p2, "liquid_kv", "have no pressure drop and give NaN.")
         warn_rows(kv < 0.0, "liquid_kv", "have the flow against the pressure drop; their kv is negative.")
         warn_rows(density <= 0.0, "liquid_kv", "have a density that is not positive and give NaN.")
-        if fl is not None:
-            warn_rows(np.maximum(p1, p2) <= np.asarray(p_vapour), "liquid_kv", _BOILS)
+        if chokes:
+            warn_rows(upstream <= np.asarray(p_vapour), "liquid_kv", _BOILS)
+        valve.warn(kv, "liquid_kv")
+        if valve.extended:
+            lost = np.isnan(kv) & ~np.isnan(flow / np.where(unit > 0.0, unit, np.nan)) & valve.known()
+            warn_rows(lost, "liquid_kv", "ask for a flow that no valve of this size passes and give NaN.")
     return kv
 
 
 _BOILS = "have liquid at or below its vapour pressure before the valve; those at or below F_F p_v give NaN."
-
-
-def floats(*values):
-    return tuple(np.asarray(value, dtype=float) for value in values)
-
-
-def with_choking(fl, p_vapour):
-    if fl is None:
-        return False
-    if p_vapour is None:
-        raise ValueError(
-            "fl is given but p_vapour is not: choking needs both; give p_vapour or leave fl out."
-        )
-    return True
-
-
-def boiling_pressure(p_vapour, p_critical):
-    return critical_pressure_ratio_factor(p_vapour, p_critical) * np.asarray(p_vapour, dtype=float)
-
-
-def choked_limit(upstream, fl, p_vapour, p_critical):
-    """Onset of choking, NaN where no liquid enters (so that no root of a negative number is taken)."""
-    limit = choked_pressure_drop(upstream, p_vapour, p_critical, fl)
-    return np.where(limit > 0.0, limit, np.nan)[()]

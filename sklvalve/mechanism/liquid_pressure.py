@@ -3,8 +3,9 @@
 
 import numpy as np
 
-from sklvalve.mechanism.liquid import (
-    FLOW_CONSTANT,
+from sklvalve.mechanism._constants import FLOW_CONSTANT
+from sklvalve.mechanism._liquid_valve import LiquidValve
+from sklvalve.mechanism.choking import (
     WATER_CRITICAL_PRESSURE,
     boiling_pressure,
     choked_limit,
@@ -13,7 +14,9 @@ from sklvalve.mechanism.liquid import (
 )
 from sklvalve.mechanism.validity import warn_rows
 
+# the flow of a choked valve must not come back as feasible by the rounding of its own root
 _ROUNDING = 32.0 * np.finfo(float).eps
+_ROUNDING_OF_FACTORS = 1e-12
 
 
 def liquid_outlet_pressure(
@@ -25,6 +28,13 @@ def liquid_outlet_pressure(
     fl=None,
     p_vapour=None,
     p_critical=WATER_CRITICAL_PRESSURE,
+    viscosity=None,
+    fd=None,
+    kv_rated=None,
+    nominal_size=None,
+    inlet_pipe=None,
+    outlet_pipe=None,
+    strict=False,
     return_feasible=False,
     warn=True,
 ):
@@ -38,7 +48,9 @@ def liquid_outlet_pressure(
         Flow coefficient at the actual opening. [m3/h]
     p1 : float or array-like
         Inlet pressure, absolute. [Pa]
-    density, fl, p_vapour, p_critical, warn
+    density, fl, p_vapour, p_critical
+        As in `liquid_flow`.
+    viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict, warn
         As in `liquid_flow`.
     return_feasible : bool, default=False
         Also return the mask of rows that have an answer.
@@ -54,7 +66,7 @@ def liquid_outlet_pressure(
     Raises
     ------
     ValueError
-        If `fl` is given without `p_vapour`.
+        As in `liquid_flow`.
 
     Warns
     -----
@@ -67,7 +79,8 @@ def liquid_outlet_pressure(
     .. math:: p_2 = p_1 - \frac{\rho_1}{\rho_0} \left(\frac{Q}{N_1 K_v}\right)^2
               \quad\text{for}\quad \Delta p < F_L^2 (p_1 - F_F p_v)
 
-    A relative error of the flow counts twice in the drop.
+    with Q / F_R for Q, F_P K_v for K_v and F_LP / F_P for F_L where viscosity or pipes are given: F_R follows
+    from the flow without iteration. A relative error of the flow counts twice in the drop.
 
     References
     ----------
@@ -80,25 +93,43 @@ def liquid_outlet_pressure(
     360.573
     """
     flow, kv, p1, density = floats(flow, kv, p1, density)
-    drop = _turbulent_drop(flow, kv, density)
+    valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
+    turbulent, capacity, recovery = valve.as_turbulent(flow, kv, flow < 0.0)
+    drop = _turbulent_drop(turbulent, capacity, density)
     p2 = p1 - drop
-    if with_choking(fl, p_vapour):
-        # the flow of a choked valve must not come back as feasible by the rounding of its own root
-        forward_limit = choked_limit(p1, fl, p_vapour, p_critical) * (1.0 - _ROUNDING)
+    if with_choking(fl, p_vapour, valve.viscous):
+        rounding = _ROUNDING_OF_FACTORS if valve.extended else _ROUNDING
+        forward_limit = choked_limit(p1, recovery, p_vapour, p_critical) * (1.0 - rounding)
         # flow backwards: p1 is then the known pressure behind the valve, p2 the wanted one before it
-        backward = _pressure_before(-drop, p1, fl, p_vapour, p_critical)
+        backward = _pressure_before(-drop, p1, recovery, p_vapour, p_critical)
         p2 = np.where(drop < 0.0, backward, np.where(drop < forward_limit, p2, np.nan))[()]
     if warn:
         given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p1) | np.isnan(density))
         lost = np.isnan(p2) & given
         warn_rows(lost, "liquid_outlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
+        valve.warn(kv, "liquid_outlet_pressure")
         if fl is None:
             warn_rows(p2 < 0.0, "liquid_outlet_pressure", "fall below zero absolute: give fl and p_vapour.")
     return (p2, ~np.isnan(p2)) if return_feasible else p2
 
 
 def liquid_inlet_pressure(
-    flow, kv, p2, density, *, fl=None, p_vapour=None, p_critical=WATER_CRITICAL_PRESSURE, warn=True
+    flow,
+    kv,
+    p2,
+    density,
+    *,
+    fl=None,
+    p_vapour=None,
+    p_critical=WATER_CRITICAL_PRESSURE,
+    viscosity=None,
+    fd=None,
+    kv_rated=None,
+    nominal_size=None,
+    inlet_pipe=None,
+    outlet_pipe=None,
+    strict=False,
+    warn=True,
 ):
     r"""Pressure before the valve from the flow and the pressure behind it.
 
@@ -108,7 +139,9 @@ def liquid_inlet_pressure(
         As in `liquid_outlet_pressure`.
     p2 : float or array-like
         Outlet pressure, absolute. [Pa]
-    density, fl, p_vapour, p_critical, warn
+    density, fl, p_vapour, p_critical
+        As in `liquid_flow`.
+    viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict, warn
         As in `liquid_flow`.
 
     Returns
@@ -120,7 +153,7 @@ def liquid_inlet_pressure(
     Raises
     ------
     ValueError
-        If `fl` is given without `p_vapour`.
+        As in `liquid_flow`.
 
     Notes
     -----
@@ -128,7 +161,8 @@ def liquid_inlet_pressure(
 
     .. math:: p_1 = \max\left(p_2 + \Delta p,\; F_F p_v + \Delta p / F_L^2\right):
 
-    the second holds from the onset of choking on, and there the two are equal.
+    the second holds from the onset of choking on, and there the two are equal. Viscosity and pipes enter as
+    in `liquid_outlet_pressure`.
 
     References
     ----------
@@ -143,9 +177,25 @@ def liquid_inlet_pressure(
     # the valve seen from its other side: the flow changes sign, the wanted pressure becomes the outlet
     flow, kv, p2, density = floats(flow, kv, p2, density)
     p1 = liquid_outlet_pressure(
-        -flow, kv, p2, density, fl=fl, p_vapour=p_vapour, p_critical=p_critical, warn=False
+        -flow,
+        kv,
+        p2,
+        density,
+        fl=fl,
+        p_vapour=p_vapour,
+        p_critical=p_critical,
+        viscosity=viscosity,
+        fd=fd,
+        kv_rated=kv_rated,
+        nominal_size=nominal_size,
+        inlet_pipe=outlet_pipe,
+        outlet_pipe=inlet_pipe,
+        strict=strict,
+        warn=False,
     )
     if warn:
+        valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
+        valve.warn(kv, "liquid_inlet_pressure")
         given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p2) | np.isnan(density))
         lost = np.isnan(p1) & given
         warn_rows(lost, "liquid_inlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")

@@ -3,7 +3,9 @@
 
 import numpy as np
 
-from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE, critical_pressure_ratio_factor
+from sklvalve.mechanism._constants import FLOW_CONSTANT
+from sklvalve.mechanism._liquid_valve import LiquidValve
+from sklvalve.mechanism.choking import WATER_CRITICAL_PRESSURE, critical_pressure_ratio_factor
 from sklvalve.mechanism.validity import warn_rows
 
 
@@ -117,7 +119,18 @@ def orifice_area(
     return equivalent * np.sqrt(np.where(ratio < 1.0, 1.0 - ratio * ratio, np.nan))[()]
 
 
-def vena_contracta_pressure(p1, p2, fl, *, p_vapour=None, p_critical=WATER_CRITICAL_PRESSURE):
+def vena_contracta_pressure(
+    p1,
+    p2,
+    fl,
+    *,
+    p_vapour=None,
+    p_critical=WATER_CRITICAL_PRESSURE,
+    kv=None,
+    nominal_size=None,
+    inlet_pipe=None,
+    outlet_pipe=None,
+):
     r"""Pressure at the narrowest section of the stream.
 
     Parameters
@@ -125,23 +138,33 @@ def vena_contracta_pressure(p1, p2, fl, *, p_vapour=None, p_critical=WATER_CRITI
     p1, p2 : float or array-like
         Pressures before and behind the valve, absolute. [Pa]
     fl : float or array-like
-        Pressure recovery factor. [1]
+        Pressure recovery factor of the valve alone. [1]
     p_vapour : float or array-like, default=None
         Vapour pressure; None leaves choking out. [Pa]
     p_critical : float or array-like, default=22.064e6
         Critical pressure. [Pa]
+    kv : float or array-like, default=None
+        Flow coefficient; needed with pipes. [m3/h]
+    nominal_size, inlet_pipe, outlet_pipe : float or array-like, default=None
+        Bores of the valve and its pipes, as in `liquid_flow`. [m]
 
     Returns
     -------
     p_vc : float or ndarray
         Pressure at the vena contracta. Once the flow is choked it stays at F_F p_v. [Pa]
 
+    Raises
+    ------
+    ValueError
+        If a pipe is given without `kv` or `nominal_size`.
+
     Notes
     -----
     .. math:: p_{vc} = \max\left(p_1 - \frac{\Delta p}{F_L^2},\; F_F p_v\right)
 
     which is the paper's equation 2, both its forms, solved for the pressure: the first holds at every point
-    that is not choked, the second from the onset of choking on. For reversed flow the two sides swap roles.
+    that is not choked, the second from the onset of choking on. Between reducers F_LP / F_P stands for F_L.
+    For reversed flow the two sides swap roles.
 
     Examples
     --------
@@ -151,6 +174,13 @@ def vena_contracta_pressure(p1, p2, fl, *, p_vapour=None, p_critical=WATER_CRITI
     112.1
     """
     p1, p2, fl = (np.asarray(value, dtype=float) for value in (p1, p2, fl))
+    valve = LiquidValve(fl, nominal_size=nominal_size, inlet_pipe=inlet_pipe, outlet_pipe=outlet_pipe)
+    if valve.piped:
+        if kv is None:
+            raise ValueError(
+                "a pipe is given but kv is not: how much reducers take depends on it; give kv [m3/h]."
+            )
+        fl = valve.with_pipes(np.asarray(kv, dtype=float), p2 > p1)[1]
     p_vc = np.maximum(p1, p2) - np.abs(p1 - p2) / (fl * fl)
     if p_vapour is None:
         return p_vc

@@ -7,17 +7,15 @@ from sklvalve.mechanism._constants import (
     FLOW_CONSTANT,
     HOUR,
     LAMINAR_REYNOLDS,
-    MM,
     N2,
     N4,
-    N18,
-    N32,
     TURBULENT_REYNOLDS,
     capacity_over_bore,
 )
+from sklvalve.mechanism.trim import full_size_kv as full_size_kv
+from sklvalve.mechanism.trim import trim_of as trim_of
+from sklvalve.mechanism.trim import trim_parameter as trim_parameter
 from sklvalve.mechanism.validity import warn_rows
-
-_FULL_SIZE = 0.016 * N18
 
 
 def valve_reynolds_number(flow, kv, viscosity, *, fl, fd, inlet_pipe):
@@ -69,64 +67,6 @@ def valve_reynolds_number(flow, kv, viscosity, *, fl, fd, inlet_pipe):
     with np.errstate(invalid="ignore", divide="ignore"):
         jet = np.where(possible, viscosity * np.sqrt(np.abs(kv) * fl), np.nan)
         return (N4 * HOUR * fd * np.abs(flow) / jet * (pipe * pipe / N2 + 1.0) ** 0.25)[()]
-
-
-def trim_parameter(kv, nominal_size, *, kv_rated=None, strict=False):
-    r"""Number n by which the trim enters the Reynolds factor.
-
-    Parameters
-    ----------
-    kv : float or array-like
-        Flow coefficient at the actual opening. [m3/h]
-    nominal_size : float or array-like
-        Bore of the valve's ends. [m]
-    kv_rated : float or array-like, default=None
-        Flow coefficient of the open valve. It decides between full-size and reduced trim and, unless
-        `strict`, enters n itself. None takes `kv`: the trim may then flip as the valve travels, and with a
-        full-size trim a wider opening may pass less of a very viscous liquid. [m3/h]
-    strict : bool, default=False
-        Put the actual `kv` into n, as the standard is written; `kv_rated` decides the kind of trim only.
-
-    Returns
-    -------
-    trim : float or ndarray
-        The number n. [1]
-
-    Notes
-    -----
-    .. math:: n = N_2 \left(\frac{K_v}{d^2}\right)^{-2}
-              \text{ if } \frac{K_{v100}}{N_{18} d^2} \ge 0.016, \qquad
-              n = 1 + N_{32} \left(\frac{K_v}{d^2}\right)^{2/3} \text{ else}
-
-    The factor was fitted to valves at rated travel. With the actual `kv` the first form lets laminar flow fall
-    as the valve opens (:math:`Q \propto K_v^{-1/2}`), which no valve does; with the rated one it rises.
-
-    References
-    ----------
-    .. [1] IEC 60534-2-1, Industrial-process control valves: flow capacity, sizing equations, annex A.
-
-    Examples
-    --------
-    Worked example 4 of the standard:
-
-    >>> round(float(trim_parameter(0.015483, 0.015)), 3)
-    1.235
-    """
-    actual = np.abs(capacity_over_bore(kv, nominal_size))
-    rated = actual if kv_rated is None else np.abs(capacity_over_bore(kv_rated, nominal_size))
-    return trim_of(actual if strict else rated, full=rated >= _FULL_SIZE)
-
-
-def trim_of(relative, full):
-    """Trim parameter of a capacity over bore squared whose kind of trim is known."""
-    with np.errstate(divide="ignore"):
-        return np.where(full, N2 / (relative * relative), 1.0 + N32 * np.cbrt(relative * relative))[()]
-
-
-def full_size_kv(nominal_size):
-    """Flow coefficient from which on a trim counts as full-size."""
-    size = MM * np.asarray(nominal_size, dtype=float)
-    return _FULL_SIZE * size * size
 
 
 def reynolds_factor(reynolds, trim, fl, *, strict=False):
@@ -221,7 +161,7 @@ def nonturbulent_flow_ratio(reynolds_turbulent, trim, fl, *, strict=False):
     --------
     >>> ratio = nonturbulent_flow_ratio(1000.0, 1.235, 0.98)
     >>> round(float(ratio), 6), round(float(reynolds_factor(1000.0 * ratio, 1.235, 0.98)), 6)
-    (0.643301, 0.643301)
+    (0.62736, 0.62736)
     """
     reynolds, trim, fl = (np.asarray(value, dtype=float) for value in (reynolds_turbulent, trim, fl))
     laminar = (0.026 / fl) ** 2 * trim * np.where(reynolds >= 0.0, reynolds, np.nan)
@@ -269,8 +209,8 @@ def nonturbulent_kv(flow, p1, p2, density, fr, *, warn=True):
     -----
     .. math:: K_v = \frac{Q}{N_1 F_R} \sqrt{\frac{\rho_1 / \rho_0}{\Delta p}}
 
-    The paper prints the *product* of the densities under the root, which is wrong by a factor of the reference
-    density (its root is 31.6), leaves F_R undefined, and sets the limit at a Reynolds number of 1000 where the
+    The paper prints the *product* of the densities under the root, 31.6 times too much for the root of the
+    reference density, leaves F_R undefined, and sets the limit at a Reynolds number of 1000 where the
     standard has 10 000: at 1000 the factor is still between 0.7 and 0.8.
 
     Examples
