@@ -9,7 +9,7 @@ from sklvalve.mechanism.gas_viscous import jet_of, viscous_drop_ratio, viscous_p
 from sklvalve.mechanism.liquid import floats
 from sklvalve.mechanism.validity import warn_rows
 
-_LARGE = 1e12
+_STEEP, _LARGE = 1e3, 1e12
 _POLISH = 2
 
 
@@ -231,6 +231,9 @@ def _pressure_before(demand, behind, x_choked):
     scale = np.sqrt(x_choked * (1.0 + x_choked * q * q))
     sine = 1.5 * x_choked * q * (2.0 / 3.0 * (x_choked * q) ** 2 + x_choked - 1.0) / scale**3
     root = x_choked * q - 2.0 * scale * np.sin(np.arcsin(np.clip(sine, -1.0, 1.0)) / 3.0)
+    # an arcsine close to 1 keeps half of its digits
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.where(q > _STEEP, np.sqrt(1.0 - (1.0 - 1.0 / (3.0 * x_choked)) / q), root)
     for _ in range(_POLISH):
         # the root is the difference of two larger numbers where the drop is nearly the whole pressure
         square = root * root

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Random duties of gas valves, over the whole validity of the equations, for the tests of the gas functions."""
+"""Random duties of gas valves, over the validity of the equations, for the tests of the gas functions."""
 
 import numpy as np
 
