@@ -15,6 +15,8 @@ from sklvalve.mechanism.water import water_density, water_kinematic_viscosity, w
 # a thread costs about as much to start as this many rows cost to rate
 _ROWS_A_THREAD = 20_000
 
+_NOTHING = np.empty(0)
+
 # what an output needs
 _NEEDS = {
     "flow": None,
@@ -239,35 +241,43 @@ def _run(given, names, modes, n_jobs):
 
 def _as_read(given, names, shape, size):
     """The shape to walk through, and for each name its memory as one line and its steps along the axes."""
-    whole = all(
+    plain = all(
         values.size == 1 or (values.shape == shape and values.flags.c_contiguous) for values in given.values()
     )
-    walked = (size,) if whole or not shape else shape
+    walked = (size,) if plain or not shape else shape
     memory, steps = [], np.zeros((len(names), len(walked)), dtype=np.int64)
     for k, name in enumerate(names):
-        values = given.get(name, np.empty(0))
-        if name in given:
-            if whole:
-                values = values.reshape(-1)
-            values = np.broadcast_to(values, walked)
-            if any(step < 0 or step % values.itemsize for step in values.strides) or not values.flags.aligned:
-                values = np.ascontiguousarray(values)
-            steps[k] = [step // values.itemsize for step in values.strides]
-            span = 1 + sum((n - 1) * step for n, step in zip(walked, steps[k].tolist(), strict=True))
-            line = (span if size else 0,)
-            values = np.lib.stride_tricks.as_strided(values, line, (values.itemsize,), writeable=False)
+        if name not in given:
+            line = _NOTHING
+        elif plain:
+            line = given[name].reshape(-1).view()
+            steps[k] = line.size > 1
         else:
-            values.flags.writeable = False
-        memory.append(values)
+            line, steps[k] = _line(np.broadcast_to(given[name], walked), size)
+        # one kind of array for the compiler, whatever the caller may write to
+        line.flags.writeable = False
+        memory.append(line)
     return np.array(walked), tuple(memory), steps
 
 
+def _line(values, size):
+    """The memory of an array from its first element to its last, and its steps along the axes."""
+    if any(step < 0 or step % values.itemsize for step in values.strides) or not values.flags.aligned:
+        values = np.ascontiguousarray(values)
+    steps = [step // values.itemsize for step in values.strides]
+    span = 1 + sum((n - 1) * step for n, step in zip(values.shape, steps, strict=True))
+    return np.lib.stride_tricks.as_strided(values, (span if size else 0,), (values.itemsize,)), steps
+
+
 def _threads(n_jobs, size):
+    paying = max(1, size // _ROWS_A_THREAD)
     if n_jobs is None:
+        if paying == 1:
+            return 1
         from joblib import cpu_count
 
         lent = [os.environ.get(name, "") for name in ("OMP_NUM_THREADS", "NUMBA_NUM_THREADS")]
         n_jobs = min([cpu_count(), *(int(text) for text in lent if text.isdigit() and int(text) > 0)])
     elif not isinstance(n_jobs, int | np.integer) or n_jobs < 1:
         raise ValueError(f"n_jobs must be a number of threads, 1 or more, or None; got {n_jobs!r}.")
-    return max(1, min(int(n_jobs), size // _ROWS_A_THREAD))
+    return min(int(n_jobs), paying)
