@@ -139,6 +139,9 @@ def opening_for_capacity(phi, characteristic, *, rangeability=None, shutoff=0.0,
     Notes
     -----
     Closed forms, but for a table: there each cubic is solved by Newton steps kept inside a shrinking bracket.
+    Either way the opening comes back to rounding. Only where a table levels off at its end is less known of
+    it: there the capacity itself, in double precision, tells openings apart to some 1e-9 or, at the very end,
+    1e-8.
 
     Examples
     --------

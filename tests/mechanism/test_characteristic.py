@@ -57,6 +57,20 @@ def test_round_trip_of_100_000(kind, rangeability, shutoff, leakage):
     assert_allclose(again, opening, rtol=0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(10))
+def test_round_trip_through_rising_tables(seed):
+    rng = np.random.default_rng(seed)
+    n_points = rng.integers(2, 15)
+    points = np.linspace(0.0, 1.0, n_points)
+    points[1:-1] += rng.uniform(-0.4, 0.4, n_points - 2) / n_points
+    phi = np.cumsum(rng.uniform(0.01, 1.0, n_points))
+    table = np.column_stack([points, phi / phi[-1]])
+    # the curve may level off at its end, where the last digits of a capacity are many openings
+    opening = rng.uniform(0.0, 0.999, 10_000)
+    again = opening_for_capacity(relative_capacity(opening, table), table)
+    assert_allclose(again, opening, rtol=0.0, atol=1e-11)
+
+
 @pytest.mark.parametrize("kind", [*CHARACTERISTICS, TABLE])
 def test_leakage_lifts_the_shut_valve_and_leaves_the_open_one(kind):
     given_so = {"rangeability": 30.0, "shutoff": 0.05, "leakage": 5e-3}

@@ -64,6 +64,19 @@ def test_round_trip_of_liquid(kind, fl):
         assert not np.any(first)
 
 
+@pytest.mark.parametrize(("fl", "fd"), [(0.9, 0.46), (FL, FD)], ids=["number", "table"])
+@pytest.mark.parametrize("pipes", [{"nominal_size": 0.15}, PIPES], ids=["bare", "reducers"])
+@pytest.mark.parametrize("viscous", [False, True])
+def test_round_trip_with_viscosity_and_reducers(viscous, pipes, fl, fd):
+    duty, trim = duties(5000), {"kv_rated": 160.0, "characteristic": "equal_percentage"}
+    more = {**pipes, "fd": fd} if viscous else pipes
+    flow = liquid(duty["opening"], trim, duty, fl, **more)
+    names = ("p1", "p2", "density", "p_vapour", *(["viscosity"] if viscous else []))
+    known = {name: duty[name] for name in names} | more
+    again = opening_for_flow(flow, **known, fl=fl, rangeability=50.0, shutoff=0.02, **trim)
+    assert_allclose(liquid(again, trim, duty, fl, **more), flow, rtol=1e-9)
+
+
 @pytest.mark.parametrize("xt", [0.7, XT], ids=["number", "table"])
 @pytest.mark.parametrize(
     "more",
