@@ -102,7 +102,8 @@ def _count(w, n, of_water, choking, piping, viscous, counts):
     if viscous:
         for i in range(n):
             counts[5] += w[NU + i] <= 0.0
-            if of_water:
+        if of_water:
+            for i in range(n):
                 counts[1] += (w[T + i] < FREEZING) | (w[T + i] > VISCOSITY_LIMIT)
     if piping or viscous:
         for i in range(n):

@@ -46,8 +46,10 @@ INPUTS = (
 )
 OUTPUTS = ("density", "p_vapour", "viscosity", "flow", "mass_flow", "dp_choked", "reynolds", "fr")
 KV, P1, P2, T, RHO, PV, NU, PC, FL, FD, RATED, SIZE, INLET, OUTLET = (k * ROW for k in range(14))
-FLOW, MASS, DPC, RE, FR, KVP, FL2, BOIL, LAM, SLOPE, FAST_FLOW, FAST_RE = (k * ROW for k in range(14, 26))
-WORK = 26 * ROW
+FLOW, MASS, DPC, RE, FR, KVP, FL2, BOIL, LAM, SLOPE, EXCESS, FAST_FLOW, FAST_RE = (
+    k * ROW for k in range(14, 27)
+)
+WORK = 27 * ROW
 PLACE = np.array([RHO, PV, NU, FLOW, MASS, DPC, RE, FR])
 
 CRITICAL_TEMPERATURE = 647.096
@@ -55,6 +57,7 @@ _CRITICAL_PRESSURE = 22.064e6
 _CRITICAL_DENSITY = 322.0
 FREEZING = 273.15
 VISCOSITY_LIMIT = 423.15
+_PER_CRITICAL_TEMPERATURE = 1.0 / CRITICAL_TEMPERATURE
 _FLOW_CONSTANT = float(FLOW_CONSTANT)
 _SLOPE_FACTOR = float(0.33 / np.log(10.0))
 
@@ -67,7 +70,7 @@ def water(w, n):
     for i in range(n):
         t = w[T + i]
         t = t if (t > 0.0) & (t <= CRITICAL_TEMPERATURE) else np.nan
-        tau = 1.0 - t / CRITICAL_TEMPERATURE
+        tau = (CRITICAL_TEMPERATURE - t) * _PER_CRITICAL_TEMPERATURE
         tau2 = tau * tau
         tau3 = tau2 * tau
         tau4 = tau2 * tau2
@@ -84,7 +87,7 @@ def water(w, n):
     for i in range(n):
         t = w[T + i]
         t = t if (t > 0.0) & (t <= CRITICAL_TEMPERATURE) else np.nan
-        tau = 1.0 - t / CRITICAL_TEMPERATURE
+        tau = (CRITICAL_TEMPERATURE - t) * _PER_CRITICAL_TEMPERATURE
         inverse = one_over_cube_root(1e-280 if tau < 1e-280 else tau)
         third = tau * inverse * inverse
         two_thirds = third * third
@@ -133,8 +136,9 @@ def pipes(w, n, choking):
     for i in range(n):
         size = w[SIZE + i]
         backward = w[P2 + i] > w[P1 + i]
-        before = size / (w[OUTLET + i] if backward else w[INLET + i])
-        behind = size / (w[INLET + i] if backward else w[OUTLET + i])
+        inlet, outlet = w[INLET + i], w[OUTLET + i]
+        before = size / (outlet if backward else inlet)
+        behind = size / (inlet if backward else outlet)
         before *= before
         behind *= behind
         zeta_inlet = 0.5 * (1.0 - before) * (1.0 - before) + (1.0 - before * before)
@@ -184,7 +188,8 @@ def reynolds(w, n, strict):
     """Reynolds number of the turbulent flow, and what the trim makes of it."""
     for i in range(n):
         kv, fl, nu = abs(w[KV + i]), w[FL + i], w[NU + i]
-        pipe = MM * (w[OUTLET + i] if w[P2 + i] > w[P1 + i] else w[INLET + i])
+        inlet, outlet = w[INLET + i], w[OUTLET + i]
+        pipe = MM * (outlet if w[P2 + i] > w[P1 + i] else inlet)
         pipe = fl * kv / (pipe * pipe)
         jet = (nu if (nu > 0.0) & (kv > 0.0) else np.nan) * sqrt(kv * fl)
         reynolds = N4 * HOUR * w[FD + i] * abs(w[FLOW + i]) / jet * sqrt(sqrt(pipe * pipe / N2 + 1.0))
@@ -209,10 +214,15 @@ def transitional(w, n):
         shift = 1.0 / slope + log(1e-300 if grown < 1e-300 else grown)
         excess = shift - 1.0
         excess = excess if excess > 0.0 else np.nan
-        y = shift + log(1.0 + excess + sqrt(2.0 * excess))
-        for _ in range(4):
-            y = y * (excess + log(y)) / (y - 1.0)
-        w[FR + i] = slope * y
+        w[EXCESS + i] = excess
+        w[FR + i] = shift + log(1.0 + excess + sqrt(2.0 * excess))
+    # step by step over the whole block: within a row each step waits for the one before
+    for _ in range(4):
+        for i in range(n):
+            y = w[FR + i]
+            w[FR + i] = y * (w[EXCESS + i] + log(y)) / (y - 1.0)
+    for i in range(n):
+        w[FR + i] *= w[SLOPE + i]
 
 
 @compiled
