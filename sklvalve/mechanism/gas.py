@@ -125,22 +125,24 @@ def gas_flow(
     check_basis(basis)
     kv, p1, p2 = floats(kv, p1, p2)
     backward = p2 > p1
-    upstream, x = _drop_ratio_of(p1, p2)
-    valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
-    capacity, x_choked = valve.at(kv)
-    speed = unit_speed(temperature, molar_mass, compressibility)
-    jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
-    if jet is None:
-        mass = capacity * throughput(x, x_choked) * upstream * speed
-    else:
-        mass = np.sign(kv) * viscous_mass(np.abs(kv), x, upstream * speed, valve, jet)
-    mass = np.where(backward, -mass, mass)
+    with np.errstate(all="ignore"):
+        upstream, x = _drop_ratio_of(p1, p2)
+        valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
+        capacity, x_choked = valve.at(kv)
+        speed = unit_speed(temperature, molar_mass, compressibility)
+        jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
+        if jet is None:
+            mass = capacity * throughput(x, x_choked) * upstream * speed
+        else:
+            mass = np.sign(kv) * viscous_mass(np.abs(kv), x, upstream * speed, valve, jet)
+        mass = np.where(backward, -mass, mass)
+        flow = gas_volume_flow(mass, basis, upstream, temperature, molar_mass, compressibility)
     if warn:
         _warn("gas_flow", p1, p2, gamma, xt)
         warn_rows(kv < 0.0, "gas_flow", "have a negative kv; the odd continuation is returned.")
-        given = ~(np.isnan(kv) | np.isnan(x))
+        given = ~(np.isnan(kv) | np.isnan(x) | np.isnan(valve.fittings))
         warn_rows(np.isnan(capacity) & given, "gas_flow", "have reducers that no such valve can have: NaN.")
-    return gas_volume_flow(mass, basis, upstream, temperature, molar_mass, compressibility)[()]
+    return flow[()]
 
 
 def gas_kv(
@@ -214,26 +216,24 @@ def gas_kv(
     check_basis(basis)
     flow, p1, p2 = floats(flow, p1, p2)
     backward = p2 > p1
-    upstream, x = _drop_ratio_of(p1, p2)
-    mass = gas_mass_flow(flow, basis, upstream, temperature, molar_mass, compressibility)
-    valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
-    speed = unit_speed(temperature, molar_mass, compressibility)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        wanted = np.where(x > 0.0, np.abs(mass) / (upstream * speed), np.nan)
-    jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
-    if jet is None:
-        kv = capacity_between_reducers(wanted, x, valve)
-    else:
-        kv = viscous_capacity(np.where(x > 0.0, np.abs(mass), np.nan), x, upstream * speed, valve, jet)
-    kv = np.where((mass < 0.0) != backward, -kv, kv)
+    with np.errstate(all="ignore"):
+        upstream, x = _drop_ratio_of(p1, p2)
+        mass = gas_mass_flow(flow, basis, upstream, temperature, molar_mass, compressibility)
+        valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
+        speed = unit_speed(temperature, molar_mass, compressibility)
+        wanted = np.where(x > 0.0, np.abs(mass), np.nan)
+        jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
+        if jet is None:
+            kv = capacity_between_reducers(wanted / (upstream * speed), x, valve)
+        else:
+            kv = viscous_capacity(wanted, x, upstream * speed, valve, jet)
+        kv = np.where((mass < 0.0) != backward, -kv, kv)
     if warn:
         _warn("gas_kv", p1, p2, gamma, xt)
         warn_rows(p1 == p2, "gas_kv", "have no pressure drop and give NaN.")
         warn_rows(kv < 0.0, "gas_kv", "have the flow against the pressure drop; their kv is negative.")
-        lost = np.isnan(kv) & ~np.isnan(wanted * valve.gamma * valve.xt)
-        warn_rows(
-            lost, "gas_kv", "ask for a flow that no valve of that size between its reducers passes: NaN."
-        )
+        lost = np.isnan(kv) & ~np.isnan(wanted * speed * valve.gamma * valve.xt * valve.fittings)
+        warn_rows(lost, "gas_kv", "ask for a flow that no such valve was found to pass: NaN.")
     return kv[()]
 
 

@@ -68,13 +68,12 @@ def throughput(x, x_choked):
 
 def drop_ratio(through, x_choked):
     """x from sqrt(x) Y below choking, else NaN: the sine form of the cubic, exact for small flows too."""
-    with np.errstate(invalid="ignore"):
-        triple = 1.5 * through / np.sqrt(x_choked)
-        # the flow of a choked valve must not come back as feasible by the rounding of its own root
-        triple = np.where(triple < 1.0 - ROUNDING, triple, np.nan)
-        root = 2.0 / np.sqrt(3.0) * np.sin(np.arcsin(triple) / 3.0)
-        x = 3.0 * x_choked * root * root
-        return np.where(x <= 1.0, x, np.nan)[()]
+    triple = 1.5 * through / np.sqrt(x_choked)
+    # the flow of a choked valve must not come back as feasible by the rounding of its own root
+    triple = np.where(triple < 1.0 - ROUNDING, triple, np.nan)
+    root = 2.0 / np.sqrt(3.0) * np.sin(np.arcsin(triple) / 3.0)
+    x = 3.0 * x_choked * root * root
+    return np.where(x <= 1.0, x, np.nan)[()]
 
 
 def warn_gas(where, gamma, xt):

@@ -94,37 +94,37 @@ def gas_outlet_pressure(
     check_basis(basis)
     flow, kv, p1 = floats(flow, kv, p1)
     backward = flow < 0.0
-    valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
-    capacity, x_choked = valve.at(positive(kv))
-    gas = (temperature, molar_mass, compressibility)
-    speed = unit_speed(*gas)
-    known = np.where(p1 >= 0.0, p1, np.nan)
-    amount = np.abs(flow)
-    jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
-    if jet is not None:
-        # of the mass flow that a volume at an unknown inlet pressure means there may be two
-        mass = gas_mass_flow(
-            amount, basis, np.where(backward, np.nan, known) if basis == "actual" else known, *gas
-        )
-        x = viscous_drop_ratio(mass, positive(kv), positive(known) * speed, valve, jet)
-        before = viscous_pressure_before(mass, positive(kv), known, speed, valve, jet)
-        p2 = np.where(backward, before, known * (1.0 - x))
-        undefined = (known <= 0.0) & ~backward
-    elif basis == "actual":
-        # volume at the inlet says the drop ratio by itself, whichever side's pressure is known
-        x = drop_ratio(amount * gas_density(1.0, *gas) / (capacity * speed), x_choked)
-        with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(all="ignore"):
+        valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
+        capacity, x_choked = valve.at(positive(kv))
+        gas = (temperature, molar_mass, compressibility)
+        speed = unit_speed(*gas)
+        known = np.where(p1 >= 0.0, p1, np.nan)
+        amount = np.abs(flow)
+        jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
+        if jet is not None:
+            # of the mass flow that a volume at an unknown inlet pressure means there may be two
+            mass = gas_mass_flow(
+                amount, basis, np.where(backward, np.nan, known) if basis == "actual" else known, *gas
+            )
+            x = viscous_drop_ratio(mass, positive(kv), positive(known) * speed, valve, jet)
+            before = viscous_pressure_before(mass, positive(kv), known, speed, valve, jet)
+            p2 = np.where(backward, before, known * (1.0 - x))
+            undefined = (known <= 0.0) & ~backward
+        elif basis == "actual":
+            # volume at the inlet says the drop ratio by itself, whichever side's pressure is known
+            x = drop_ratio(amount * gas_density(1.0, *gas) / (capacity * speed), x_choked)
             p2 = np.where(backward, known / (1.0 - x), known * (1.0 - x))
-        undefined = known <= 0.0
-    else:
-        demand = gas_mass_flow(amount, basis, known, *gas) / (capacity * speed)
-        forward = known * (1.0 - drop_ratio(demand / positive(known), x_choked))
-        p2 = np.where(backward, _pressure_before(demand, known, x_choked), forward)
-        undefined = (known <= 0.0) & ~backward
-    p2 = np.where(undefined | ~np.isfinite(p2), np.nan, p2)[()]
+            undefined = known <= 0.0
+        else:
+            demand = gas_mass_flow(amount, basis, known, *gas) / (capacity * speed)
+            forward = known * (1.0 - drop_ratio(demand / positive(known), x_choked))
+            p2 = np.where(backward, _pressure_before(demand, known, x_choked), forward)
+            undefined = (known <= 0.0) & ~backward
+        p2 = np.where(undefined | ~np.isfinite(p2), np.nan, p2)[()]
     if warn:
         warn_gas("gas_outlet_pressure", gamma, xt)
-        lost = np.isnan(p2) & ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p1))
+        lost = np.isnan(p2) & ~np.isnan(flow + kv + p1 + speed + valve.gamma + valve.xt)
         warn_rows(lost, "gas_outlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
     return (p2, ~np.isnan(p2)) if return_feasible else p2
 
@@ -225,22 +225,19 @@ def _pressure_before(demand, behind, x_choked):
     """Pressure upstream from the one behind and the demand W / (capacity speed), itself a pressure."""
     choked = 1.5 * demand / np.sqrt(x_choked)
     is_choked = choked * (1.0 - x_choked) >= behind
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # only a valve that never chokes reaches the upper end, where nothing changes any more
-        q = np.where(is_choked, 0.0, np.minimum(demand / behind, _LARGE))
+    # only a valve that never chokes reaches the upper end, where nothing changes any more
+    q = np.where(is_choked, 0.0, np.minimum(demand / behind, _LARGE))
     scale = np.sqrt(x_choked * (1.0 + x_choked * q * q))
     sine = 1.5 * x_choked * q * (2.0 / 3.0 * (x_choked * q) ** 2 + x_choked - 1.0) / scale**3
     root = x_choked * q - 2.0 * scale * np.sin(np.arcsin(np.clip(sine, -1.0, 1.0)) / 3.0)
     # an arcsine close to 1 keeps half of its digits
-    with np.errstate(invalid="ignore", divide="ignore"):
-        root = np.where(q > _STEEP, np.sqrt(1.0 - (1.0 - 1.0 / (3.0 * x_choked)) / q), root)
+    root = np.where(q > _STEEP, np.sqrt(1.0 - (1.0 - 1.0 / (3.0 * x_choked)) / q), root)
     for _ in range(_POLISH):
         # the root is the difference of two larger numbers where the drop is nearly the whole pressure
         square = root * root
         excess = root * (1.0 - square / (3.0 * x_choked)) - q * (1.0 - square)
         root = root - excess / (1.0 - square / x_choked + 2.0 * q * root)
     x = root * root
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # each of the two is exact where the other loses digits
-        unchoked = np.where(x < 0.5, behind / (1.0 - x), demand / throughput(x, x_choked))
+    # each of the two is exact where the other loses digits
+    unchoked = np.where(x < 0.5, behind / (1.0 - x), demand / throughput(x, x_choked))
     return np.where(is_choked, choked, unchoked)

@@ -15,8 +15,7 @@ def capacity_between_reducers(wanted, x, valve):
     """kv for which kv F_P sqrt(x) Y is `wanted`, not negative; NaN where there is none."""
     if np.ndim(valve.fittings) == 0 and valve.fittings == 0.0 and np.all(valve.inlet == 0.0):
         capacity, x_choked = valve.at(1.0)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return wanted / (capacity * throughput(x, x_choked))
+        return wanted / (capacity * throughput(x, x_choked))
     rows = (wanted, x, valve.gamma, valve.xt, valve.fittings, valve.inlet)
     shape = np.broadcast_shapes(*map(np.shape, rows))
     wanted, x, *parts = (np.broadcast_to(row, shape).ravel() for row in rows)
@@ -38,12 +37,10 @@ def _choked_capacity(wanted, valve):
 
 
 def _unchoked_capacity(least, wanted, x, valve):
-    with np.errstate(divide="ignore"):
-        # beyond these no valve has such reducers
-        most = [
-            np.where(part < 0.0, 1.0 / np.sqrt(np.abs(part)), np.inf)
-            for part in (valve.fittings, valve.inlet)
-        ]
+    # beyond these no valve has such reducers
+    most = [
+        np.where(part < 0.0, 1.0 / np.sqrt(np.abs(part)), np.inf) for part in (valve.fittings, valve.inlet)
+    ]
     low, high = np.log(least), np.log(np.minimum(*most))
     log = low.copy()
     step = np.full_like(log, np.inf)

@@ -82,10 +82,10 @@ def gas_state(
     gas = {"gamma": gamma, "xt": xt, "compressibility": compressibility}
     flow = gas_flow(kv, p1, p2, temperature, molar_mass, warn=False, **gas, **known, **pipes)
     kv, p1, p2 = floats(kv, p1, p2)
-    backward = p2 > p1
-    valve = valve_of(gamma, xt, backward, **pipes)
-    jet = jet_of(backward=backward, **known, **pipes)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
+        backward = p2 > p1
+        valve = valve_of(gamma, xt, backward, **pipes)
+        jet = jet_of(backward=backward, **known, **pipes)
         x = np.abs(p1 - p2) / np.maximum(p1, p2)
         capacity, x_choked = valve.at(kv)
         reynolds = np.inf if jet is None else jet.reynolds(flow, kv)

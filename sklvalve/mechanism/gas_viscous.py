@@ -109,8 +109,7 @@ def viscous_drop_ratio(mass, kv, unit, valve, jet):
     """x at which a mass flow goes through, the pressure upstream being known; NaN where none passes it."""
     capacity, x_choked = valve.at(kv)
     reynolds = jet.reynolds(mass, kv)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        wanted = np.where(mass == 0.0, 0.0, mass / (capacity * unit * jet.factor(reynolds, kv)))
+    wanted = np.where(mass == 0.0, 0.0, mass / (capacity * unit * jet.factor(reynolds, kv)))
     root = root_between(
         lambda s: blended_throughput(s * s, x_choked, reynolds) - wanted, 0.0 * wanted, 1.0 + 0.0 * wanted
     )
@@ -121,8 +120,7 @@ def viscous_pressure_before(mass, kv, behind, speed, valve, jet):
     """Pressure upstream at which a mass flow goes through, the pressure behind being known."""
     capacity, x_choked = valve.at(kv)
     reynolds = jet.reynolds(mass, kv)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        demand = np.where(mass == 0.0, 0.0, mass / (capacity * speed * jet.factor(reynolds, kv)))
+    demand = np.where(mass == 0.0, 0.0, mass / (capacity * speed * jet.factor(reynolds, kv)))
     # without any pressure behind; the true one is higher by less than that pressure over the drop ratio
     least = demand / blended_throughput(1.0, x_choked, reynolds)
     low, high = np.maximum(least * (1.0 - _SOLVED), behind), least * (1.0 + _SOLVED) + behind
@@ -136,8 +134,7 @@ def viscous_pressure_before(mass, kv, behind, speed, valve, jet):
 
 def viscous_capacity(mass, x, unit, valve, jet):
     """kv that passes a mass flow; NaN where none does or none was found."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        start = np.where(mass > 0.0, mass / (unit * np.sqrt(x * (1.0 - 0.5 * x))), np.nan)
+    start = np.where(mass > 0.0, mass / (unit * np.sqrt(x * (1.0 - 0.5 * x))), np.nan)
 
     def surplus(log):
         kv = np.exp(log)
@@ -148,24 +145,23 @@ def viscous_capacity(mass, x, unit, valve, jet):
         # beyond the size that the reducers allow
         return np.where(np.isnan(capacity), np.inf, excess)
 
-    with np.errstate(invalid="ignore", divide="ignore"):
-        low = np.log(start) + np.zeros(np.shape(surplus(np.log(start))))
+    low = np.log(start) + np.zeros(np.shape(surplus(np.log(start))))
+    high = low.copy()
+    floor, limit = np.full_like(low, -np.inf), np.full_like(low, np.inf)
+    if jet.kv_rated is None:
+        # at this kv the kind of trim changes and the flow jumps: look on one side, then on the other
+        flip = np.log(full_size_kv(jet.size)) + 0.0 * low
+        reduced = surplus(flip - _HAIR) >= 0.0
+        floor, limit = np.where(reduced, -np.inf, flip), np.where(reduced, flip - _HAIR, np.inf)
+        low = np.clip(low, floor, limit)
         high = low.copy()
-        floor, limit = np.full_like(low, -np.inf), np.full_like(low, np.inf)
-        if jet.kv_rated is None:
-            # at this kv the kind of trim changes and the flow jumps: look on one side, then on the other
-            flip = np.log(full_size_kv(jet.size)) + 0.0 * low
-            reduced = surplus(flip - _HAIR) >= 0.0
-            floor, limit = np.where(reduced, -np.inf, flip), np.where(reduced, flip - _HAIR, np.inf)
-            low = np.clip(low, floor, limit)
-            high = low.copy()
-        for _ in range(_STEPS):
-            short = (surplus(high) < 0.0) & (high < limit)
-            over = (surplus(low) > 0.0) & (low > floor)
-            if not np.any(short | over):
-                break
-            low, high = np.where(short, high, low), np.where(short, np.minimum(high + _STEP, limit), high)
-            low = np.where(over & ~short, np.maximum(low - _STEP, floor), low)
-        log = root_between(surplus, low, high)
-        found = np.abs(surplus(log)) <= _SOLVED
+    for _ in range(_STEPS):
+        short = (surplus(high) < 0.0) & (high < limit)
+        over = (surplus(low) > 0.0) & (low > floor)
+        if not np.any(short | over):
+            break
+        low, high = np.where(short, high, low), np.where(short, np.minimum(high + _STEP, limit), high)
+        low = np.where(over & ~short, np.maximum(low - _STEP, floor), low)
+    log = root_between(surplus, low, high)
+    found = np.abs(surplus(log)) <= _SOLVED
     return np.where(mass == 0.0, 0.0 * unit * x, np.where(found, np.exp(log), np.nan))[()]

@@ -4,9 +4,11 @@
 import json
 from pathlib import Path
 
+import hypothesis
 import numpy as np
 import pytest
 from fluids.control_valve import control_valve_choke_P_g, size_control_valve_g
+from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from sklvalve.mechanism import (
@@ -238,7 +240,7 @@ def test_what_has_no_answer_is_counted():
 def test_no_valve_between_narrow_reducers():
     # what a reducer chokes by itself no valve passes
     known = {"gamma": 1.4, "xt": 0.7, "nominal_size": 0.05, "inlet_pipe": 0.1, "outlet_pipe": 0.1}
-    with pytest.warns(ValidityWarning, match="gas_kv: 1 of 2 rows ask for a flow that no valve"):
+    with pytest.warns(ValidityWarning, match="gas_kv: 1 of 2 rows ask for a flow that no such"):
         kv = gas_kv([0.1, 1e3], 3e5, 1e5, 300.0, 0.029, **known)
     assert np.isnan(kv).tolist() == [False, True]
 
@@ -249,3 +251,31 @@ def test_what_is_missing_is_said():
         gas_flow(10.0, 2e5, 1e5, 300.0, 0.029, basis="cubic feet", **known)
     with pytest.raises(ValueError, match="nominal_size is not"):
         gas_kv(1.0, 2e5, 1e5, 300.0, 0.029, inlet_pipe=0.1, **known)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_senseless_rows_neither_raise_nor_warn(kind):
+    rng = np.random.default_rng(0)
+    odd = np.array([np.nan, np.inf, -np.inf, 0.0, -0.0, -1.0, 1e-300, 1e300, 1e5, 2e5, 0.5, 1.4, 300.0])
+    names = duties(kind, 1, seed=0)[1]
+    for _ in range(20):
+        known = {name: rng.choice(odd, 2000) for name in names}
+        for function in (gas_flow, gas_kv, gas_outlet_pressure, gas_inlet_pressure):
+            duty = (rng.choice(odd, 2000) for _ in range(5))
+            assert function(*duty, warn=False, **known).shape == (2000,)
+
+
+@hypothesis.given(st.floats(1.0, 500.0), st.floats(2e5, 1e7), st.floats(0.0, 1.0), st.floats(0.15, 0.84))
+@hypothesis.settings(max_examples=50, deadline=None)
+def test_same_for_numbers_and_arrays(kv, p1, ratio, xt):
+    known = {"gamma": 1.3, "nominal_size": 0.1, "inlet_pipe": 0.15, "outlet_pipe": 0.2}
+    one = gas_flow(kv, p1, p1 * ratio, 300.0, 0.029, xt=xt, **known)
+    many = gas_flow([kv] * 3, [p1] * 3, p1 * ratio, 300.0, [0.029] * 3, xt=xt, **known)
+    assert_allclose(many, one, rtol=1e-15)
+    # four times the molar mass: twice the mass, half the volume
+    heavy = gas_flow(kv, p1, p1 * ratio, 300.0, 4.0 * 0.029, xt=xt, **known)
+    assert_allclose(heavy, 2.0 * one, rtol=1e-14)
+    actual = [
+        gas_flow(kv, p1, p1 * ratio, 300.0, mass, xt=xt, basis="actual", **known) for mass in (0.029, 0.116)
+    ]
+    assert_allclose(actual[1], 0.5 * actual[0], rtol=1e-14)
