@@ -13,6 +13,7 @@ from sklvalve.mechanism.viscosity import reynolds_factor
 _EPS = np.finfo(float).eps
 _GRID = 49
 _NEAR = 0.1
+_ZOOMS = 4
 
 
 @dataclass(frozen=True)
@@ -150,12 +151,16 @@ def _first_bracket(excess, start, end):
     """Logs of two capacities between which the excess first falls through zero; NaN where it never does."""
     start, end = np.log(start), np.log(end)
     low, high, nearest = _scan(excess, start, end)
-    # a fall and a rise between two points of the grid show as a dip towards zero
-    again = np.isnan(low) & ~np.isnan(nearest)
-    if again.any():
-        cell = (end - start) / (_GRID - 1)
+    # a fall and a rise between two points of the grid show as a dip towards zero: look closer
+    for zoom in range(_ZOOMS):
+        again = np.isnan(low) & ~np.isnan(nearest)
+        if not again.any():
+            break
+        cell = (end - start) * (2.0 / (_GRID - 1)) ** zoom / (_GRID - 1)
         finer = _scan(excess, np.maximum(start, nearest - cell), np.minimum(end, nearest + cell))
-        low, high = np.where(again, finer[0], low), np.where(again, finer[1], high)
+        low, high, nearest = (
+            np.where(again, new, old) for new, old in zip(finer, (low, high, nearest), strict=True)
+        )
     return low, high
 
 
