@@ -8,12 +8,13 @@ the squared pressures. The laminar part does not choke. So the flow is continuou
 choking.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from sklvalve.mechanism.gas_inputs import drop_ratio, positive, throughput
 from sklvalve.mechanism.gas_roots import root_between
+from sklvalve.mechanism.gas_sizing import capacity_between_reducers
 from sklvalve.mechanism.viscosity import (
     full_size_kv,
     nonturbulent_flow_ratio,
@@ -23,7 +24,7 @@ from sklvalve.mechanism.viscosity import (
 )
 
 LAMINAR, TURBULENT = 1e3, 1e4
-_STEP, _STEPS = 0.5 * np.log(2.0), 120
+_SHORT_STEP, _LONG_STEP, _STEPS = 0.5 * np.log(2.0), np.log(16.0), 120
 _HAIR = 1e-14
 _SOLVED = 1e-11
 
@@ -134,6 +135,31 @@ def viscous_pressure_before(mass, kv, behind, speed, valve, jet):
 
 def viscous_capacity(mass, x, unit, valve, jet):
     """kv that passes a mass flow; NaN where none does or none was found."""
+    kv = capacity_between_reducers(mass / unit, x, valve)
+    reynolds = jet.reynolds(mass, kv)
+    # most gas is turbulent, and then this is the answer; NaN there does not mean that there is none
+    settled = (mass == 0.0) | ((reynolds >= TURBULENT) & (jet.factor(reynolds, kv) == 1.0))
+    shape = np.broadcast_shapes(np.shape(settled), np.shape(x))
+    rows = np.flatnonzero(~np.broadcast_to(settled, shape))
+    found = np.array(np.broadcast_to(kv, shape)).ravel()
+    few = [np.broadcast_to(part, shape).ravel()[rows] for part in (mass, x, unit)]
+    found[rows] = _searched_capacity(*few, _rows_of(valve, shape, rows), _rows_of(jet, shape, rows))
+    return found.reshape(shape)[()]
+
+
+def _rows_of(parts, shape, rows):
+    """The same valve or jet for some rows of a shape that all its parts broadcast to."""
+    named = {field.name: getattr(parts, field.name) for field in fields(parts)}
+    return replace(
+        parts,
+        **{
+            name: None if part is None else np.broadcast_to(part, shape).ravel()[rows]
+            for name, part in named.items()
+        },
+    )
+
+
+def _searched_capacity(mass, x, unit, valve, jet):
     start = np.where(mass > 0.0, mass / (unit * np.sqrt(x * (1.0 - 0.5 * x))), np.nan)
 
     def surplus(log):
@@ -143,10 +169,9 @@ def viscous_capacity(mass, x, unit, valve, jet):
         through = blended_throughput(x, x_choked, reynolds) * jet.factor(reynolds, kv)
         excess = np.log(capacity * unit * through / mass)
         # beyond the size that the reducers allow
-        return np.where(np.isnan(capacity), np.inf, excess)
+        return np.where(np.isnan(capacity) & ~np.isnan(valve.fittings + valve.inlet), np.inf, excess)
 
-    low = np.log(start) + np.zeros(np.shape(surplus(np.log(start))))
-    high = low.copy()
+    low = np.log(start)
     floor, limit = np.full_like(low, -np.inf), np.full_like(low, np.inf)
     if jet.kv_rated is None:
         # at this kv the kind of trim changes and the flow jumps: look on one side, then on the other
@@ -154,14 +179,20 @@ def viscous_capacity(mass, x, unit, valve, jet):
         reduced = surplus(flip - _HAIR) >= 0.0
         floor, limit = np.where(reduced, -np.inf, flip), np.where(reduced, flip - _HAIR, np.inf)
         low = np.clip(low, floor, limit)
-        high = low.copy()
+    for _ in range(_STEPS):
+        over = (surplus(low) > 0.0) & (low > floor)
+        if not np.any(over):
+            break
+        low = np.where(over, np.maximum(low - _LONG_STEP, floor), low)
+    high = low
+    # without a rated kv, or far beyond the bore of reducers, the flow falls again as kv rises: short steps
+    falls_again = jet.kv_rated is None or np.any(valve.fittings != 0.0)
+    step = _SHORT_STEP if falls_again else _LONG_STEP
     for _ in range(_STEPS):
         short = (surplus(high) < 0.0) & (high < limit)
-        over = (surplus(low) > 0.0) & (low > floor)
-        if not np.any(short | over):
+        if not np.any(short):
             break
-        low, high = np.where(short, high, low), np.where(short, np.minimum(high + _STEP, limit), high)
-        low = np.where(over & ~short, np.maximum(low - _STEP, floor), low)
+        low, high = np.where(short, high, low), np.where(short, np.minimum(high + step, limit), high)
     log = root_between(surplus, low, high)
     found = np.abs(surplus(log)) <= _SOLVED
-    return np.where(mass == 0.0, 0.0 * unit * x, np.where(found, np.exp(log), np.nan))[()]
+    return np.where(found, np.exp(log), np.nan)
