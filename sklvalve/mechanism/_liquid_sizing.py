@@ -80,12 +80,11 @@ def required_kv(duty):
     reynolds = valve.reynolds(duty.flow, kv, duty.backward)
     with np.errstate(invalid="ignore"):
         if valve.strict:
-            slow = ~(reynolds >= TURBULENT_REYNOLDS) & (duty.flow > 0.0)
+            slow = ~(reynolds >= TURBULENT_REYNOLDS)
         else:
-            slow = (valve.factor(reynolds, kv) < 1.0) & (duty.flow > 0.0)
-    bad = ~(valve.viscosity > 0.0)
-    kv = np.where(bad | (slow & np.isnan(valve.viscosity)), np.nan, kv)
-    slow &= ~bad
+            slow = valve.factor(reynolds, kv) < 1.0
+    kv = np.where(valve.known(), kv, np.nan)
+    slow &= (duty.flow > 0.0) & valve.known()
     if slow.any():
         kv[slow] = _nonturbulent(duty.rows(slow))
     return kv.reshape(shape)[()]

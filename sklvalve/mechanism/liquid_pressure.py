@@ -105,7 +105,7 @@ def liquid_outlet_pressure(
         p2 = np.where(drop < 0.0, backward, np.where(drop < forward_limit, p2, np.nan))[()]
     if warn:
         given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p1) | np.isnan(density))
-        lost = np.isnan(p2) & given
+        lost = np.isnan(p2) & given & valve.known()
         warn_rows(lost, "liquid_outlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
         valve.warn(kv, "liquid_outlet_pressure")
         if fl is None:
@@ -197,7 +197,7 @@ def liquid_inlet_pressure(
         valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
         valve.warn(kv, "liquid_inlet_pressure")
         given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p2) | np.isnan(density))
-        lost = np.isnan(p1) & given
+        lost = np.isnan(p1) & given & valve.known()
         warn_rows(lost, "liquid_inlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
     return p1
 

@@ -241,8 +241,9 @@ def _slope(trim, fl):
 
 def _minus_lambert(shift):
     """The y >= 1 with y - ln y = shift, that is -W_-1(-exp(-shift)); NaN below 1, where there is none."""
-    excess = np.where(shift > 1.0, shift - 1.0, np.nan)
-    y = shift + np.log1p(excess + np.sqrt(2.0 * excess))
+    # an infinite Reynolds number needs no more than a large one
+    excess = np.where(shift > 1.0, np.minimum(shift, 1e100) - 1.0, np.nan)
+    y = 1.0 + excess + np.log1p(excess + np.sqrt(2.0 * excess))
     # Newton from a start within some per cent: the fourth step changes nothing any more
     for _ in range(4):
         y = y * (excess + np.log(y)) / (y - 1.0)
