@@ -36,12 +36,12 @@ class LiquidValve:
                 object.__setattr__(self, field.name, np.asarray(value, dtype=float))
         if self.nominal_size is None and self.piped:
             raise ValueError(
-                "a pipe is given but nominal_size is not: reducers need the bore of the valve's ends [m]."
+                "a pipe is given without nominal_size: reducers need the bore of the valve's ends [m]."
             )
         missing = [name for name in ("fl", "fd", "nominal_size") if getattr(self, name) is None]
         if self.viscous and missing:
             raise ValueError(
-                f"viscosity is given but {' and '.join(missing)} not: the valve Reynolds number needs them; "
+                f"viscosity is given without {' and '.join(missing)}: the valve Reynolds number needs them; "
                 f"give them or leave viscosity out."
             )
 

@@ -178,7 +178,7 @@ def vena_contracta_pressure(
     if valve.piped:
         if kv is None:
             raise ValueError(
-                "a pipe is given but kv is not: how much reducers take depends on it; give kv [m3/h]."
+                "a pipe is given without kv: how much reducers take depends on it; give kv [m3/h]."
             )
         fl = valve.with_pipes(np.asarray(kv, dtype=float), p2 > p1)[1]
     p_vc = np.maximum(p1, p2) - np.abs(p1 - p2) / (fl * fl)

@@ -96,7 +96,7 @@ def test_by_the_letter_a_duty_may_have_no_state():
 
 
 def test_what_misses():
-    with pytest.raises(ValueError, match="viscosity is given but fd and nominal_size not"):
+    with pytest.raises(ValueError, match="viscosity is given without fd and nominal_size"):
         liquid_state(10.0, 3e5, 1e5, 1000.0, fl=0.9, p_vapour=0.2e5, viscosity=1e-3)
-    with pytest.raises(ValueError, match="a pipe is given but nominal_size is not"):
+    with pytest.raises(ValueError, match="a pipe is given without nominal_size"):
         liquid_state(10.0, 3e5, 1e5, 1000.0, inlet_pipe=0.1)
