@@ -1,17 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What makes the transformer the mechanism of a hybrid: output from a flow coefficient, and back."""
 
+from copy import copy
+
 import numpy as np
 from sklearn.utils.metaestimators import available_if
+from sklearn.utils.validation import check_is_fitted
 
 from sklvalve.mechanism._binding import per_row
-from sklvalve.mechanism.liquid import choked_pressure_drop, liquid_kv
+
+# the output by the column that it is computed from, beside p1: each of the two is the other's output
+_READS = {"flow": "p2", "outlet_pressure": "flow"}
 
 
 class MechanismMixin:
     """Methods of a mechanism, over the rows that the class with the parameters binds.
 
-    That class gives ``_check(X)``, the checked array, and ``_rows(X, warn=None)``, its `ValveRows`.
+    That class gives ``_check(X)``, the checked array, and ``_rows(X, warn=None)``, its rows.
     """
 
     @available_if(lambda self: self.kv_rated is not None)
@@ -69,21 +74,11 @@ class MechanismMixin:
         X = self._check(X)
         y = per_row(y, X, "y")
         rows = self._rows(X)
-        p1, p2, flow = (
-            (rows.signal("p1"), rows.signal("p2"), y)
-            if self.output == "flow"
-            else (rows.signal("p1"), y, rows.signal("flow"))
-        )
-        kv = liquid_kv(flow, p1, p2, rows.density, warn=self.warn, **rows.choking)
         if self.output == "flow":
-            return kv
+            return rows.kv_for(y, rows.signal("p1"), rows.signal("p2"))
+        kv = rows.kv_for(rows.signal("flow"), rows.signal("p1"), y)
         # a choked valve gives the same flow at any lower p2, and no valve lets flow run against its drop
-        determined = kv > 0.0
-        if rows.choking:
-            determined &= p1 - p2 < choked_pressure_drop(
-                p1, rows.vapour_pressure, rows.critical_pressure, rows.fl
-            )
-        return np.where(determined, kv, np.nan)
+        return np.where((kv > 0.0) & rows.determined(kv, rows.signal("p1"), y), kv, np.nan)
 
     def sensitivity(self, X, parameter):
         """Derivative of the output of `forward` by the flow coefficient.
@@ -105,17 +100,59 @@ class MechanismMixin:
         X = self._check(X)
         rows = self._rows(X, warn=False)
         kv = per_row(parameter, X, "parameter")
-        if self.output == "flow":
-            return np.where(np.isnan(kv), np.nan, rows.flow_through(1.0))
-        p1, flow = rows.signal("p1"), rows.signal("flow")
-        p2 = rows.outlet_pressure_behind(kv)
-        # p2 differs from a pressure that kv does not move by a drop that falls with the square of kv
-        anchor = p1
-        if rows.choking:
-            boiling = rows.ff * rows.vapour_pressure
-            turbulent = liquid_kv(flow, p1, p2, rows.density, warn=False)
-            anchor = np.where((flow < 0.0) & (turbulent < kv * (1.0 - 1e-9)), boiling, p1)
-        return 2.0 * (anchor - p2) / kv
+        return rows.flow_slope(kv) if self.output == "flow" else rows.outlet_pressure_slope(kv)
+
+    def for_output(self, output, column=None):
+        """Fitted copy that gives the other output, with the same valve and fluid.
+
+        Parameters
+        ----------
+        output : {"flow", "outlet_pressure"}
+            What the copy is to give.
+        column : str, default=None
+            Name of the column that the copy reads instead of the one it gives; None is ``"p2"`` or
+            ``"flow"``. Matters for data with named columns only.
+
+        Returns
+        -------
+        mechanism : ValveMechanismTransformer
+            Where there is a column for p2 and one for the flow, it reads the same data. Otherwise the flow
+            stands where p2 stood, or p2 where the flow did; all else stays in its place. Of the features
+            those that can be had from the new columns are kept.
+
+        Raises
+        ------
+        ValueError
+            If the output is unknown.
+
+        Examples
+        --------
+        >>> from sklvalve.mechanism import ValveMechanismTransformer
+        >>> valve = ValveMechanismTransformer(kv_rated=40.0).fit([[0.5, 6e5, 4e5]])
+        >>> flow = valve.predict([[0.5, 6e5, 4e5]])
+        >>> valve.for_output("outlet_pressure").predict([[0.5, 6e5, flow[0]]]).round(3)
+        array([400000.])
+        """
+        check_is_fitted(self)
+        if output not in _READS:
+            raise ValueError(f"output must be one of {', '.join(_READS)}; got {output!r}.")
+        other = copy(self)
+        other.output = output
+        wanted, freed = _READS[output], _READS[self.output]
+        if wanted not in self.columns_:
+            at = self.columns_[freed]
+            if hasattr(self, "feature_names_in_"):
+                names = np.array(self.feature_names_in_, dtype=object)
+                names[at] = wanted if column is None else column
+                other.feature_names_in_ = names
+            by_name = isinstance(getattr(self, freed), str)
+            setattr(other, wanted, other.feature_names_in_[at] if by_name else at)
+            setattr(other, freed, None)
+            other.columns_ = {role: where for role, where in self.columns_.items() if role != freed}
+            other.columns_[wanted] = at
+        rows = other._rows(np.full((1, self.n_features_in_), np.nan), warn=False)
+        other.features_ = [name for name in self.features_ if rows.can_give(name)]
+        return other
 
     def _forward(self, rows, kv):
         return rows.flow_through(kv) if self.output == "flow" else rows.outlet_pressure_behind(kv)

@@ -1,28 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The physics of a valve as a scikit-learn transformer, and as the mechanism of a hybrid."""
 
-from numbers import Integral, Real
 from types import SimpleNamespace
 from typing import ClassVar
 
 import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin, _fit_context
-from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.validation import _check_feature_names_in, check_is_fitted, validate_data
 
 from sklvalve.mechanism._binding import column_of
+from sklvalve.mechanism._gas_rows import GasRows
+from sklvalve.mechanism._liquid_rows import LiquidRows
 from sklvalve.mechanism._mechanism import MechanismMixin
-from sklvalve.mechanism.features import DEFAULT_FEATURES, FEATURES, ValveRows, compute_features
-from sklvalve.mechanism.fluid import Fluid, fluid_from
-
-_ROLES = ("opening", "p1", "p2", "temperature", "flow")
-_SETTINGS = ("characteristic", "fl", "kv_rated", "rangeability", "shutoff", "warn")
-_ROLE = [Interval(Integral, 0, None, closed="left"), str, None]
-_PROPERTY = [Interval(Real, 0, None, closed="neither"), callable, None]
+from sklvalve.mechanism._parameters import CONSTRAINTS, OF_GAS, OF_LIQUID, ROLES
+from sklvalve.mechanism.features import DEFAULT_FEATURES, FEATURES, check_names, compute_features
+from sklvalve.mechanism.fluid import fluid_from
 
 
 class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator):
-    r"""Physical features of a control valve in liquid service, and its mechanism for a hybrid model.
+    r"""Physical features of a control valve in liquid or gas service, and its mechanism for a hybrid model.
 
     As a transformer it turns measured columns into quantities in which a valve is simple. As a mechanism it
     computes the output from a flow coefficient that something else predicts (`forward`) and finds that
@@ -38,9 +34,9 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
     p2 : int, str or None, default=2
         Column of the pressure behind the valve, absolute. [Pa]
     temperature : int, str or None, default=None
-        Column of the liquid's temperature; None takes 20 degC. [K]
+        Column of the fluid's temperature; None takes 20 degC for a liquid, and a gas needs it. [K]
     flow : int, str or None, default=None
-        Column of the volume flow, needed for ``output="outlet_pressure"``. [m3/s]
+        Column of the volume flow, needed for ``output="outlet_pressure"``; of a gas by `basis`. [m3/s]
     kv_rated : float, default=None
         Flow coefficient of the open valve; without it there is no `predict`. [m3/h]
     characteristic : str or list of pairs, default="linear"
@@ -49,10 +45,25 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         Inherent rangeability. [1]
     shutoff : float, default=0.0
         Opening below which the trim closes down to nothing. [1]
+    leakage : float, default=0.0
+        Part of the rated capacity that passes at the seat. [1]
     fl : float or list of pairs, default=None
-        Pressure recovery factor, or a table of pairs opening, factor; None leaves choking out. [1]
+        Pressure recovery factor, or a table of pairs opening, factor; None leaves the choking of a liquid
+        out. [1]
+    fd : float or list of pairs, default=None
+        Valve style modifier, likewise; with `fl`, `nominal_size` and a known viscosity the flow of a liquid
+        need not be turbulent. [1]
+    xt : float or list of pairs, default=None
+        Pressure drop ratio factor, likewise; a gas needs it. [1]
+    xfz : float or list of pairs, default=None
+        Ratio x_F at which cavitation begins, likewise; None takes `incipient_xfz`. [1]
+    nominal_size, inlet_pipe, outlet_pipe : float, default=None
+        Bores of the valve's ends and of the pipes before and behind it; without pipes there are no reducers.
+        [m]
+    strict : bool, default=False
+        Take the standard by the letter where a liquid is not turbulent, see `liquid_flow`.
     fluid : str or Fluid, default="water"
-        Name of the fluid, see `fluid_from`.
+        Name of the liquid, see `fluid_from`, or ``"gas"`` with `molar_mass`, `gamma` and `xt`.
     density : float or callable, default=None
         Density, or a function of the temperature; None takes the fluid's. [kg/m3]
     kinematic_viscosity : float or callable, default=None
@@ -61,9 +72,21 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         Likewise. [Pa]
     critical_pressure : float, default=None
         Likewise. [Pa]
+    brix : float, default=None
+        Dissolved solids of ``fluid="sugar juice"``. [%]
+    molar_mass : float, default=None
+        Molar mass of a gas. [kg/mol]
+    gamma : float, default=None
+        Ratio of the heat capacities of a gas. [1]
+    compressibility : float, default=1.0
+        Compressibility factor of a gas before the valve. [1]
+    dynamic_viscosity : float, default=None
+        Dynamic viscosity of a gas; with `fl`, `fd` and `nominal_size` its flow need not be turbulent. [Pa s]
+    basis : {"mass", "actual", "normal", "standard"}, default="mass"
+        What the flow of a gas is counted in, see `gas_volume_flow`.
     features : list of str, default=None
         Names of the columns that `transform` gives; `available_features` lists them all. None takes, as far
-        as roles and fluid allow, relative_capacity, dp, sqrt_dp_over_density, pressure_ratio, density and
+        as roles and fluid allow, relative_capacity, dp, sqrt_dp_over_density, pressure_ratio, x, density and
         vapour_pressure.
     output : {"flow", "outlet_pressure"}, default="flow"
         What `forward` and `predict` give: flow from the pressures, or `p2` from flow and `p1`.
@@ -83,10 +106,12 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
 
     See Also
     --------
-    liquid_flow, liquid_outlet_pressure : The equations themselves.
+    liquid_flow, liquid_outlet_pressure, gas_flow, gas_outlet_pressure : The equations themselves.
 
     Notes
     -----
+    The more facts are given, the more physics: choking by `fl`, viscosity by `fd`, reducers by the pipes.
+
     The paper's equation 16 leaves the area f(x) of the vena contracta unknown. For a liquid that area is
     proportional to :math:`F_L K_v` (see `area_from_kv`), so the unknown parameter is the flow coefficient
     here: a data sheet knows it.
@@ -107,26 +132,7 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
 
     _doc_link_module = "sklvalve"
 
-    _parameter_constraints: ClassVar[dict] = {
-        "opening": _ROLE,
-        "p1": _ROLE,
-        "p2": _ROLE,
-        "temperature": _ROLE,
-        "flow": _ROLE,
-        "kv_rated": [Interval(Real, 0, None, closed="neither"), None],
-        "characteristic": [str, "array-like"],
-        "rangeability": [Interval(Real, 1, None, closed="neither"), None],
-        "shutoff": [Interval(Real, 0, 1, closed="left")],
-        "fl": [Interval(Real, 0, 1, closed="right"), "array-like", None],
-        "fluid": [str, Fluid],
-        "density": _PROPERTY,
-        "kinematic_viscosity": _PROPERTY,
-        "vapour_pressure": _PROPERTY,
-        "critical_pressure": [Interval(Real, 0, None, closed="neither"), None],
-        "features": ["array-like", None],
-        "output": [StrOptions({"flow", "outlet_pressure"})],
-        "warn": ["boolean"],
-    }
+    _parameter_constraints: ClassVar[dict] = CONSTRAINTS
 
     def __init__(
         self,
@@ -140,12 +146,26 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         characteristic="linear",
         rangeability=None,
         shutoff=0.0,
+        leakage=0.0,
         fl=None,
+        fd=None,
+        xt=None,
+        xfz=None,
+        nominal_size=None,
+        inlet_pipe=None,
+        outlet_pipe=None,
+        strict=False,
         fluid="water",
         density=None,
         kinematic_viscosity=None,
         vapour_pressure=None,
         critical_pressure=None,
+        brix=None,
+        molar_mass=None,
+        gamma=None,
+        compressibility=1.0,
+        dynamic_viscosity=None,
+        basis="mass",
         features=None,
         output="flow",
         warn=True,
@@ -159,12 +179,26 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         self.characteristic = characteristic
         self.rangeability = rangeability
         self.shutoff = shutoff
+        self.leakage = leakage
         self.fl = fl
+        self.fd = fd
+        self.xt = xt
+        self.xfz = xfz
+        self.nominal_size = nominal_size
+        self.inlet_pipe = inlet_pipe
+        self.outlet_pipe = outlet_pipe
+        self.strict = strict
         self.fluid = fluid
         self.density = density
         self.kinematic_viscosity = kinematic_viscosity
         self.vapour_pressure = vapour_pressure
         self.critical_pressure = critical_pressure
+        self.brix = brix
+        self.molar_mass = molar_mass
+        self.gamma = gamma
+        self.compressibility = compressibility
+        self.dynamic_viscosity = dynamic_viscosity
+        self.basis = basis
         self.features = features
         self.output = output
         self.warn = warn
@@ -195,20 +229,16 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
             If a role names no column, or a feature is unknown.
         """
         X = validate_data(self, X, dtype=np.float64, ensure_all_finite="allow-nan")
-        unknown = [name for name in self.features or () if name not in FEATURES]
-        if unknown:
-            raise ValueError(
-                f"unknown feature {unknown[0]!r} in features: use some of {', '.join(FEATURES)}."
-            )
+        check_names(self.features or ())
         names = getattr(self, "feature_names_in_", None)
         self.columns_ = {
             role: column_of(role, where, names, X.shape[1])
-            for role in _ROLES
+            for role in ROLES
             if (where := getattr(self, role)) is not None
         }
         # the first row tells at once what can be had from these roles and this fluid, and what is wrong
         rows = self._rows(X[:1], warn=False)
-        _ = rows.choking
+        rows.check()
         if self.features is None:
             self.features_ = [name for name in DEFAULT_FEATURES if rows.can_give(name)]
         else:
@@ -253,16 +283,19 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         return validate_data(self, X, reset=False, dtype=np.float64, ensure_all_finite="allow-nan")
 
     def _rows(self, X, warn=None):
-        settings = SimpleNamespace(**{name: getattr(self, name) for name in _SETTINGS})
+        settings = SimpleNamespace(**self.get_params(deep=False))
         settings.warn = self.warn if warn is None else warn
-        fluid = fluid_from(
-            self.fluid,
-            density=self.density,
-            kinematic_viscosity=self.kinematic_viscosity,
-            vapour_pressure=self.vapour_pressure,
-            critical_pressure=self.critical_pressure,
-        )
-        return ValveRows({role: X[:, at] for role, at in self.columns_.items()}, settings, fluid)
+        signals = {role: X[:, at] for role, at in self.columns_.items()}
+        foreign = OF_LIQUID if self.fluid == "gas" else OF_GAS
+        given = [name for name in foreign if getattr(self, name) is not None]
+        if given:
+            raise ValueError(
+                f"{given[0]} does not belong to fluid={self.fluid!r}: leave it out, or set another fluid."
+            )
+        if self.fluid == "gas":
+            return GasRows(signals, settings, None)
+        fluid = fluid_from(self.fluid, **{name: getattr(self, name) for name in OF_LIQUID})
+        return LiquidRows(signals, settings, fluid)
 
     def __sklearn_tags__(self):
         tags = super().__sklearn_tags__()

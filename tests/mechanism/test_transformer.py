@@ -13,50 +13,11 @@ from sklearn.pipeline import make_pipeline
 
 from sklvalve.mechanism import (
     ValveMechanismTransformer,
-    choked_pressure_drop,
     liquid_flow,
-    liquid_outlet_pressure,
-    relative_capacity,
-    vena_contracta_pressure,
     water_density,
-    water_kinematic_viscosity,
     water_vapour_pressure,
 )
 from tests.mechanism.valves import COLUMNS, ROLES, VALVE, by_position, duties, own_flow
-
-
-def test_every_feature_is_the_function_of_its_name():
-    X = duties()
-    temperature, opening, p1, p2, flow = X.T
-    names = list(ValveMechanismTransformer.available_features())
-    out = by_position(features=names, warn=False).fit_transform(X)
-    found = dict(zip(names, out.T, strict=True))
-    p_vapour, density = water_vapour_pressure(temperature), water_density(temperature)
-    drop_choked = choked_pressure_drop(np.maximum(p1, p2), p_vapour, 22.064e6, 0.8)
-    phi = relative_capacity(opening, "equal_percentage", rangeability=30.0)
-    known = {"fl": 0.8, "p_vapour": p_vapour, "warn": False}
-    ff = 0.96 - 0.28 * np.sqrt(p_vapour / 22.064e6)
-    expected = {
-        "opening": opening,
-        "dp": p1 - p2,
-        "sqrt_dp_over_density": np.sign(p1 - p2) * np.sqrt(np.abs(p1 - p2) / density),
-        "pressure_ratio": (p1 - p2) / (np.maximum(p1, p2) - ff * p_vapour),
-        "dp_choked": drop_choked,
-        "choked": (np.abs(p1 - p2) >= drop_choked).astype(float),
-        "ff": ff,
-        "p_vc": vena_contracta_pressure(p1, p2, 0.8, p_vapour=p_vapour),
-        "density": density,
-        "vapour_pressure": p_vapour,
-        "kinematic_viscosity": water_kinematic_viscosity(temperature),
-        "relative_capacity": phi,
-        "kv": 40.0 * phi,
-        "flow": flow,
-        "outlet_pressure": liquid_outlet_pressure(flow, 40.0 * phi, p1, density, **known),
-    }
-    assert set(expected) == set(names)
-    assert 0.1 < expected["choked"].mean() < 0.9
-    for name, values in expected.items():
-        assert_allclose(found[name], values, rtol=1e-12, err_msg=name)
 
 
 def test_names_and_positions_are_the_same():

@@ -22,6 +22,19 @@ ANYWHERE = {"opening": 0, "p1": 0, "p2": 0, "flow": 0, "warn": False}
             output="outlet_pressure",
             features=["dp", "outlet_pressure"],
         ),
+        ValveMechanismTransformer(
+            **ANYWHERE,
+            temperature=0,
+            kv_rated=10.0,
+            fl=[[0.0, 0.9], [1.0, 0.8]],
+            fd=0.4,
+            nominal_size=0.05,
+            inlet_pipe=0.08,
+            features=["flow", "reynolds", "fr", "fp", "flp", "state"],
+        ),
+        ValveMechanismTransformer(
+            **ANYWHERE, temperature=0, kv_rated=10.0, fluid="gas", molar_mass=0.029, gamma=1.4, xt=0.7
+        ),
     ]
 )
 def test_the_suite(estimator, check):
