@@ -6,9 +6,11 @@
 An effect changes one stage. The chain hands it what the stage makes, from the moment the effect acts.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime
 
 import numpy as np
+from joblib import cpu_count
 
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
@@ -18,6 +20,8 @@ from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
 _ROOM = 293.15
+# compiled runs of the stem release the interpreter; more than a few wait for the rest of the fit
+_CORES = min(cpu_count(), 4)
 
 
 def clock_of(recording):
@@ -132,16 +136,28 @@ class Chain:
 
     def stem_of_free_run(self, values):
         """Opening of the stem itself, free run from the command [1]."""
+        key = self._key_of_free_run(values)
+        if key not in self._remembered:
+            if len(self._remembered) > 40:
+                self._remembered.clear()
+            self._remembered[key] = self._free_run(values)
+        return self._remembered[key]
+
+    def free_runs_ahead(self, several):
+        """Run the stem for several sets of values side by side, to have the results at hand later."""
+        wanted = {self._key_of_free_run(values): values for values in several}
+        missing = [key for key in wanted if key not in self._remembered]
+        if len(missing) > 1 and _CORES > 1:
+            with ThreadPoolExecutor(_CORES) as threads:
+                runs = list(threads.map(lambda key: self._free_run(wanted[key]), missing))
+            self._remembered |= zip(missing, runs, strict=True)
+
+    def _key_of_free_run(self, values):
         names = [k for k in values if k.startswith("actuator_")]
         names += [
             f"{e.key}.{p.name}" for e in self.effects if e.stage in _OPENING_STAGES for p in e.parameters
         ]
-        key = tuple(values[name] for name in names)
-        if key not in self._remembered:
-            if len(self._remembered) > 4:
-                self._remembered.clear()
-            self._remembered[key] = self._free_run(values)
-        return self._remembered[key]
+        return tuple(values[name] for name in names)
 
     def _free_run(self, values):
         if self.command is None:

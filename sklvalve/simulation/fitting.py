@@ -95,16 +95,13 @@ def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, row
         return np.concatenate([*parts, vector.prior_residuals(z)])
 
     def slopes(z, base):
-        columns = np.empty((len(base), len(z)))
-        for i in range(len(z)):
-            reach = 1e-3 * vector.scale[i]
-            # away from the nearer bound, so that a difference never leaves the possible
-            if z[i] + reach > vector.high[i]:
-                reach = -reach
-            moved = z.copy()
-            moved[i] += reach
-            columns[:, i] = (stacked(moved) - base) / reach
-        return columns
+        # away from the nearer bound, so that a difference never leaves the possible
+        reach = 1e-3 * vector.scale
+        reach = np.where(z + reach > vector.high, -reach, reach)
+        moved = z + np.diag(reach)
+        if "opening" in channels:
+            chain.free_runs_ahead([held | vector.values(m) for m in moved])
+        return np.stack([(stacked(m) - base) / r for m, r in zip(moved, reach, strict=True)], axis=1)
 
     z = vector.pack(start or {})
     if not len(vector):

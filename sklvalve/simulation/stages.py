@@ -18,7 +18,7 @@ def _nozzle(ratio):
 
 
 # no check for division by zero in the innermost loop: no divisor there can be zero
-@nb.njit(cache=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@nb.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def positioner_and_actuator(
     command, step, x0, spring, supply, coulomb, extra_stick, dead_band, filter_time, gain, reset, rate
 ):
