@@ -86,6 +86,14 @@ def take_columns(X, columns):
     return _safe_indexing(X, [names.index(c) if isinstance(c, str) else int(c) for c in columns], axis=1)
 
 
+def seen_columns(columns, names):
+    """Positions of the columns that `take_columns` takes of a table with these names."""
+    names = list(names)
+    if columns is None:
+        return set(range(len(names)))
+    return {names.index(column) if isinstance(column, str) else int(column) for column in columns}
+
+
 def usable_rows(values, meaning, remedy):
     """Positions of the rows where `values` is finite; warns of the others, and raises where there is none."""
     rows = np.flatnonzero(np.isfinite(values))

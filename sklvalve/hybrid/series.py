@@ -24,9 +24,10 @@ from sklvalve.hybrid.inner import (
     usable_rows,
     weight_keywords,
 )
+from sklvalve.hybrid.outputs import OutputsMixin
 
 
-class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
+class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
     r"""Physics with an unknown parameter that a regressor learns.
 
     `fit` inverts the mechanism row by row for its parameter and lets the regressor learn the parameter from
@@ -39,8 +40,10 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
     mechanism : object, default=None
         Physics with ``forward(X, parameter)``, which gives the output, and ``invert(X, y)``, which gives the
         parameter, NaN where the output says nothing about it. Optional: ``fit(X, y)``, called first;
-        ``sensitivity(X, parameter)``, the derivative of the output by the parameter. None is
-        :class:`~sklvalve.mechanism.ValveMechanismTransformer` with the columns opening, p1, p2.
+        ``sensitivity(X, parameter)``, the derivative of the output by the parameter;
+        ``for_output(output, column)``, itself for another ``output``, and ``output_columns``, the positions
+        of columns that hold one. None is :class:`~sklvalve.mechanism.ValveMechanismTransformer` with the
+        columns opening, p1, p2.
     regressor : object, default=None
         Any regressor. None is :class:`~sklvalve.lssvm.LSSVMRegressor` behind a
         :class:`~sklearn.preprocessing.StandardScaler`.
@@ -93,6 +96,13 @@ class SeriesHybridRegressor(RegressorMixin, BaseEstimator):
     >>> model = SeriesHybridRegressor(link="log", regressor_columns=[0]).fit(X, flow)
     >>> model.predict_parameter([[0.5, 6e5, 3e5]]).round(1)
     array([5.7])
+
+    The same f(x) gives the outlet pressure, from opening, p1 and the flow:
+
+    >>> behind = model.for_output("outlet_pressure")
+    >>> through = np.column_stack([opening, p1, flow])
+    >>> bool(np.median(np.abs(behind.predict(through) / p2 - 1)) < 0.02)
+    True
 
     A search over both models inside:
 

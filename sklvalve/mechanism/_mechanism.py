@@ -38,7 +38,7 @@ class MechanismMixin:
         return self._forward(rows, rows.kv)
 
     def forward(self, X, parameter):
-        """Output of the valve with given flow coefficients, the paper's equation 16.
+        r"""Output of the valve with given flow coefficients, the paper's equation 16.
 
         Parameters
         ----------
@@ -51,6 +51,13 @@ class MechanismMixin:
         -------
         output : ndarray of shape (n_samples,)
             Flow [m3/s] or outlet pressure [Pa], by the parameter `output`.
+
+        Notes
+        -----
+        The paper's unknown f(x) is an area, and its pressure difference that to the vena contracta, which
+        nobody measures. Here the unknown is the flow coefficient, :math:`f(x) \propto F_L K_v` (see
+        `area_from_kv`), and the pressures are those before and behind the valve; choking, viscosity and
+        reducers come in where they are known.
         """
         X = self._check(X)
         return self._forward(self._rows(X), per_row(parameter, X, "parameter"))
@@ -101,6 +108,12 @@ class MechanismMixin:
         rows = self._rows(X, warn=False)
         kv = per_row(parameter, X, "parameter")
         return rows.flow_slope(kv) if self.output == "flow" else rows.outlet_pressure_slope(kv)
+
+    @property
+    def output_columns(self):
+        """Positions of the columns that hold an output: p2 and flow, as far as there are any."""
+        check_is_fitted(self)
+        return {self.columns_[role] for role in _READS.values() if role in self.columns_}
 
     def for_output(self, output, column=None):
         """Fitted copy that gives the other output, with the same valve and fluid.

@@ -207,8 +207,9 @@ def estimate_fl(p1, p2, p_vc):
     -----
     .. math:: F_L = \sqrt{\frac{p_1 - p_2}{p_1 - p_{vc}}}
 
-    Holds for flow that is not choked. F_L belongs to the valve and changes with its travel; it does not
-    follow from one operating point unless `p_vc` was measured there.
+    Holds for flow that is not choked. The paper sets this equal to the form for the onset of choking,
+    :math:`\sqrt{\Delta p_T / (p_1 - F_F p_v)}`, which holds there alone. F_L belongs to the valve and changes
+    with its travel; it does not follow from one operating point unless `p_vc` was measured there.
 
     Examples
     --------

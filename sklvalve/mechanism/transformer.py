@@ -48,8 +48,7 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
     leakage : float, default=0.0
         Part of the rated capacity that passes at the seat. [1]
     fl : float or list of pairs, default=None
-        Pressure recovery factor, or a table of pairs opening, factor; None leaves the choking of a liquid
-        out. [1]
+        Pressure recovery factor, or a table of pairs opening, factor; a liquid chokes only with it. [1]
     fd : float or list of pairs, default=None
         Valve style modifier, likewise; with `fl`, `nominal_size` and a known viscosity the flow of a liquid
         need not be turbulent. [1]
@@ -68,10 +67,8 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         Density, or a function of the temperature; None takes the fluid's. [kg/m3]
     kinematic_viscosity : float or callable, default=None
         Likewise. [m2/s]
-    vapour_pressure : float or callable, default=None
-        Likewise. [Pa]
-    critical_pressure : float, default=None
-        Likewise. [Pa]
+    vapour_pressure, critical_pressure : float or callable, default=None
+        Likewise; the second a number only. [Pa]
     brix : float, default=None
         Dissolved solids of ``fluid="sugar juice"``. [%]
     molar_mass : float, default=None

@@ -7,7 +7,7 @@ import importlib
 import pytest
 
 
-@pytest.mark.parametrize("name", ["parallel", "series"])
+@pytest.mark.parametrize("name", ["outputs", "parallel", "series"])
 def test_examples_run(name):
     found = doctest.testmod(importlib.import_module(f"sklvalve.hybrid.{name}"))
     assert found.attempted > 0
