@@ -4,6 +4,9 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
+from sklearn.linear_model import LinearRegression
+from sklearn.model_selection import GridSearchCV
+from sklearn.pipeline import make_pipeline
 
 import sklvalve.mechanism as m
 from sklvalve.mechanism.features import FEATURES
@@ -238,6 +241,27 @@ def test_slope_of_a_shut_valve():
     X = duties()[20:40]
     slope = liquid_valve(kv_rated=None).fit(X).sensitivity(X, 0.0)
     assert_array_equal(np.sign(slope), np.sign(X[:, 2] - X[:, 3]))
+
+
+@pytest.mark.parametrize("library", ["pandas", "polars"])
+@pytest.mark.parametrize("make", [liquid_valve, gas_valve])
+def test_set_output_of_everything(library, make):
+    pytest.importorskip(library)
+    names = [name for name in FEATURES if name not in (GAS_ONLY if make is liquid_valve else LIQUID_ONLY)]
+    X = duties()
+    frame = make(features=names).set_output(transform=library).fit_transform(X)
+    assert type(frame).__module__.startswith(library)
+    assert list(frame.columns) == names
+    assert_array_equal(frame.to_numpy(), make(features=names).fit_transform(X))
+
+
+def test_a_grid_finds_the_facts():
+    X = duties()
+    y = liquid_valve().fit(X).predict(X)
+    model = make_pipeline(liquid_valve(features=["flow"]), LinearRegression())
+    grid = {"valvemechanismtransformer__brix": [60.0, 72.0], "valvemechanismtransformer__fl": [0.6, FL]}
+    search = GridSearchCV(model, grid, cv=3, error_score="raise").fit(X, y)
+    assert list(search.best_params_.values()) == [72.0, FL]
 
 
 class TestRefused:
