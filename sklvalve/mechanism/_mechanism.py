@@ -136,7 +136,7 @@ class MechanismMixin:
         Raises
         ------
         ValueError
-            If the output is unknown.
+            If the output is unknown, or there is a column neither for p2 nor for the flow.
 
         Examples
         --------
@@ -152,6 +152,8 @@ class MechanismMixin:
         other = copy(self)
         other.output = output
         wanted, freed = _READS[output], _READS[self.output]
+        if not {wanted, freed} & set(self.columns_):
+            raise ValueError(f"{output} needs a column of {wanted}, and there is none: set {wanted}=...")
         if wanted not in self.columns_:
             at = self.columns_[freed]
             if hasattr(self, "feature_names_in_"):

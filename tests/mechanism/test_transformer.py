@@ -145,6 +145,50 @@ def test_in_a_pipeline_and_a_grid():
     assert_allclose(grid.predict(X), y, rtol=1e-6, atol=1e-9)
 
 
+class TestForOutput:
+    def test_the_flow_stands_where_p2_stood(self):
+        X = duties()
+        valve = by_position(flow=None, warn=False, features=["dp", "density", "flow"]).fit(X[:, :4])
+        behind = valve.for_output("outlet_pressure")
+        through = X[:, :4].copy()
+        through[:, 3] = X[:, 4]
+        assert behind.columns_ == {"opening": 1, "p1": 2, "temperature": 0, "flow": 3}
+        assert (behind.p2, behind.flow, behind.output) == (None, 3, "outlet_pressure")
+        assert behind.features_ == ["density"]
+        assert_allclose(
+            behind.predict(through), by_position(output="outlet_pressure", warn=False).fit(X).predict(X)
+        )
+        assert_allclose(behind.for_output("flow").predict(X[:, :4]), valve.predict(X[:, :4]), rtol=0.0)
+        assert (valve.p2, valve.flow, valve.output) == (3, None, "flow")
+
+    def test_a_column_for_each_is_kept(self):
+        X = duties()
+        valve = by_position(warn=False).fit(X)
+        behind = valve.for_output("outlet_pressure")
+        assert behind.columns_ == valve.columns_
+        assert valve.output_columns == behind.output_columns == {3, 4}
+        assert_array_equal(
+            behind.predict(X), by_position(output="outlet_pressure", warn=False).fit(X).predict(X)
+        )
+
+    def test_named_columns(self):
+        pd = pytest.importorskip("pandas")
+        frame = pd.DataFrame(duties(), columns=COLUMNS)
+        roles = {**ROLES, "flow": None}
+        valve = ValveMechanismTransformer(**roles, **VALVE, warn=False).fit(frame[COLUMNS[:4]])
+        behind = valve.for_output("outlet_pressure", "F")
+        assert list(behind.feature_names_in_) == ["t", "h", "pin", "F"]
+        assert clone(behind).fit(frame[["t", "h", "pin", "F"]]).columns_ == behind.columns_
+        assert np.isfinite(behind.predict(frame[["t", "h", "pin", "F"]])).sum() > 50
+
+    def test_refused(self):
+        X = duties()
+        with pytest.raises(ValueError, match="output must be one of flow, outlet_pressure; got 'p1'"):
+            by_position().fit(X).for_output("p1")
+        with pytest.raises(ValueError, match="outlet_pressure needs a column of flow, and there is none"):
+            by_position(p2=None, flow=None).fit(X).for_output("outlet_pressure")
+
+
 def test_copies():
     X = duties()
     valve = by_position().fit(X)
