@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from sklvalve.mechanism.gas_inputs import positive, throughput, unit_speed, valve_of, warn_gas
+from sklvalve.mechanism.gas_data import GasData, sensible
+from sklvalve.mechanism.gas_inputs import throughput, unit_speed, valve_of
 from sklvalve.mechanism.gas_sizing import capacity_between_reducers
 from sklvalve.mechanism.gas_units import check_basis, gas_mass_flow, gas_volume_flow
 from sklvalve.mechanism.gas_viscous import jet_of, viscous_capacity, viscous_mass
@@ -29,6 +30,7 @@ def gas_flow(
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
+    strict=False,
     warn=True,
 ):
     r"""Flow of a gas through a valve: turbulent, choked and, with a viscosity, not turbulent.
@@ -61,6 +63,8 @@ def gas_flow(
     nominal_size, inlet_pipe, outlet_pipe : float or array-like, default=None
         Bores of the valve's ends and of the pipes before and behind it; without pipes there are no reducers.
         [m]
+    strict : bool, default=False
+        The letter of the standard: its constants as it prints them, each rounded by itself.
     warn : bool, default=True
         Emit a `ValidityWarning` with the number of rows outside the validity.
 
@@ -69,7 +73,8 @@ def gas_flow(
     flow : float or ndarray
         Flow, odd in the pressure drop: where `p2` exceeds `p1` it is negative, enters by the outlet's reducer
         and chokes by the conditions there. NaN where an input is NaN, a pressure is negative, another
-        quantity is not positive, or the reducers would give back more than the valve takes. [kg/s] or [m3/s]
+        quantity is not positive and finite, or the reducers would give back more than the valve takes.
+        [kg/s] or [m3/s]
 
     Raises
     ------
@@ -80,8 +85,8 @@ def gas_flow(
     Warns
     -----
     ValidityWarning
-        Rows with a negative pressure, a negative `kv` (the odd continuation is returned), or a `gamma`
-        outside 1.08 to 1.65.
+        Rows with a negative pressure, another datum that is not positive and finite, a negative `kv` (the odd
+        continuation is returned), impossible reducers, or a `gamma` outside 1.08 to 1.65.
 
     See Also
     --------
@@ -97,7 +102,8 @@ def gas_flow(
 
     The standard rounds its constants N6, N8 and N9 to three digits one by one, and so disagrees with itself
     by up to 0.4 %. Here all follow from N1 = 0.1, the density of water at 15 degC and the gas constant:
-    N6 = 3.1609 (3.16 there), N8 = 1.0962 (1.10), N9 = 24.570 (24.6) and, for 15 degC, 25.919 (26.0). For a
+    N6 = 3.1609 (3.16 there), N8 = 1.0962 (1.10), N9 = 24.570 (24.6) and, for 15 degC, 25.919 (26.0). With
+    `strict` the printed figures are taken: N8 for mass, N6 for the actual volume, N9 for the other two. For a
     pure gas without liquid.
 
     Flow that is not turbulent is approximate: with t = 0 up to Re_v = 1000, rising to 1 at 10 000,
@@ -106,7 +112,8 @@ def gas_flow(
               \left(t\, Y \sqrt{x_s} + (1-t) \sqrt{x (1 - x/2)}\right)
 
     where Re_v is that of the actual flow. The public transcriptions of annex A disagree about this Y; here
-    laminar flow goes with :math:`p_1^2 - p_2^2`, as it must, and everything is continuous.
+    laminar flow goes with :math:`p_1^2 - p_2^2`, as it must, and everything is continuous, with `strict` too:
+    it changes no more than the constants.
 
     References
     ----------
@@ -125,23 +132,28 @@ def gas_flow(
     check_basis(basis)
     kv, p1, p2 = floats(kv, p1, p2)
     backward = p2 > p1
+    gas = (temperature, molar_mass, compressibility)
+    viscous, pipes = (dynamic_viscosity, fl, fd, kv_rated), (nominal_size, inlet_pipe, outlet_pipe)
     with np.errstate(all="ignore"):
         upstream, x = _drop_ratio_of(p1, p2)
-        valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
+        valve = valve_of(gamma, xt, backward, *pipes)
         capacity, x_choked = valve.at(kv)
-        speed = unit_speed(temperature, molar_mass, compressibility)
-        jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
+        speed = unit_speed(*gas, basis=basis, strict=strict)
+        jet = jet_of(*viscous, backward, *pipes)
         if jet is None:
             mass = capacity * throughput(x, x_choked) * upstream * speed
         else:
             mass = np.sign(kv) * viscous_mass(np.abs(kv), x, upstream * speed, valve, jet)
         mass = np.where(backward, -mass, mass)
-        flow = gas_volume_flow(mass, basis, upstream, temperature, molar_mass, compressibility)
+        flow = gas_volume_flow(mass, basis, upstream, *gas)
+        vast = np.isinf(kv * kv)
     if warn:
-        _warn("gas_flow", p1, p2, gamma, xt)
-        warn_rows(kv < 0.0, "gas_flow", "have a negative kv; the odd continuation is returned.")
-        given = ~(np.isnan(kv) | np.isnan(x) | np.isnan(valve.fittings))
-        warn_rows(np.isnan(capacity) & given, "gas_flow", "have reducers that no such valve can have: NaN.")
+        data = GasData((*gas, gamma, xt), viscous, pipes)
+        _warn("gas_flow", p1, p2, data, np.shape(flow))
+        warn_rows((kv < 0.0) & ~vast, "gas_flow", "have a negative kv; the odd continuation is returned.")
+        warn_rows(vast, "gas_flow", "have a kv too large to reckon with: NaN.")
+        lost = np.isnan(flow) & data.known & ~(np.isnan(kv) | vast | np.isnan(x))
+        warn_rows(lost, "gas_flow", "have reducers that no such valve can have: NaN.")
     return flow[()]
 
 
@@ -163,6 +175,7 @@ def gas_kv(
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
+    strict=False,
     warn=True,
 ):
     r"""Flow coefficient that passes a given flow of a gas: sizing.
@@ -173,7 +186,7 @@ def gas_kv(
         Flow on the `basis`. [kg/s] or [m3/s]
     p1, p2, temperature, molar_mass, gamma, xt, compressibility, basis
         As in `gas_flow`.
-    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, warn
+    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict, warn
         As in `gas_flow`.
 
     Returns
@@ -206,45 +219,51 @@ def gas_kv(
 
     Examples
     --------
-    Worked example 3 of the standard, which finds 70.9 with its rounded N9:
+    Worked example 3 of the standard, which finds 70.9 with its rounded N9, as `strict` does:
 
     >>> pipes = {"nominal_size": 0.05, "inlet_pipe": 0.08, "outlet_pipe": 0.1}
     >>> gas = {"gamma": 1.3, "xt": 0.6, "compressibility": 0.988, "basis": "normal"}
-    >>> round(float(gas_kv(3800 / 3600, 680e3, 310e3, 433.0, 0.04401, **gas, **pipes)), 1)
-    71.0
+    >>> duty = 3800 / 3600, 680e3, 310e3, 433.0, 0.04401
+    >>> [round(float(gas_kv(*duty, **gas, **pipes, strict=letter)), 1) for letter in (False, True)]
+    [71.0, 70.9]
     """
     check_basis(basis)
     flow, p1, p2 = floats(flow, p1, p2)
     backward = p2 > p1
+    gas = (temperature, molar_mass, compressibility)
+    viscous, pipes = (dynamic_viscosity, fl, fd, kv_rated), (nominal_size, inlet_pipe, outlet_pipe)
     with np.errstate(all="ignore"):
         upstream, x = _drop_ratio_of(p1, p2)
-        mass = gas_mass_flow(flow, basis, upstream, temperature, molar_mass, compressibility)
-        valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
-        speed = unit_speed(temperature, molar_mass, compressibility)
+        mass = gas_mass_flow(flow, basis, upstream, *gas)
+        valve = valve_of(gamma, xt, backward, *pipes)
+        speed = unit_speed(*gas, basis=basis, strict=strict)
         wanted = np.where(x > 0.0, np.abs(mass), np.nan)
-        jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
+        jet = jet_of(*viscous, backward, *pipes)
         if jet is None:
             kv = capacity_between_reducers(wanted / (upstream * speed), x, valve)
         else:
             kv = viscous_capacity(wanted, x, upstream * speed, valve, jet)
         kv = np.where((mass < 0.0) != backward, -kv, kv)
     if warn:
-        _warn("gas_kv", p1, p2, gamma, xt)
+        data = GasData((*gas, gamma, xt), viscous, pipes)
+        _warn("gas_kv", p1, p2, data, np.shape(kv))
         warn_rows(p1 == p2, "gas_kv", "have no pressure drop and give NaN.")
         warn_rows(kv < 0.0, "gas_kv", "have the flow against the pressure drop; their kv is negative.")
-        lost = np.isnan(kv) & ~np.isnan(wanted * speed * valve.gamma * valve.xt * valve.fittings)
+        lost = np.isnan(kv) & data.known & ~(np.isnan(flow) | np.isnan(x) | (x == 0.0))
         warn_rows(lost, "gas_kv", "ask for a flow that no such valve was found to pass: NaN.")
     return kv[()]
 
 
 def _drop_ratio_of(p1, p2):
     """Pressure upstream and ratio of the drop to it, NaN where there is no such gas."""
-    upstream, downstream = positive(np.maximum(p1, p2)), np.minimum(p1, p2)
+    upstream, downstream = sensible(np.maximum(p1, p2)), np.minimum(p1, p2)
     x = (upstream - downstream) / upstream
     return upstream, np.where(downstream >= 0.0, x, np.nan)[()]
 
 
-def _warn(where, p1, p2, gamma, xt):
-    impossible = (np.minimum(p1, p2) < 0.0) | (np.maximum(p1, p2) <= 0.0)
-    warn_rows(impossible, where, "have a pressure below zero absolute, or none at all: NaN.", stacklevel=4)
-    warn_gas(where, gamma, xt)
+def _warn(where, p1, p2, data, shape):
+    most = np.maximum(p1, p2)
+    impossible = (np.minimum(p1, p2) < 0.0) | (most <= 0.0) | np.isinf(most)
+    what = "have a pressure below zero absolute, an infinite one, or none at all: NaN."
+    warn_rows(impossible, where, what, stacklevel=4)
+    data.warn(where, shape, stacklevel=5)

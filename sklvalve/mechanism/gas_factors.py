@@ -4,7 +4,7 @@
 import numpy as np
 
 from sklvalve.mechanism._constants import N2, capacity_over_bore
-from sklvalve.mechanism.piping import piping_factor
+from sklvalve.mechanism.validity import warn_rows
 
 # x_T belongs to the choked flow, where Y is 2/3, and the inlet's loss lowers pressure and density at once
 _N5 = 9.0 / 8.0 * N2
@@ -82,10 +82,15 @@ def combined_drop_ratio_factor(kv, nominal_size, zeta_sum, zeta_inlet, xt, *, wa
     >>> round(float(combined_drop_ratio_factor(70.9, 0.050, zeta_sum, zeta_inlet, 0.6)), 3)
     0.625
     """
-    fp = piping_factor(kv, nominal_size, zeta_sum, warn=warn)
-    xt = np.asarray(xt, dtype=float)
-    kv = np.asarray(kv, dtype=float)
-    return xt / (fp * fp * (1.0 + kv * kv * inlet_share(nominal_size, zeta_inlet, xt)))
+    kv, zeta_sum, zeta_inlet, xt = (np.asarray(v, dtype=float) for v in (kv, zeta_sum, zeta_inlet, xt))
+    with np.errstate(all="ignore"):
+        shares = fitting_share(nominal_size, zeta_sum), inlet_share(nominal_size, zeta_inlet, xt)
+        _, xtp = between_reducers(kv, xt, *shares)
+        known = ~np.isnan(kv + shares[0] + shares[1])
+    if warn:
+        what = "have reducers that would give back more than the valve takes: NaN."
+        warn_rows(np.isnan(xtp) & known, "combined_drop_ratio_factor", what)
+    return xtp[()]
 
 
 def choked_drop_ratio(gamma, xt):
@@ -119,7 +124,8 @@ def choked_drop_ratio(gamma, xt):
     >>> round(100.0 * (1.0 - float(choked_drop_ratio(1.3, 1.0))), 3)
     7.143
     """
-    return specific_heat_ratio_factor(gamma) * np.asarray(xt, dtype=float)
+    with np.errstate(all="ignore"):
+        return specific_heat_ratio_factor(gamma) * np.asarray(xt, dtype=float)
 
 
 def expansion_factor(x, x_choked):
@@ -154,9 +160,22 @@ def expansion_factor(x, x_choked):
     array([1.    , 0.8333, 0.6667])
     """
     x, x_choked = np.asarray(x, dtype=float), np.asarray(x_choked, dtype=float)
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         factor = 1.0 - np.minimum(x, x_choked) / (3.0 * x_choked)
     return np.where((x >= 0.0) & (x_choked > 0.0), factor, np.nan)[()]
+
+
+def between_reducers(kv, xt, fittings, inlet):
+    """Effective flow coefficient kv F_P, and x_TP, from the shares of the reducers."""
+    square = kv * kv
+    loss = positive(1.0 + fittings * square)
+    return kv / np.sqrt(loss), xt * loss / positive(1.0 + inlet * square)
+
+
+def positive(values):
+    """The values as floats, NaN where they are not positive."""
+    values = np.asarray(values, dtype=float)
+    return np.where(values > 0.0, values, np.nan)[()]
 
 
 def fitting_share(nominal_size, zeta_sum):

@@ -6,10 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mechanism._constants import FLOW_CONSTANT
-from sklvalve.mechanism.gas_factors import choked_drop_ratio, fitting_share, inlet_share
-from sklvalve.mechanism.gas_units import gas_density
+from sklvalve.mechanism.gas_data import sensible
+from sklvalve.mechanism.gas_factors import (
+    between_reducers,
+    choked_drop_ratio,
+    expansion_factor,
+    fitting_share,
+    inlet_share,
+)
+from sklvalve.mechanism.gas_factors import positive as positive
+from sklvalve.mechanism.gas_units import gas_density, rounding_of_constant
 from sklvalve.mechanism.piping import fitting_loss
-from sklvalve.mechanism.validity import warn_rows
 
 ROUNDING = 32.0 * np.finfo(float).eps
 
@@ -25,14 +32,12 @@ class Valve:
 
     def at(self, kv):
         """Effective flow coefficient kv F_P and choked ratio F_gamma x_TP."""
-        square = kv * kv
-        loss = positive(1.0 + self.fittings * square)
-        xtp = self.xt * loss / positive(1.0 + self.inlet * square)
-        return kv / np.sqrt(loss), choked_drop_ratio(self.gamma, xtp)
+        capacity, xtp = between_reducers(kv, self.xt, self.fittings, self.inlet)
+        return capacity, choked_drop_ratio(self.gamma, xtp)
 
 
 def valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe):
-    gamma, xt = positive(gamma), positive(xt)
+    gamma, xt = sensible(gamma), sensible(xt)
     if inlet_pipe is None and outlet_pipe is None:
         return Valve(gamma, xt, 0.0, 0.0)
     if nominal_size is None:
@@ -41,29 +46,23 @@ def valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe):
         )
     inlet_pipe = nominal_size if inlet_pipe is None else inlet_pipe
     outlet_pipe = nominal_size if outlet_pipe is None else outlet_pipe
-    size = positive(nominal_size)
+    size = sensible(nominal_size)
     # a reversed flow enters by the outlet's reducer
     first = np.where(backward, outlet_pipe, inlet_pipe)
     second = np.where(backward, inlet_pipe, outlet_pipe)
-    zeta_sum, zeta_inlet = fitting_loss(size, positive(first), positive(second))
+    zeta_sum, zeta_inlet = fitting_loss(size, sensible(first), sensible(second))
     return Valve(gamma, xt, fitting_share(size, zeta_sum), inlet_share(size, zeta_inlet, xt))
 
 
-def positive(values):
-    """The values as floats, NaN where they are not positive."""
-    values = np.asarray(values, dtype=float)
-    return np.where(values > 0.0, values, np.nan)[()]
-
-
-def unit_speed(temperature, molar_mass, compressibility):
+def unit_speed(temperature, molar_mass, compressibility, *, basis="mass", strict=False):
     """Root of the specific inverse M / (Z R T): mass flow per kv, pressure and unit of sqrt(x) Y. [s/m]"""
-    return FLOW_CONSTANT * np.sqrt(gas_density(1.0, temperature, molar_mass, compressibility))
+    speed = FLOW_CONSTANT * np.sqrt(gas_density(1.0, temperature, molar_mass, compressibility))
+    return speed * rounding_of_constant(basis) if strict else speed
 
 
 def throughput(x, x_choked):
     """sqrt(x) Y, the flow per capacity: rises with x up to choking and stays there."""
-    limited = np.minimum(x, x_choked)
-    return np.sqrt(limited) * (1.0 - limited / (3.0 * x_choked))
+    return np.sqrt(np.minimum(x, x_choked)) * expansion_factor(x, x_choked)
 
 
 def drop_ratio(through, x_choked):
@@ -74,12 +73,3 @@ def drop_ratio(through, x_choked):
     root = 2.0 / np.sqrt(3.0) * np.sin(np.arcsin(triple) / 3.0)
     x = 3.0 * x_choked * root * root
     return np.where(x <= 1.0, x, np.nan)[()]
-
-
-def warn_gas(where, gamma, xt):
-    gamma, xt = np.asarray(gamma, dtype=float), np.asarray(xt, dtype=float)
-    what = "have a gamma outside 1.08 to 1.65, for which F_gamma is known."
-    warn_rows((gamma < 1.08) | (gamma > 1.65), where, what, stacklevel=4)
-    warn_rows(
-        (gamma <= 0.0) | (xt <= 0.0), where, "have a gamma or xt that is not positive: NaN.", stacklevel=4
-    )

@@ -3,9 +3,10 @@
 
 import numpy as np
 
-from sklvalve.mechanism.gas_inputs import drop_ratio, positive, throughput, unit_speed, valve_of, warn_gas
+from sklvalve.mechanism.gas_data import GasData
+from sklvalve.mechanism.gas_inputs import drop_ratio, positive, throughput, unit_speed, valve_of
 from sklvalve.mechanism.gas_units import check_basis, gas_density, gas_mass_flow
-from sklvalve.mechanism.gas_viscous import jet_of, viscous_drop_ratio, viscous_pressure_before
+from sklvalve.mechanism.gas_viscous import is_turbulent, jet_of, viscous_drop_ratio, viscous_pressure_before
 from sklvalve.mechanism.liquid import floats
 from sklvalve.mechanism.validity import warn_rows
 
@@ -31,6 +32,7 @@ def gas_outlet_pressure(
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
+    strict=False,
     return_feasible=False,
     warn=True,
 ):
@@ -46,7 +48,7 @@ def gas_outlet_pressure(
         Inlet pressure, absolute. [Pa]
     temperature, molar_mass, gamma, xt, compressibility, basis
         As in `gas_flow`; the temperature and compressibility are those upstream.
-    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, warn
+    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict, warn
         As in `gas_flow`.
     return_feasible : bool, default=False
         Also return the mask of rows that have an answer.
@@ -62,12 +64,14 @@ def gas_outlet_pressure(
     Raises
     ------
     ValueError
-        If the basis is unknown or pipes are given without `nominal_size`.
+        If the basis is unknown, pipes are given without `nominal_size`, or a viscosity without `fl`, `fd` and
+        `nominal_size`.
 
     Warns
     -----
     ValidityWarning
-        Rows that are infeasible, and a `gamma` outside 1.08 to 1.65.
+        Rows that are infeasible, that have a pressure below zero or another datum that is not positive and
+        finite, and a `gamma` outside 1.08 to 1.65.
 
     Notes
     -----
@@ -91,41 +95,13 @@ def gas_outlet_pressure(
     >>> round(float(gas_outlet_pressure(w, 71.0, 680e3, 433.0, 0.04401, **gas)))
     310000
     """
-    check_basis(basis)
     flow, kv, p1 = floats(flow, kv, p1)
-    backward = flow < 0.0
-    with np.errstate(all="ignore"):
-        valve = valve_of(gamma, xt, backward, nominal_size, inlet_pipe, outlet_pipe)
-        capacity, x_choked = valve.at(positive(kv))
-        gas = (temperature, molar_mass, compressibility)
-        speed = unit_speed(*gas)
-        known = np.where(p1 >= 0.0, p1, np.nan)
-        amount = np.abs(flow)
-        jet = jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pipe, outlet_pipe)
-        if jet is not None:
-            # of the mass flow that a volume at an unknown inlet pressure means there may be two
-            mass = gas_mass_flow(
-                amount, basis, np.where(backward, np.nan, known) if basis == "actual" else known, *gas
-            )
-            x = viscous_drop_ratio(mass, positive(kv), positive(known) * speed, valve, jet)
-            before = viscous_pressure_before(mass, positive(kv), known, speed, valve, jet)
-            p2 = np.where(backward, before, known * (1.0 - x))
-            undefined = (known <= 0.0) & ~backward
-        elif basis == "actual":
-            # volume at the inlet says the drop ratio by itself, whichever side's pressure is known
-            x = drop_ratio(amount * gas_density(1.0, *gas) / (capacity * speed), x_choked)
-            p2 = np.where(backward, known / (1.0 - x), known * (1.0 - x))
-            undefined = known <= 0.0
-        else:
-            demand = gas_mass_flow(amount, basis, known, *gas) / (capacity * speed)
-            forward = known * (1.0 - drop_ratio(demand / positive(known), x_choked))
-            p2 = np.where(backward, _pressure_before(demand, known, x_choked), forward)
-            undefined = (known <= 0.0) & ~backward
-        p2 = np.where(undefined | ~np.isfinite(p2), np.nan, p2)[()]
+    gas, factors = (temperature, molar_mass, compressibility), (gamma, xt)
+    viscous, pipes = (dynamic_viscosity, fl, fd, kv_rated), (nominal_size, inlet_pipe, outlet_pipe)
+    p2 = _pressure_beyond((flow, kv, p1), gas, factors, viscous, pipes, basis, strict)
     if warn:
-        warn_gas("gas_outlet_pressure", gamma, xt)
-        lost = np.isnan(p2) & ~np.isnan(flow + kv + p1 + speed + valve.gamma + valve.xt)
-        warn_rows(lost, "gas_outlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
+        data = GasData((*gas, *factors), viscous, pipes)
+        _warn("gas_outlet_pressure", data, (flow, kv, p1), p2, basis)
     return (p2, ~np.isnan(p2)) if return_feasible else p2
 
 
@@ -147,6 +123,7 @@ def gas_inlet_pressure(
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
+    strict=False,
     warn=True,
 ):
     r"""Pressure before the valve from the flow of a gas and the pressure behind it.
@@ -157,7 +134,7 @@ def gas_inlet_pressure(
         As in `gas_outlet_pressure`.
     p2 : float or array-like
         Outlet pressure, absolute. [Pa]
-    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, warn
+    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict, warn
         As in `gas_flow`.
 
     Returns
@@ -165,12 +142,15 @@ def gas_inlet_pressure(
     p1 : float or ndarray
         Inlet pressure, absolute; defined in choked flow too, but not on the basis ``"actual"``, where a
         choked valve passes the same volume at any higher `p1`. NaN there, where `kv` is not positive and, for
-        a flow that runs backwards, where it is choked. [Pa]
+        a flow that runs backwards, where it is choked. A volume on that basis together with a viscosity gives
+        `p1` where the flow is turbulent by it, else NaN; near Re_v = 10 000 a lower, not turbulent `p1` may
+        pass the same volume. [Pa]
 
     Raises
     ------
     ValueError
-        If the basis is unknown or pipes are given without `nominal_size`.
+        If the basis is unknown, pipes are given without `nominal_size`, or a viscosity without `fl`, `fd` and
+        `nominal_size`.
 
     Notes
     -----
@@ -193,32 +173,76 @@ def gas_inlet_pressure(
     >>> round(float(gas_inlet_pressure(w, 71.0, 100e3, 433.0, 0.04401, **gas)))
     680000
     """
-    # the valve seen from its other side: the flow changes sign, the wanted pressure becomes the outlet
     flow, kv, p2 = floats(flow, kv, p2)
-    p1 = gas_outlet_pressure(
-        -flow,
-        kv,
-        p2,
-        temperature,
-        molar_mass,
-        gamma=gamma,
-        xt=xt,
-        compressibility=compressibility,
-        basis=basis,
-        dynamic_viscosity=dynamic_viscosity,
-        fl=fl,
-        fd=fd,
-        kv_rated=kv_rated,
-        nominal_size=nominal_size,
-        inlet_pipe=outlet_pipe,
-        outlet_pipe=inlet_pipe,
-        warn=False,
-    )
+    gas, factors = (temperature, molar_mass, compressibility), (gamma, xt)
+    viscous, pipes = (dynamic_viscosity, fl, fd, kv_rated), (nominal_size, inlet_pipe, outlet_pipe)
+    # the valve seen from its other side: the flow changes sign, the wanted pressure becomes the outlet
+    turned = (nominal_size, outlet_pipe, inlet_pipe)
+    p1 = _pressure_beyond((-flow, kv, p2), gas, factors, viscous, turned, basis, strict)
     if warn:
-        warn_gas("gas_inlet_pressure", gamma, xt)
-        lost = np.isnan(p1) & ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p2))
-        warn_rows(lost, "gas_inlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
+        data = GasData((*gas, *factors), viscous, pipes)
+        _warn("gas_inlet_pressure", data, (-flow, kv, p2), p1, basis)
     return p1
+
+
+def _pressure_beyond(duty, gas, factors, viscous, pipes, basis, strict):
+    """Pressure on the other side of the valve; flow is positive towards that side."""
+    check_basis(basis)
+    flow, kv, given = duty
+    # a flow from there comes from a pressure that nobody knows
+    from_there = flow < 0.0
+    with np.errstate(all="ignore"):
+        valve = valve_of(*factors, from_there, *pipes)
+        jet = jet_of(*viscous, from_there, *pipes)
+        speed = unit_speed(*gas, basis=basis, strict=strict)
+        known = np.where((given >= 0.0) & (given < np.inf), given, np.nan)
+        state = (np.abs(flow), positive(kv), known, speed, gas, valve)
+        if basis == "actual":
+            ahead, before = _from_volume(*state, jet)
+        else:
+            ahead, before = _from_mass(
+                gas_mass_flow(np.abs(flow), basis, known, *gas), *state[1:4], valve, jet
+            )
+        found = np.where(from_there, before, np.where(known > 0.0, ahead, np.nan))
+        return np.where(np.isfinite(found), found, np.nan)[()]
+
+
+def _warn(where, data, duty, found, basis):
+    flow, kv, given = duty
+    from_there = flow < 0.0
+    data.warn(where, np.shape(found), stacklevel=5)
+    impossible = (given < 0.0) | np.isinf(given) | ((given == 0.0) & ~from_there)
+    what = "have a pressure below zero absolute, an infinite one, or none at all: NaN."
+    warn_rows(impossible, where, what, stacklevel=4)
+    lost = np.isnan(found) & data.known & ~impossible & ~(np.isnan(flow) | np.isnan(kv) | np.isnan(given))
+    undecided = lost & from_there & (kv > 0.0) & (basis == "actual") & data.viscous
+    what = "have a volume at the unknown inlet pressure, which says it only in turbulent unchoked flow: NaN."
+    warn_rows(undecided, where, what, stacklevel=4)
+    what = "ask for a flow that the valve cannot pass and give NaN."
+    warn_rows(lost & ~undecided, where, what, stacklevel=4)
+
+
+def _from_mass(mass, kv, known, speed, valve, jet):
+    """Pressure behind the known one, and pressure before it."""
+    if jet is not None:
+        x = viscous_drop_ratio(mass, kv, positive(known) * speed, valve, jet)
+        return known * (1.0 - x), viscous_pressure_before(mass, kv, known, speed, valve, jet)
+    capacity, x_choked = valve.at(kv)
+    demand = mass / (capacity * speed)
+    x = drop_ratio(demand / positive(known), x_choked)
+    return known * (1.0 - x), _pressure_before(demand, known, x_choked)
+
+
+def _from_volume(volume, kv, known, speed, gas, valve, jet):
+    """The same from a volume at the inlet, which says the drop ratio by itself where flow is turbulent."""
+    capacity, x_choked = valve.at(kv)
+    x = drop_ratio(volume * gas_density(1.0, *gas) / (capacity * speed), x_choked)
+    ahead, before = known * (1.0 - x), positive(known) / (1.0 - x)
+    if jet is not None:
+        x = viscous_drop_ratio(volume * gas_density(known, *gas), kv, positive(known) * speed, valve, jet)
+        ahead = known * (1.0 - x)
+        before = np.where(is_turbulent(volume * gas_density(before, *gas), kv, jet), before, np.nan)
+    return ahead, before
 
 
 def _pressure_before(demand, behind, x_choked):

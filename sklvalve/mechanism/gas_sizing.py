@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from sklvalve.mechanism.gas_factors import expansion_factor
 from sklvalve.mechanism.gas_inputs import Valve, throughput
 
 # Newton needs about six steps; halving alone would need no more than this
@@ -64,8 +65,7 @@ def _log_flow(log, wanted, x, valve):
     """Logarithm of the flow over the wanted one, and its derivative by the logarithm of kv."""
     kv = np.exp(log)
     capacity, x_choked = valve.at(kv)
-    through = throughput(x, x_choked)
-    expansion = 1.0 - np.minimum(x / x_choked, 1.0) / 3.0
+    expansion = expansion_factor(x, x_choked)
     share = 2.0 * (1.0 - expansion) / expansion
     slope = (1.0 - share) / (1.0 + valve.fittings * kv * kv) + share / (1.0 + valve.inlet * kv * kv)
-    return np.log(capacity * through / wanted), slope
+    return np.log(capacity * throughput(x, x_choked) / wanted), slope

@@ -6,6 +6,7 @@ import numpy as np
 from sklvalve.mechanism._constants import LAMINAR_REYNOLDS, TURBULENT_REYNOLDS
 from sklvalve.mechanism.gas import gas_flow
 from sklvalve.mechanism.gas_inputs import valve_of
+from sklvalve.mechanism.gas_units import gas_mass_flow
 from sklvalve.mechanism.gas_viscous import jet_of
 from sklvalve.mechanism.liquid import floats
 
@@ -33,6 +34,7 @@ def gas_state(
     gamma,
     xt,
     compressibility=1.0,
+    basis="mass",
     dynamic_viscosity=None,
     fl=None,
     fd=None,
@@ -40,6 +42,7 @@ def gas_state(
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
+    strict=False,
 ):
     r"""State of the flow of a gas through a valve.
 
@@ -47,7 +50,9 @@ def gas_state(
     ----------
     kv, p1, p2, temperature, molar_mass, gamma, xt, compressibility
         As in `gas_flow`.
-    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe
+    basis : {"mass", "actual", "normal", "standard"}, default="mass"
+        What the flow is counted in; matters only for the constant that `strict` takes.
+    dynamic_viscosity, fl, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict
         As in `gas_flow`.
 
     Returns
@@ -79,7 +84,7 @@ def gas_state(
     """
     known = {"dynamic_viscosity": dynamic_viscosity, "fl": fl, "fd": fd, "kv_rated": kv_rated}
     pipes = {"nominal_size": nominal_size, "inlet_pipe": inlet_pipe, "outlet_pipe": outlet_pipe}
-    gas = {"gamma": gamma, "xt": xt, "compressibility": compressibility}
+    gas = {"gamma": gamma, "xt": xt, "compressibility": compressibility, "basis": basis, "strict": strict}
     flow = gas_flow(kv, p1, p2, temperature, molar_mass, warn=False, **gas, **known, **pipes)
     kv, p1, p2 = floats(kv, p1, p2)
     with np.errstate(all="ignore"):
@@ -88,7 +93,8 @@ def gas_state(
         jet = jet_of(backward=backward, **known, **pipes)
         x = np.abs(p1 - p2) / np.maximum(p1, p2)
         capacity, x_choked = valve.at(kv)
-        reynolds = np.inf if jet is None else jet.reynolds(flow, kv)
+        mass = gas_mass_flow(flow, basis, np.maximum(p1, p2), temperature, molar_mass, compressibility)
+        reynolds = np.inf if jet is None else jet.reynolds(mass, kv)
         rules = {
             "infeasible": np.isnan(capacity) & ~np.isnan(kv + valve.fittings + valve.inlet),
             "unknown": np.isnan(flow),

@@ -3,6 +3,9 @@
 
 import numpy as np
 
+from sklvalve.mechanism._constants import FLOW_CONSTANT, HOUR
+from sklvalve.mechanism.gas_data import sensible
+
 GAS_CONSTANT = 8.31446261815324
 """Molar gas constant, exact in SI. [J/(mol K)]"""
 
@@ -13,6 +16,9 @@ _REFERENCE_TEMPERATURE = {"normal": 273.15, "standard": 288.15}
 
 GAS_FLOW_BASES = ("mass", "actual", "normal", "standard")
 """What `basis` can be: mass [kg/s]; volume at the inlet, at 0 degC or at 15 degC and 101.325 kPa [m3/s]."""
+
+_PRINTED = {"mass": 1.10, "actual": 3.16, "normal": 24.6, "standard": 26.0}
+"""N8, N6 and the two N9 of the standard, for m3/h, kg/h, kPa and kg/kmol."""
 
 
 def gas_density(pressure, temperature, molar_mass, compressibility=1.0):
@@ -32,7 +38,7 @@ def gas_density(pressure, temperature, molar_mass, compressibility=1.0):
     Returns
     -------
     density : float or ndarray
-        Density; NaN where temperature, molar mass or compressibility is not positive. [kg/m3]
+        Density; NaN where the pressure is negative, or another input is not positive and finite. [kg/m3]
 
     Notes
     -----
@@ -46,7 +52,10 @@ def gas_density(pressure, temperature, molar_mass, compressibility=1.0):
     >>> round(float(gas_density(101.325e3, 273.15, 0.028965)), 4)
     1.2923
     """
-    return np.asarray(pressure, dtype=float) * _specific_inverse(temperature, molar_mass, compressibility)
+    pressure = np.asarray(pressure, dtype=float)
+    with np.errstate(all="ignore"):
+        inverse = _specific_inverse(temperature, molar_mass, compressibility)
+        return np.where(pressure >= 0.0, pressure * inverse, np.nan)[()]
 
 
 def gas_volume_flow(mass_flow, basis, pressure, temperature, molar_mass, compressibility=1.0):
@@ -96,9 +105,9 @@ def gas_volume_flow(mass_flow, basis, pressure, temperature, molar_mass, compres
     >>> round(float(gas_volume_flow(1.0, "actual", 5e5, 300.0, 0.028965)), 4)
     0.1722
     """
-    return np.asarray(mass_flow, dtype=float) / _density_of_basis(
-        basis, pressure, temperature, molar_mass, compressibility
-    )
+    density = _density_of_basis(basis, pressure, temperature, molar_mass, compressibility)
+    with np.errstate(all="ignore"):
+        return np.asarray(mass_flow, dtype=float) / density
 
 
 def gas_mass_flow(flow, basis, pressure, temperature, molar_mass, compressibility=1.0):
@@ -126,9 +135,9 @@ def gas_mass_flow(flow, basis, pressure, temperature, molar_mass, compressibilit
     >>> round(float(gas_mass_flow(3800 / 3600, "normal", 680e3, 433.0, 0.04401, 0.988)), 4)
     2.0726
     """
-    return np.asarray(flow, dtype=float) * _density_of_basis(
-        basis, pressure, temperature, molar_mass, compressibility
-    )
+    density = _density_of_basis(basis, pressure, temperature, molar_mass, compressibility)
+    with np.errstate(all="ignore"):
+        return np.asarray(flow, dtype=float) * density
 
 
 def check_basis(basis):
@@ -145,12 +154,17 @@ def _density_of_basis(basis, pressure, temperature, molar_mass, compressibility)
     return gas_density(REFERENCE_PRESSURE, _REFERENCE_TEMPERATURE[basis], molar_mass)
 
 
+def rounding_of_constant(basis):
+    """The constant that the standard prints for flow on a basis, over what it stands for."""
+    of_density = np.sqrt(1e3) * FLOW_CONSTANT * HOUR
+    of_mass = 1e3 * FLOW_CONSTANT * HOUR / np.sqrt(1e3 * GAS_CONSTANT)
+    if basis in _REFERENCE_TEMPERATURE:
+        kilomole = 1e3 * GAS_CONSTANT * _REFERENCE_TEMPERATURE[basis] / REFERENCE_PRESSURE
+        return _PRINTED[basis] / (of_mass * kilomole)
+    return _PRINTED[basis] / (of_density if basis == "actual" else of_mass)
+
+
 def _specific_inverse(temperature, molar_mass, compressibility):
-    """M / (Z R T) [s2/m2], NaN where it is not a positive number."""
-    temperature, molar_mass, compressibility = (
-        np.asarray(value, dtype=float) for value in (temperature, molar_mass, compressibility)
-    )
-    possible = (temperature > 0.0) & (molar_mass > 0.0) & (compressibility > 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        inverse = molar_mass / (compressibility * GAS_CONSTANT * temperature)
-    return np.where(possible, inverse, np.nan)[()]
+    """M / (Z R T) [s2/m2], NaN where one of them is senseless."""
+    temperature, molar_mass, compressibility = map(sensible, (temperature, molar_mass, compressibility))
+    return molar_mass / (compressibility * GAS_CONSTANT * temperature)

@@ -12,7 +12,9 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from sklvalve.mechanism.gas_inputs import drop_ratio, positive, throughput
+from sklvalve.mechanism._constants import TURBULENT_REYNOLDS
+from sklvalve.mechanism.gas_data import sensible
+from sklvalve.mechanism.gas_inputs import drop_ratio, throughput
 from sklvalve.mechanism.gas_roots import root_between
 from sklvalve.mechanism.gas_sizing import capacity_between_reducers
 from sklvalve.mechanism.viscosity import (
@@ -23,7 +25,8 @@ from sklvalve.mechanism.viscosity import (
     valve_reynolds_number,
 )
 
-LAMINAR, TURBULENT = 1e3, 1e4
+# between these Reynolds numbers the laminar form of the flow gives way to the turbulent one
+BLEND_START, BLEND_END = 1e3, TURBULENT_REYNOLDS
 _SHORT_STEP, _LONG_STEP, _STEPS = 0.5 * np.log(2.0), np.log(16.0), 120
 _HAIR = 1e-14
 _SOLVED = 1e-11
@@ -60,16 +63,16 @@ def jet_of(dynamic_viscosity, fl, fd, kv_rated, backward, nominal_size, inlet_pi
         )
     first = nominal_size if inlet_pipe is None else inlet_pipe
     second = nominal_size if outlet_pipe is None else outlet_pipe
-    pipe = positive(np.where(backward, second, first))
-    kv_rated = None if kv_rated is None else positive(kv_rated)
+    pipe = sensible(np.where(backward, second, first))
+    kv_rated = None if kv_rated is None else sensible(kv_rated)
     return Jet(
-        positive(dynamic_viscosity), positive(fl), positive(fd), positive(nominal_size), pipe, kv_rated
+        sensible(dynamic_viscosity), sensible(fl), sensible(fd), sensible(nominal_size), pipe, kv_rated
     )
 
 
 def blended_throughput(x, x_choked, reynolds):
     """sqrt(x) Y over all regimes: rises with x, and falls as the jet turns turbulent."""
-    turbulent = np.clip((reynolds - LAMINAR) / (TURBULENT - LAMINAR), 0.0, 1.0)
+    turbulent = np.clip((reynolds - BLEND_START) / (BLEND_END - BLEND_START), 0.0, 1.0)
     return turbulent * throughput(x, x_choked) + (1.0 - turbulent) * np.sqrt(x * (1.0 - 0.5 * x))
 
 
@@ -85,8 +88,10 @@ def viscous_mass(kv, x, unit, valve, jet):
 
     turbulent = settled(throughput(x, x_choked))
     laminar = settled(np.sqrt(x * (1.0 - 0.5 * x)))
-    mass = np.where(per_mass * turbulent >= TURBULENT, turbulent, laminar)
-    between = np.flatnonzero((per_mass * turbulent < TURBULENT) & (per_mass * laminar > LAMINAR))
+    # without gamma and x_T nobody knows that the flow is laminar
+    laminar = np.where(np.isnan(x_choked), np.nan, laminar)
+    mass = np.where(per_mass * turbulent >= BLEND_END, turbulent, laminar)
+    between = np.flatnonzero((per_mass * turbulent < BLEND_END) & (per_mass * laminar > BLEND_START))
     if between.size:
         shape = np.shape(mass)
         rows = (base, per_mass, trim, x, x_choked, jet.fl)
@@ -100,10 +105,16 @@ def viscous_mass(kv, x, unit, valve, jet):
 
         mass = mass.ravel()
         mass[between] = (
-            np.exp(root_between(surplus, np.log(LAMINAR), np.full(len(between), np.log(TURBULENT)))) / per
+            np.exp(root_between(surplus, np.log(BLEND_START), np.full(len(between), np.log(BLEND_END)))) / per
         )
         mass = mass.reshape(shape)
     return np.where(kv == 0.0, 0.0 * unit * x, mass)[()]
+
+
+def is_turbulent(mass, kv, jet):
+    """Whether a mass flow feels nothing of the viscosity."""
+    reynolds = jet.reynolds(mass, kv)
+    return (mass == 0.0) | ((reynolds >= BLEND_END) & (jet.factor(reynolds, kv) == 1.0))
 
 
 def viscous_drop_ratio(mass, kv, unit, valve, jet):
@@ -114,7 +125,7 @@ def viscous_drop_ratio(mass, kv, unit, valve, jet):
     root = root_between(
         lambda s: blended_throughput(s * s, x_choked, reynolds) - wanted, 0.0 * wanted, 1.0 + 0.0 * wanted
     )
-    return np.where(reynolds >= TURBULENT, drop_ratio(wanted, x_choked), root * root)[()]
+    return np.where(reynolds >= BLEND_END, drop_ratio(wanted, x_choked), root * root)[()]
 
 
 def viscous_pressure_before(mass, kv, behind, speed, valve, jet):
@@ -136,9 +147,8 @@ def viscous_pressure_before(mass, kv, behind, speed, valve, jet):
 def viscous_capacity(mass, x, unit, valve, jet):
     """kv that passes a mass flow; NaN where none does or none was found."""
     kv = capacity_between_reducers(mass / unit, x, valve)
-    reynolds = jet.reynolds(mass, kv)
     # most gas is turbulent, and then this is the answer; NaN there does not mean that there is none
-    settled = (mass == 0.0) | ((reynolds >= TURBULENT) & (jet.factor(reynolds, kv) == 1.0))
+    settled = is_turbulent(mass, kv, jet)
     shape = np.broadcast_shapes(np.shape(settled), np.shape(x))
     rows = np.flatnonzero(~np.broadcast_to(settled, shape))
     found = np.array(np.broadcast_to(kv, shape)).ravel()
