@@ -1,23 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The fused pass behind `rate_liquid`: rows go through all stages in blocks that stay in the nearest cache.
+"""The fused pass behind `rate_liquid`: all stages, in blocks that stay in the nearest cache."""
 
-The compiled code is kept on disk under the date of this file alone: after a change in one of the files it
-calls, this one needs a new date too.
-"""
+import hashlib
+from pathlib import Path
 
+import numba as nb
 import numpy as np
 
-from sklvalve.mechanism._constants import MM, N18
+from sklvalve.mechanism._constants import CRITICAL_TEMPERATURE, FREEZING, MM, VISCOSITY_LIMIT, WIDEST
 from sklvalve.mechanism._rating_stages import (
     BLOCK,
     BOIL,
-    CRITICAL_TEMPERATURE,
     FD,
+    FIXED,
     FL,
     FLOW,
-    FREEZING,
     INLET,
     KV,
+    MOVING,
     NU,
     OUTLET,
     P1,
@@ -28,7 +28,6 @@ from sklvalve.mechanism._rating_stages import (
     RHO,
     ROW,
     SIZE,
-    VISCOSITY_LIMIT,
     WORK,
     T,
     boiling,
@@ -46,9 +45,13 @@ from sklvalve.mechanism._rating_stages import (
     water,
     water_viscosity,
 )
+from sklvalve.mechanism._vector_math import FAST
 
 # what is counted
-TROUBLES = ("temperature", "cold", "boils", "kv", "density", "viscosity", "wide", "lost")
+TROUBLES = ("temperature", "cold", "boils", "kv", "density", "viscosity", "wide", "lost", "senseless")
+
+# all files whose code or numbers end up in the compiled pass
+SOURCES = ("_constants.py", "_vector_math.py", "_rating_stages.py", "_rating_kernel.py")
 
 
 @compiled
@@ -77,14 +80,25 @@ def _load(flat, steps, shape, first, many, w, at):
 
 
 @compiled
+def _screen(w, n, at, from_zero, mark):
+    """Take the nonsense out of one input: NaN where it is negative, or zero and that is not allowed."""
+    for i in range(n):
+        value = w[at + i]
+        bad = (value < 0.0) | ((value == 0.0) & (not from_zero))
+        w[at + i] = np.nan if bad else value
+        w[mark + i] = 1.0 if bad else w[mark + i]
+
+
+@compiled
 def _count_lost(w, n, choking, counts):
     """Rows without a flow, though a valve without pipes and viscosity would have one."""
     for i in range(n):
         p1, p2, kv = w[P1 + i], w[P2 + i], w[KV + i]
         entering = (p1 if p1 > p2 else p2) > (w[BOIL + i] if choking else -np.inf)
-        known = (kv == kv) & (p1 == p1) & (p2 == p2) & (w[RHO + i] > 0.0) & (w[NU + i] > 0.0)
-        known &= (w[FL + i] > 0.0) & (w[FD + i] > 0.0) & ((w[RATED + i] > 0.0) | (w[RATED + i] == kv))
-        known &= (w[SIZE + i] > 0.0) & (w[INLET + i] > 0.0) & (w[OUTLET + i] > 0.0)
+        entering &= (w[RHO + i] > 0.0) & (w[NU + i] > 0.0) & (w[NU + i] < np.inf)
+        # finite in sum: none is NaN or endless, and what is not positive is NaN already
+        data = w[FL + i] + w[FD + i] + abs(w[RATED + i]) + w[SIZE + i] + w[INLET + i] + w[OUTLET + i]
+        known = (kv == kv) & (abs(p1 - p2) >= 0.0) & (data < np.inf)
         counts[7] += (w[FLOW + i] != w[FLOW + i]) & entering & known
 
 
@@ -93,12 +107,14 @@ def _count(w, n, of_water, choking, piping, viscous, counts):
     for i in range(n):
         counts[3] += w[KV + i] < 0.0
         counts[4] += w[RHO + i] <= 0.0
+        counts[8] += (w[FIXED + i] + w[MOVING + i] > 0.0) & (w[FLOW + i] != w[FLOW + i])
     if of_water:
         for i in range(n):
             counts[0] += (w[T + i] < FREEZING) | (w[T + i] > CRITICAL_TEMPERATURE)
     if choking:
         for i in range(n):
-            counts[2] += (w[P1 + i] <= w[PV + i]) & (w[P2 + i] <= w[PV + i])
+            boils = (w[P1 + i] <= w[PV + i]) & (w[P2 + i] <= w[PV + i])
+            counts[2] += boils & (w[BOIL + i] == w[BOIL + i])
     if viscous:
         for i in range(n):
             counts[5] += w[NU + i] <= 0.0
@@ -108,41 +124,33 @@ def _count(w, n, of_water, choking, piping, viscous, counts):
     if piping or viscous:
         for i in range(n):
             size = MM * w[SIZE + i]
-            counts[6] += abs(w[KV + i]) > 0.047 * N18 * size * size
+            counts[6] += abs(w[KV + i]) > WIDEST * size * size
         _count_lost(w, n, choking, counts)
 
 
 @compiled
-def rate(first, end, shape, inputs, steps, wanted, out, counts, of_water, choking, piping, viscous, strict):
-    """Rate the rows from `first` to `end`.
-
-    Parameters
-    ----------
-    first, end : int
-        Flat positions in the broadcast shape.
-    shape : ndarray of shape (n_axes,)
-        The broadcast shape.
-    inputs : tuple of ndarrays
-        Flat memory of each of `INPUTS`; empty where it is not given.
-    steps : ndarray of shape (n_inputs, n_axes)
-        How far the next element along an axis lies in it.
-    wanted : ndarray of shape (n_outputs,)
-        Which of `OUTPUTS` to write.
-    out : ndarray of shape (n_outputs, n)
-        Where to.
-    counts : ndarray of shape (n_troubles,)
-        Gains the number of rows with each of `TROUBLES`.
-    of_water, choking, piping, viscous, strict : bool
-        Properties by temperature instead of read ones; choking; reducers; viscosity, by the letter.
-    """
+def _rate(first, end, shape, inputs, steps, wanted, out, counts, of_water, choking, piping, viscous, strict):
     w = np.ones(WORK)
+    given = np.array([len(inputs[k]) > 0 for k in range(len(inputs))])
     # what is the same for all rows is read once
     moving = np.array([np.any(steps[k]) for k in range(len(inputs))])
+    screened = np.zeros(len(inputs), dtype=np.bool_)
+    for k in (1, 2, 7, 8, 9):
+        screened[k] = True
+    screened[10] = viscous
+    screened[11:14] = piping or viscous
+    w[FIXED : FIXED + BLOCK] = 0.0
     for start in range(first, end, BLOCK):
         n = min(BLOCK, end - start)
+        w[MOVING : MOVING + n] = 0.0
         for k in range(len(inputs)):
-            if len(inputs[k]) and (start == first or moving[k]):
+            if given[k] and (start == first or moving[k]):
                 _load(inputs[k], steps[k], shape, start, n, w, k * ROW)
+                if screened[k]:
+                    # of these only a pressure may be zero
+                    _screen(w, n, k * ROW, k < 3, MOVING if moving[k] else FIXED)
+        if not given[10]:
+            w[RATED : RATED + n] = w[KV : KV + n]
         if of_water:
             if start == first or moving[3]:
                 water(w, n)
@@ -176,3 +184,53 @@ def rate(first, end, shape, inputs, steps, wanted, out, counts, of_water, chokin
             at = PLACE[wanted[k]]
             for i in range(n):
                 out[k, start + i] = w[at + i]
+
+
+def _stamped(stamp):
+    """The pass under a number of its sources.
+
+    On disk the compiler tells versions of a function apart by its own file and by the values it closes over,
+    but not by the other files that it takes code and numbers from. So the pass closes over their stamp.
+    """
+
+    @nb.njit(nogil=True, cache=True, fastmath=FAST, error_model="numpy")
+    def rate(
+        first, end, shape, inputs, steps, wanted, out, counts, of_water, choking, piping, viscous, strict
+    ):
+        """Rate the rows from `first` to `end`.
+
+        Parameters
+        ----------
+        first, end : int
+            Flat positions in the broadcast shape.
+        shape : ndarray of shape (n_axes,)
+            The broadcast shape.
+        inputs : tuple of ndarrays
+            Flat memory of each of `INPUTS`; empty where it is not given.
+        steps : ndarray of shape (n_inputs, n_axes)
+            How far the next element along an axis lies in it.
+        wanted : ndarray of shape (n_outputs,)
+            Which of `OUTPUTS` to write.
+        out : ndarray of shape (n_outputs, n)
+            Where to.
+        counts : ndarray of shape (n_troubles,)
+            Gains the number of rows with each of `TROUBLES`.
+        of_water, choking, piping, viscous, strict : bool
+            Properties by temperature instead of read ones; choking; reducers; viscosity, by the letter.
+        """
+        stamp  # noqa: B018
+        _rate(
+            first, end, shape, inputs, steps, wanted, out, counts, of_water, choking, piping, viscous, strict
+        )
+
+    return rate
+
+
+def _stamp(folder):
+    digest = hashlib.sha256()
+    for name in SOURCES:
+        digest.update((folder / name).read_bytes())
+    return int.from_bytes(digest.digest()[:7], "big")
+
+
+rate = _stamped(_stamp(Path(__file__).parent))

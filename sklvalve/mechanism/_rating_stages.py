@@ -11,13 +11,17 @@ import numba as nb
 import numpy as np
 
 from sklvalve.mechanism._constants import (
+    COLDEST,
+    CRITICAL_DENSITY,
+    CRITICAL_PRESSURE,
+    CRITICAL_TEMPERATURE,
     FLOW_CONSTANT,
+    FULL_SIZE,
     HOUR,
     LAMINAR_REYNOLDS,
     MM,
     N2,
     N4,
-    N18,
     N32,
     TURBULENT_REYNOLDS,
 )
@@ -49,19 +53,17 @@ KV, P1, P2, T, RHO, PV, NU, PC, FL, FD, RATED, SIZE, INLET, OUTLET = (k * ROW fo
 FLOW, MASS, DPC, RE, FR, KVP, FL2, BOIL, LAM, SLOPE, EXCESS, FAST_FLOW, FAST_RE = (
     k * ROW for k in range(14, 27)
 )
-WORK = 27 * ROW
+# marks of rows with nonsense, in inputs that are read once and in those of every block
+FIXED, MOVING = 27 * ROW, 28 * ROW
+WORK = 29 * ROW
 PLACE = np.array([RHO, PV, NU, FLOW, MASS, DPC, RE, FR])
 
-CRITICAL_TEMPERATURE = 647.096
-_CRITICAL_PRESSURE = 22.064e6
-_CRITICAL_DENSITY = 322.0
-FREEZING = 273.15
-VISCOSITY_LIMIT = 423.15
 _PER_CRITICAL_TEMPERATURE = 1.0 / CRITICAL_TEMPERATURE
 _FLOW_CONSTANT = float(FLOW_CONSTANT)
 _SLOPE_FACTOR = float(0.33 / np.log(10.0))
 
-compiled = nb.njit(nogil=True, cache=True, fastmath=FAST, error_model="numpy")
+# not kept on disk: what `rate` calls is kept with it
+compiled = nb.njit(nogil=True, fastmath=FAST, error_model="numpy")
 
 
 @compiled
@@ -69,7 +71,7 @@ def water(w, n):
     """Density, vapour pressure and boiling pressure F_F p_v of water (IAPWS SR1-86)."""
     for i in range(n):
         t = w[T + i]
-        t = t if (t > 0.0) & (t <= CRITICAL_TEMPERATURE) else np.nan
+        t = t if (t >= COLDEST) & (t <= CRITICAL_TEMPERATURE) else np.nan
         tau = (CRITICAL_TEMPERATURE - t) * _PER_CRITICAL_TEMPERATURE
         tau2 = tau * tau
         tau3 = tau2 * tau
@@ -81,12 +83,12 @@ def water(w, n):
         # the root of p_v / p_c, which is all that F_F asks for
         half = 0.5 * CRITICAL_TEMPERATURE / t * series
         reduced = exp(-700.0 if half < -700.0 else half)
-        p_vapour = _CRITICAL_PRESSURE * reduced * reduced
+        p_vapour = CRITICAL_PRESSURE * reduced * reduced
         w[PV + i] = p_vapour
         w[BOIL + i] = (0.96 - 0.28 * reduced) * p_vapour
     for i in range(n):
         t = w[T + i]
-        t = t if (t > 0.0) & (t <= CRITICAL_TEMPERATURE) else np.nan
+        t = t if (t >= COLDEST) & (t <= CRITICAL_TEMPERATURE) else np.nan
         tau = (CRITICAL_TEMPERATURE - t) * _PER_CRITICAL_TEMPERATURE
         inverse = one_over_cube_root(1e-280 if tau < 1e-280 else tau)
         third = tau * inverse * inverse
@@ -98,7 +100,7 @@ def water(w, n):
         tau11 = tau9 * tau2
         series = 1.99274064 * third + two_thirds * (1.09965342 - 0.510839303 * tau)
         series += third * tau5 * (-1.75493479 - 45.5170352 * tau9)
-        w[RHO + i] = _CRITICAL_DENSITY * (
+        w[RHO + i] = CRITICAL_DENSITY * (
             1.0 + (series - 6.74694450e5 * two_thirds * (tau11 * tau11) * (tau9 * tau5))
         )
 
@@ -108,7 +110,7 @@ def water_viscosity(w, n):
     """Kinematic viscosity of water (IAPWS SR6-08), its powers from the tenth part of one."""
     for i in range(n):
         t = w[T + i]
-        t = t if t > 0.0 else np.nan
+        t = t if t >= COLDEST else np.nan
         a = 300.0 / t
         tenth = exp(0.1 * log(a))
         third = tenth * tenth * tenth
@@ -126,7 +128,9 @@ def boiling(w, n):
     """F_F p_v of a liquid whose vapour pressure was read."""
     for i in range(n):
         ratio = w[PV + i] / w[PC + i]
-        ratio = ratio if (ratio >= 0.0) & (ratio <= 1.0) else np.nan
+        bad = (w[PV + i] < 0.0) | (ratio > 1.0)
+        ratio = np.nan if bad else ratio
+        w[MOVING + i] = 1.0 if bad else w[MOVING + i]
         w[BOIL + i] = (0.96 - 0.28 * sqrt(ratio)) * w[PV + i]
 
 
@@ -172,10 +176,11 @@ def turbulent(w, n, choking):
         drop = abs(dp)
         if choking:
             limit = w[FL2 + i] * ((p1 if dp > 0.0 else p2) - w[BOIL + i])
+            limit = limit if drop == drop else np.nan
             w[DPC + i] = limit
             limit = limit if limit > 0.0 else np.nan
-            # either being NaN goes through: a limit that is not above the drop takes its place
-            drop = drop if drop < limit else limit + (dp - dp)
+            # either being NaN goes through: it makes the limit NaN, which is not above the drop
+            drop = drop if drop < limit else limit
         density = w[RHO + i]
         flow = _FLOW_CONSTANT * w[KVP + i] * sqrt(drop / (density if density > 0.0 else np.nan))
         flow = flow if dp >= 0.0 else -flow
@@ -199,7 +204,7 @@ def reynolds(w, n, strict):
         relative = kv / size if strict else rated
         square = relative * relative
         inverse = one_over_cube_root(1e-280 if square < 1e-280 else square)
-        trim = N2 / square if rated >= 0.016 * N18 else 1.0 + N32 * square * inverse * inverse
+        trim = N2 / square if rated >= FULL_SIZE else 1.0 + N32 * square * inverse * inverse
         w[RE + i] = reynolds
         w[LAM + i] = 0.026 * 0.026 / (fl * fl) * trim
         w[SLOPE + i] = _SLOPE_FACTOR * sqrt(fl / sqrt(trim))
@@ -235,7 +240,8 @@ def smaller(w, n):
         transitional = w[FR + i]
         ratio = transitional if transitional > floor else floor
         laminar *= w[RE + i]
-        ratio = laminar if laminar < ratio else ratio + (laminar - laminar)
+        ratio = ratio if laminar == laminar else np.nan
+        ratio = laminar if laminar < ratio else ratio
         w[FR + i] = 1.0 if ratio > 1.0 else ratio
 
 

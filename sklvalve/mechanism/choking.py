@@ -3,7 +3,9 @@
 
 import numpy as np
 
-WATER_CRITICAL_PRESSURE = 22.064e6
+from sklvalve.mechanism._constants import CRITICAL_PRESSURE
+
+WATER_CRITICAL_PRESSURE = CRITICAL_PRESSURE
 """Critical pressure of water, IAPWS. [Pa]"""
 
 

@@ -3,11 +3,11 @@
 
 import numpy as np
 
+from sklvalve.mechanism._constants import FREEZING, WATER_MOLAR_MASS
 from sklvalve.mechanism.validity import warn_rows
 from sklvalve.mechanism.water import water_density, water_vapour_pressure
 
 _SUCROSE_MOLAR_MASS = 0.3422965
-_WATER_MOLAR_MASS = 0.018015268
 # what the viscosity was fitted to, and what stays dissolved in a factory
 _BRIX_LIMIT = 85.0
 
@@ -27,7 +27,7 @@ def juice_density(temperature, brix, *, warn=True):
     Returns
     -------
     density : float or ndarray
-        Density; NaN outside 0 to 85 %. [kg/m3]
+        Density; NaN outside 0 to 85 % and where water has none. [kg/m3]
 
     Notes
     -----
@@ -51,7 +51,7 @@ def juice_density(temperature, brix, *, warn=True):
     brix = _brix(brix, "juice_density", warn)
     temperature = np.asarray(temperature, dtype=float)
     share = 0.01 * brix
-    sucrose = 1599.1 - 0.31046 * (temperature - 273.15)
+    sucrose = 1599.1 - 0.31046 * (temperature - FREEZING)
     return (1.0 / ((1.0 - share) / water_density(temperature, warn=warn) + share / sucrose))[()]
 
 
@@ -66,7 +66,7 @@ def juice_vapour_pressure(temperature, brix, *, warn=True):
     Returns
     -------
     p_vapour : float or ndarray
-        Vapour pressure, absolute; NaN outside 0 to 85 %. [Pa]
+        Vapour pressure, absolute; NaN outside 0 to 85 % and where water has none. [Pa]
 
     Notes
     -----
@@ -89,7 +89,7 @@ def juice_vapour_pressure(temperature, brix, *, warn=True):
     """
     share = 0.01 * _brix(brix, "juice_vapour_pressure", warn)
     sucrose = share / _SUCROSE_MOLAR_MASS
-    sucrose = sucrose / (sucrose + (1.0 - share) / _WATER_MOLAR_MASS)
+    sucrose = sucrose / (sucrose + (1.0 - share) / WATER_MOLAR_MASS)
     activity = (1.0 - sucrose) * np.exp(-6.47 * sucrose**2)
     return (activity * water_vapour_pressure(temperature, warn=warn))[()]
 
@@ -105,7 +105,7 @@ def juice_kinematic_viscosity(temperature, brix, *, warn=True):
     Returns
     -------
     kinematic_viscosity : float or ndarray
-        Dynamic viscosity over density; NaN outside 0 to 85 %. [m2/s]
+        Dynamic viscosity over density; NaN outside 0 to 85 % and where water has none. [m2/s]
 
     Notes
     -----
@@ -132,7 +132,7 @@ def juice_kinematic_viscosity(temperature, brix, *, warn=True):
     density = juice_density(temperature, brix, warn=warn)
     brix = _brix(brix, "juice_kinematic_viscosity", False)
     moles = brix / (1900.0 - 18.0 * brix)
-    t = temperature - 273.15
+    t = temperature - FREEZING
     # colder than ice the formula has its pole, and the density its warning
     mobility = (30.0 - t) / np.where(t > -90.0, 91.0 + t, np.nan)
     exponent = 22.46 * moles - 0.114 + mobility * (1.1 + 43.1 * moles**1.25)

@@ -31,8 +31,9 @@ _NEEDS = {
 
 _TOLD = {
     "temperature": "have a temperature outside 273.15 to 647.096 K (is it in kelvin?); above the range and "
-    "at or below 0 K they give NaN.",
-    "cold": "have a temperature outside 273.15 to 423.15 K: the viscosity is extrapolated.",
+    "below 230 K they give NaN.",
+    "cold": "have a temperature outside 273.15 to 423.15 K: the viscosity is extrapolated, and NaN below "
+    "230 K and above 647.096 K.",
     "boils": "have liquid at or below its vapour pressure before the valve; those at or below F_F p_v give "
     "NaN.",
     "kv": "have a negative kv; the linear continuation is returned.",
@@ -40,6 +41,8 @@ _TOLD = {
     "viscosity": "have a viscosity that is not positive and give NaN.",
     "wide": "have a kv beyond 0.047 N18 d2: outside the accuracy of the standard.",
     "lost": "have no flow that satisfies the equations and give NaN.",
+    "senseless": "hold what cannot be (a pressure below zero absolute, a p_vapour outside 0 to "
+    "p_critical, or a bore, factor or kv_rated that is not positive) and give NaN.",
 }
 
 
@@ -104,7 +107,7 @@ def rate_liquid(
     -------
     result : float, ndarray or dict
         The one output in the broadcast shape of the inputs, always in double precision; for a sequence a
-        dictionary by name. NaN where `liquid_flow` gives NaN.
+        dictionary by name. NaN where `liquid_flow` gives NaN, and for water below 230 K.
 
     Raises
     ------
@@ -142,7 +145,6 @@ def rate_liquid(
     if piping or viscous:
         given.setdefault("inlet_pipe", given["nominal_size"])
         given.setdefault("outlet_pipe", given["nominal_size"])
-        given.setdefault("kv_rated", given["kv"])
     fluid = fluid_from(fluid)
     # as `liquid_flow`: viscosity asks for fl too, and alone does not mean choking
     needless = viscous and not {"p_vapour", "dp_choked"} & set(names)

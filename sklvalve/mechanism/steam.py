@@ -3,9 +3,10 @@
 
 import numpy as np
 
-from sklvalve.mechanism.water import CRITICAL_DENSITY, CRITICAL_TEMPERATURE, saturation_tau
+from sklvalve.mechanism._constants import CRITICAL_DENSITY, CRITICAL_TEMPERATURE, WATER_MOLAR_MASS
+from sklvalve.mechanism.water import saturation_tau
 
-STEAM_MOLAR_MASS = 0.018015268
+STEAM_MOLAR_MASS = WATER_MOLAR_MASS
 """Molar mass of water, IAPWS. [kg/mol]"""
 
 # powers of 1/T and of the density in the residual part of the viscosity, and their factors
@@ -47,7 +48,7 @@ def steam_density(temperature, *, warn=True):
     Returns
     -------
     density : float or ndarray
-        Density of the vapour that boils off; NaN above the critical temperature. [kg/m3]
+        Density of the vapour that boils off; NaN below 230 K and above the critical temperature. [kg/m3]
 
     Notes
     -----
@@ -91,7 +92,7 @@ def steam_kinematic_viscosity(temperature, *, warn=True):
     Returns
     -------
     kinematic_viscosity : float or ndarray
-        Dynamic viscosity over density; NaN above the critical temperature. [m2/s]
+        Dynamic viscosity over density; NaN below 230 K and above the critical temperature. [m2/s]
 
     Notes
     -----

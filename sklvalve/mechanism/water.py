@@ -3,16 +3,15 @@
 
 import numpy as np
 
+from sklvalve.mechanism._constants import (
+    COLDEST,
+    CRITICAL_DENSITY,
+    CRITICAL_PRESSURE,
+    CRITICAL_TEMPERATURE,
+    FREEZING,
+    VISCOSITY_LIMIT,
+)
 from sklvalve.mechanism.validity import warn_rows
-
-CRITICAL_TEMPERATURE = 647.096
-CRITICAL_DENSITY = 322.0
-CRITICAL_PRESSURE = 22.064e6
-
-# freezing at one atmosphere; a hair below the triple point, so that 0 degC is inside
-_FREEZING = 273.15
-# up to here the four terms were compared with the full viscosity formulation (0.2 %)
-_VISCOSITY_LIMIT = 423.15
 
 
 def water_vapour_pressure(temperature, *, warn=True):
@@ -28,7 +27,7 @@ def water_vapour_pressure(temperature, *, warn=True):
     Returns
     -------
     p_vapour : float or ndarray
-        Saturation pressure, absolute; NaN above the critical temperature. [Pa]
+        Saturation pressure, absolute; NaN below 230 K and above the critical temperature. [Pa]
 
     Notes
     -----
@@ -78,7 +77,7 @@ def water_saturation_temperature(p_vapour, *, warn=True):
     373.1243
     """
     p_vapour = np.asarray(p_vapour, dtype=float)
-    lowest = float(water_vapour_pressure(_FREEZING))
+    lowest = float(water_vapour_pressure(FREEZING))
     inside = (p_vapour >= lowest) & (p_vapour <= CRITICAL_PRESSURE)
     if warn:
         what = f"have a pressure outside {lowest:.0f} to {CRITICAL_PRESSURE:.0f} Pa (is it absolute?): NaN."
@@ -107,7 +106,7 @@ def water_density(temperature, *, warn=True):
     Returns
     -------
     density : float or ndarray
-        Density; NaN above the critical temperature. [kg/m3]
+        Density; NaN below 230 K and above the critical temperature. [kg/m3]
 
     Notes
     -----
@@ -154,7 +153,7 @@ def water_kinematic_viscosity(temperature, *, warn=True):
     Returns
     -------
     kinematic_viscosity : float or ndarray
-        Dynamic viscosity at 0.1 MPa divided by the density at saturation. [m2/s]
+        Dynamic viscosity at 0.1 MPa divided by the density at saturation; NaN where that is. [m2/s]
 
     Notes
     -----
@@ -173,9 +172,10 @@ def water_kinematic_viscosity(temperature, *, warn=True):
     """
     temperature = np.asarray(temperature, dtype=float)
     if warn:
-        outside = (temperature < _FREEZING) | (temperature > _VISCOSITY_LIMIT)
+        outside = (temperature < FREEZING) | (temperature > VISCOSITY_LIMIT)
         what = (
-            f"have a temperature outside {_FREEZING} to {_VISCOSITY_LIMIT} K: the viscosity is extrapolated."
+            f"have a temperature outside {FREEZING} to {VISCOSITY_LIMIT} K: the viscosity is extrapolated, "
+            f"and NaN below {COLDEST:.0f} K and above {CRITICAL_TEMPERATURE} K."
         )
         warn_rows(outside, "water_kinematic_viscosity", what)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -204,9 +204,11 @@ def _pressure_series_slope(tau):
 def saturation_tau(temperature, name, warn):
     temperature = np.asarray(temperature, dtype=float)
     if warn:
-        outside = (temperature < _FREEZING) | (temperature > CRITICAL_TEMPERATURE)
-        what = f"have a temperature outside {_FREEZING} to {CRITICAL_TEMPERATURE} K (is it in kelvin?)"
-        warn_rows(outside, name, what + "; above the range and at or below 0 K they give NaN.", stacklevel=4)
-    liquid = (temperature > 0.0) & (temperature <= CRITICAL_TEMPERATURE)
+        outside = (temperature < FREEZING) | (temperature > CRITICAL_TEMPERATURE)
+        what = f"have a temperature outside {FREEZING} to {CRITICAL_TEMPERATURE} K (is it in kelvin?)"
+        warn_rows(
+            outside, name, f"{what}; above the range and below {COLDEST:.0f} K they give NaN.", stacklevel=4
+        )
+    liquid = (temperature >= COLDEST) & (temperature <= CRITICAL_TEMPERATURE)
     temperature = np.where(liquid, temperature, np.nan)[()]
     return temperature, 1.0 - temperature / CRITICAL_TEMPERATURE

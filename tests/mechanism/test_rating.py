@@ -204,12 +204,25 @@ ODD = {
     "p1": [-1e5, 0.0, 1e5, 5e5],
     "p2": [0.0, 1e5, 5e5],
     "temperature": [-5.0, 0.0, 5.0, 200.0, 273.15, 372.0, 430.0, 647.096, 648.0],
-    "fl": [0.0, 0.9],
-    "fd": [0.3],
-    "nominal_size": [0.0, 0.05],
-    "inlet_pipe": [0.04, 0.1],
-    "outlet_pipe": [0.02, 0.05],
+    "fl": [-0.9, 0.0, 0.9],
+    "fd": [-0.3, 0.3],
+    "kv_rated": [-60.0, 0.0, 60.0],
+    "nominal_size": [-0.05, 0.0, 0.05],
+    "inlet_pipe": [0.0, 0.1],
+    "outlet_pipe": [-0.05, 0.02, 0.05],
 }
+
+
+POSITIVE = ["fl", "fd", "kv_rated", "nominal_size", "inlet_pipe", "outlet_pipe"]
+
+
+def screened(case):
+    """The same with NaN for every datum that cannot be."""
+    case = dict(case)
+    for name in {"p1", "p2", *POSITIVE} & set(case):
+        bad = case[name] < 0.0 if name in ("p1", "p2") else case[name] <= 0.0
+        case[name] = np.where(bad, np.nan, case[name])
+    return case
 
 
 @pytest.mark.parametrize("names", [BARE, CHOKING, REDUCED, VISCOUS, ALL])
@@ -218,9 +231,66 @@ def test_odd_rows_have_the_answer_of_the_functions(names, strict):
     case = {name: ODD[name] for name in ODD if name in names}
     grid = dict(zip(case, np.meshgrid(*case.values(), indexing="ij"), strict=True))
     with np.errstate(all="ignore"):
-        expected = composed(grid, strict=strict)
+        expected = composed(screened(grid), strict=strict)
     assert np.isnan(expected).any()
     np.testing.assert_allclose(rate_liquid(**grid, strict=strict, warn=False), expected, rtol=TOLERANCE)
+
+
+@pytest.mark.parametrize("name", ["p1", "p2", *POSITIVE])
+def test_a_datum_that_cannot_be_is_counted_and_gives_no_flow(name):
+    case = {key: value[:600] for key, value in duties(seed=5).items()}
+    case["kv"] += 1e-3
+    names = ["flow", "mass_flow", "reynolds", "fr"]
+    whole = rate_liquid(**case, outputs=names, warn=False)
+    case[name] = case[name].copy()
+    case[name][[7, 300]] *= -1.0
+    if name in POSITIVE:
+        case[name][300] = 0.0
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = rate_liquid(**case, outputs=names)
+    told = [str(warning.message).split(" (")[0] for warning in caught]
+    assert "rate_liquid: 2 of 600 rows hold what cannot be" in told
+    assert not any("no flow that satisfies" in text for text in told)
+    for output in names:
+        assert np.isnan(found[output][[7, 300]]).all()
+        np.testing.assert_array_equal(np.delete(found[output], [7, 300]), np.delete(whole[output], [7, 300]))
+
+
+def test_a_datum_that_is_not_used_may_be_anything():
+    odd = {"kv_rated": -1.0, "nominal_size": 0.0}
+    assert rate_liquid(10.0, 6e5, 4e5, 293.15, fl=0.9, **odd) == rate_liquid(10.0, 6e5, 4e5, 293.15, fl=0.9)
+
+
+@pytest.mark.parametrize(("p_vapour", "p_critical"), [(-1.0, 22e6), (3e7, 22e6), (-1.0, -1.0), (0.0, 0.0)])
+def test_a_vapour_pressure_that_cannot_be_is_counted(p_vapour, p_critical):
+    odd = Fluid("odd", {"density": 1e3, "vapour_pressure": p_vapour}, p_critical)
+    with pytest.warns(ValidityWarning, match="700 of 700 rows hold what cannot be"):
+        assert np.isnan(rate_liquid(np.full(700, 10.0), 6e5, 4e5, fl=0.9, fluid=odd)).all()
+
+
+def test_a_negative_style_modifier_gives_no_flow():
+    with pytest.warns(ValidityWarning, match="1 of 1 rows hold what cannot be"):
+        found = rate_liquid(
+            10.0, 6e5, 4e5, 293.15, fl=0.9, fd=-0.4, nominal_size=0.05, outputs=["flow", "fr"]
+        )
+    assert np.isnan(found["flow"])
+    assert np.isnan(found["fr"])
+
+
+def test_an_opening_of_zero_is_no_missing_rated_kv():
+    small = {"fl": 0.9, "fd": 0.4, "nominal_size": 0.05}
+    flow = rate_liquid([0.0, -1.0, 1.0], 6e5, 4e5, 293.15, warn=False, **small)
+    np.testing.assert_allclose(flow, flow[2] * np.array([0.0, -1.0, 1.0]), rtol=TOLERANCE)
+
+
+@pytest.mark.parametrize("viscous", [False, True])
+@pytest.mark.parametrize("strict", [False, True])
+def test_an_endless_pressure_gives_an_endless_flow(strict, viscous):
+    more = {"fd": 0.4, "nominal_size": 0.05} if viscous else {}
+    p1, p2 = np.array([np.inf, 1e5, np.inf]), np.array([1e5, np.inf, np.inf])
+    flow = rate_liquid(10.0, p1, p2, 293.15, fl=0.9, strict=strict, warn=False, **more)
+    np.testing.assert_array_equal(flow, [np.inf, -np.inf, np.nan])
 
 
 def test_one_warning_for_each_kind_of_trouble_with_its_count():
