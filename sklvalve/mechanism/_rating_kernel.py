@@ -12,12 +12,11 @@ from sklvalve.mechanism._rating_stages import (
     BLOCK,
     BOIL,
     FD,
-    FIXED,
     FL,
     FLOW,
     INLET,
     KV,
-    MOVING,
+    MARK,
     NU,
     OUTLET,
     P1,
@@ -80,13 +79,30 @@ def _load(flat, steps, shape, first, many, w, at):
 
 
 @compiled
-def _screen(w, n, at, from_zero, mark):
-    """Take the nonsense out of one input: NaN where it is negative, or zero and that is not allowed."""
+def _screen_pressures(w, n):
+    """NaN for pressures below zero; the rows are marked."""
     for i in range(n):
-        value = w[at + i]
-        bad = (value < 0.0) | ((value == 0.0) & (not from_zero))
-        w[at + i] = np.nan if bad else value
-        w[mark + i] = 1.0 if bad else w[mark + i]
+        p1, p2 = w[P1 + i], w[P2 + i]
+        w[MARK + i] = 1.0 if (p1 < 0.0) | (p2 < 0.0) else 0.0
+        w[P1 + i] = np.nan if p1 < 0.0 else p1
+        w[P2 + i] = np.nan if p2 < 0.0 else p2
+
+
+@compiled
+def _screen_valve(w, n, sized, rated):
+    """NaN for data of the valve that are used and not positive; the rows are marked."""
+    for i in range(n):
+        fl, fd, size, kv = w[FL + i], w[FD + i], w[SIZE + i], w[RATED + i]
+        inlet, outlet = w[INLET + i], w[OUTLET + i]
+        bad_size, bad_kv = (size <= 0.0) & sized, (kv <= 0.0) & rated
+        bad = (fl <= 0.0) | (fd <= 0.0) | (inlet <= 0.0) | (outlet <= 0.0) | bad_size | bad_kv
+        w[MARK + i] = 1.0 if bad else w[MARK + i]
+        w[FL + i] = np.nan if fl <= 0.0 else fl
+        w[FD + i] = np.nan if fd <= 0.0 else fd
+        w[SIZE + i] = np.nan if bad_size else size
+        w[RATED + i] = np.nan if bad_kv else kv
+        w[INLET + i] = np.nan if inlet <= 0.0 else inlet
+        w[OUTLET + i] = np.nan if outlet <= 0.0 else outlet
 
 
 @compiled
@@ -107,7 +123,7 @@ def _count(w, n, of_water, choking, piping, viscous, counts):
     for i in range(n):
         counts[3] += w[KV + i] < 0.0
         counts[4] += w[RHO + i] <= 0.0
-        counts[8] += (w[FIXED + i] + w[MOVING + i] > 0.0) & (w[FLOW + i] != w[FLOW + i])
+        counts[8] += (w[MARK + i] > 0.0) & (w[FLOW + i] != w[FLOW + i])
     if of_water:
         for i in range(n):
             counts[0] += (w[T + i] < FREEZING) | (w[T + i] > CRITICAL_TEMPERATURE)
@@ -132,24 +148,22 @@ def _count(w, n, of_water, choking, piping, viscous, counts):
 def _rate(first, end, shape, inputs, steps, wanted, out, counts, of_water, choking, piping, viscous, strict):
     w = np.ones(WORK)
     given = np.array([len(inputs[k]) > 0 for k in range(len(inputs))])
-    # what is the same for all rows is read once
+    # what is the same for all rows is read once, but for pressures, which are marked anew
     moving = np.array([np.any(steps[k]) for k in range(len(inputs))])
-    screened = np.zeros(len(inputs), dtype=np.bool_)
-    for k in (1, 2, 7, 8, 9):
-        screened[k] = True
-    screened[10] = viscous
-    screened[11:14] = piping or viscous
-    w[FIXED : FIXED + BLOCK] = 0.0
+    moving[1:3] = True
+    again = np.any(moving[8:])
     for start in range(first, end, BLOCK):
         n = min(BLOCK, end - start)
-        w[MOVING : MOVING + n] = 0.0
         for k in range(len(inputs)):
             if given[k] and (start == first or moving[k]):
                 _load(inputs[k], steps[k], shape, start, n, w, k * ROW)
-                if screened[k]:
-                    # of these only a pressure may be zero
-                    _screen(w, n, k * ROW, k < 3, MOVING if moving[k] else FIXED)
-        if not given[10]:
+        _screen_pressures(w, n)
+        if start == first or again:
+            _screen_valve(w, n, piping or viscous, viscous and given[10])
+            # nonsense that is the same for all rows must be seen again in the next block
+            if start == first and np.any(w[MARK : MARK + n] > 0.0):
+                moving[8:] = again = True
+        if viscous and not given[10]:
             w[RATED : RATED + n] = w[KV : KV + n]
         if of_water:
             if start == first or moving[3]:

@@ -53,9 +53,9 @@ KV, P1, P2, T, RHO, PV, NU, PC, FL, FD, RATED, SIZE, INLET, OUTLET = (k * ROW fo
 FLOW, MASS, DPC, RE, FR, KVP, FL2, BOIL, LAM, SLOPE, EXCESS, FAST_FLOW, FAST_RE = (
     k * ROW for k in range(14, 27)
 )
-# marks of rows with nonsense, in inputs that are read once and in those of every block
-FIXED, MOVING = 27 * ROW, 28 * ROW
-WORK = 29 * ROW
+# 1 in rows that hold nonsense
+MARK = 27 * ROW
+WORK = 28 * ROW
 PLACE = np.array([RHO, PV, NU, FLOW, MASS, DPC, RE, FR])
 
 _PER_CRITICAL_TEMPERATURE = 1.0 / CRITICAL_TEMPERATURE
@@ -128,9 +128,9 @@ def boiling(w, n):
     """F_F p_v of a liquid whose vapour pressure was read."""
     for i in range(n):
         ratio = w[PV + i] / w[PC + i]
-        bad = (w[PV + i] < 0.0) | (ratio > 1.0)
+        bad = (w[PV + i] < 0.0) | (w[PC + i] <= 0.0) | (ratio > 1.0)
         ratio = np.nan if bad else ratio
-        w[MOVING + i] = 1.0 if bad else w[MOVING + i]
+        w[MARK + i] = 1.0 if bad else w[MARK + i]
         w[BOIL + i] = (0.96 - 0.28 * sqrt(ratio)) * w[PV + i]
 
 

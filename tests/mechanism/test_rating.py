@@ -257,6 +257,14 @@ def test_a_datum_that_cannot_be_is_counted_and_gives_no_flow(name):
         np.testing.assert_array_equal(np.delete(found[output], [7, 300]), np.delete(whole[output], [7, 300]))
 
 
+@pytest.mark.parametrize("name", ["p1", "p2", *POSITIVE])
+def test_a_datum_that_cannot_be_is_counted_in_every_block(name):
+    case = {key: value[0] for key, value in duties(seed=5).items()}
+    case |= {"kv": np.full(700, 0.1), "temperature": 300.0, name: -case[name]}
+    with pytest.warns(ValidityWarning, match="700 of 700 rows hold what cannot be"):
+        assert np.isnan(rate_liquid(**case)).all()
+
+
 def test_a_datum_that_is_not_used_may_be_anything():
     odd = {"kv_rated": -1.0, "nominal_size": 0.0}
     assert rate_liquid(10.0, 6e5, 4e5, 293.15, fl=0.9, **odd) == rate_liquid(10.0, 6e5, 4e5, 293.15, fl=0.9)
