@@ -121,7 +121,8 @@ class LiquidRows(ValveRows):
     @cached_property
     def p_vc(self):
         pipes = {"kv": self.kv, **self.pipes} if self.pipes else {}
-        return vena_contracta_pressure(self.signal("p1"), self.signal("p2"), self.fl, **self.boiling, **pipes)
+        known = {**self.boiling, **pipes, "warn": self._settings.warn}
+        return vena_contracta_pressure(self.signal("p1"), self.signal("p2"), self.fl, **known)
 
     @cached_property
     def sigma(self):

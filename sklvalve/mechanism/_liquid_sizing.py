@@ -14,6 +14,10 @@ _EPS = np.finfo(float).eps
 _GRID = 49
 _NEAR = 0.1
 _ZOOMS = 4
+# the letter has a handful of jumps at most: of the law at two Reynolds numbers, and of the reducers at one
+_REJECTIONS = 6
+# log of a capacity by which a rejected answer is left behind
+_STEP = 1e-9
 
 
 @dataclass(frozen=True)
@@ -51,11 +55,11 @@ class SizingDuty:
 
     def flattened(self):
         """All data as vectors of one length, and the shape they had together."""
-        names = [name for name, value in vars(self.valve).items() if isinstance(value, np.ndarray)]
+        names = list(self.valve.given())
         own = [
             name for name in ("flow", "unit", "choked_unit", "backward") if getattr(self, name) is not None
         ]
-        values = [getattr(self.valve, name) for name in names] + [getattr(self, name) for name in own]
+        values = [*self.valve.given().values(), *(getattr(self, name) for name in own)]
         values = np.broadcast_arrays(*values)
         shape = values[0].shape
         flat = [np.ravel(value) for value in values]
@@ -63,11 +67,9 @@ class SizingDuty:
         return replace(self, valve=valve, **dict(zip(own, flat[len(names) :], strict=True))), shape
 
     def rows(self, which):
-        def pick(thing):
-            data = vars(thing).items()
-            return {name: value[which] for name, value in data if isinstance(value, np.ndarray)}
-
-        return replace(self, valve=replace(self.valve, **pick(self.valve)), **pick(self))
+        own = {name: value[which] for name, value in vars(self).items() if isinstance(value, np.ndarray)}
+        of_valve = {name: value[which] for name, value in self.valve.given().items()}
+        return replace(self, valve=replace(self.valve, **of_valve), **own)
 
 
 def required_kv(duty):
@@ -95,7 +97,7 @@ def _nonturbulent(duty):
 
     At a given flow the capacity needed falls as F_R grows, and F_R depends on the capacity: a root in ln kv,
     bracketed from below by the turbulent capacity. With the trim given once for all there is one root; where
-    the capacity itself decides on the trim, the smallest is taken.
+    the capacity itself decides on the trim, or the law jumps, the smallest is taken.
     """
     valve = duty.valve
     piped = valve.piped and not valve.strict
@@ -107,8 +109,8 @@ def _nonturbulent(duty):
         high = duty.turbulent_kv(duty.flow / least, piped) * (1.0 + 1e-9)
         bracket = np.log(low), np.log(high)
         # between reducers that least factor may ask for too much although the factor of the answer does not
-        scanned = _first_bracket(excess, low, most) if np.isnan(high).any() else bracket
-        return np.exp(_root(excess, *np.where(np.isnan(high), scanned, bracket)))
+        scanned = _first_bracket(excess, np.log(low), np.log(most)) if np.isnan(high).any() else bracket
+        return np.exp(_root(excess, *np.where(np.isnan(high), scanned, bracket))[0])
     flip = full_size_kv(valve.nominal_size)
     if valve.kv_rated is not None:
         trims = [(low, most, valve.kv_rated >= flip)]
@@ -120,13 +122,39 @@ def _nonturbulent(duty):
         ]
     kv = np.full(low.shape, np.nan)
     for start, end, full in trims:
-        excess = _excess(duty, piped, None, full)
-        found = np.exp(_root(excess, *_first_bracket(excess, start, end)))
-        kv = np.where(np.isnan(kv), found, kv)
-    if valve.strict and valve.piped:
-        # without the reducers this capacity is right only where with them the flow is not turbulent
-        reynolds = valve.reynolds(duty.turbulent_flow(kv), kv, duty.backward)
-        kv = np.where(reynolds < TURBULENT_REYNOLDS, kv, np.nan)
+        kv = np.where(np.isnan(kv), _smallest(duty, piped, full, start, end), kv)
+    return kv
+
+
+def _smallest(duty, piped, full, start, end):
+    """Smallest capacity that needs itself; NaN where there is none.
+
+    What looks like an answer and is none, a jump over zero, is left behind: beyond it the excess is negative,
+    and the next answer lies where it rises.
+    """
+    start, end = np.log(start), np.log(end)
+    kv = np.full(start.shape, np.nan)
+    waiting = np.arange(start.size)
+    for _ in range(_REJECTIONS):
+        if not waiting.size:
+            break
+        part = duty.rows(waiting)
+        excess = _excess(part, piped, None, full[waiting])
+        sign = np.where(excess(start[waiting]) < -_STEP, -1.0, 1.0)
+
+        def towards_zero(log_kv, excess=excess, sign=sign):
+            return sign * excess(log_kv)
+
+        low, high = _first_bracket(towards_zero, start[waiting], end[waiting])
+        root, behind = _root(towards_zero, low, high)
+        found = np.exp(root)
+        if duty.valve.strict and duty.valve.piped:
+            # without the reducers this capacity is right only where with them the flow is not turbulent
+            reynolds = part.valve.reynolds(part.turbulent_flow(found), found, part.backward)
+            found = np.where(reynolds < TURBULENT_REYNOLDS, found, np.nan)
+        kv[waiting] = found
+        start[waiting] = behind + _STEP
+        waiting = waiting[np.isnan(found) & ~np.isnan(behind)]
     return kv
 
 
@@ -147,8 +175,7 @@ def _excess(duty, piped, trim, full=None):
 
 
 def _first_bracket(excess, start, end):
-    """Logs of two capacities between which the excess first falls through zero; NaN where it never does."""
-    start, end = np.log(start), np.log(end)
+    """Two logs of capacities between which the excess first falls through zero; NaN where it never does."""
     low, high, nearest = _scan(excess, start, end)
     # a fall and a rise between two points of the grid show as a dip towards zero: look closer
     for zoom in range(_ZOOMS):
@@ -181,6 +208,8 @@ def _scan(excess, start, end):
 def _root(function, low, high):
     """Root of a function that falls from `low` to `high`; NaN where it does not, or jumps over zero.
 
+    And the upper end of the bracket that is left; NaN where there was none.
+
     Regula falsi with Illinois weights, halving every third step: it always ends.
     """
     f_low, f_high = function(low), function(high)
@@ -204,7 +233,7 @@ def _root(function, low, high):
         low, f_low = np.where(open_rows & above, guess, low), np.where(open_rows & above, value, f_low)
         high, f_high = np.where(open_rows & ~above, guess, high), np.where(open_rows & ~above, value, f_high)
         root, residual = np.where(open_rows, guess, root), np.where(open_rows, value, residual)
-    return np.where(usable & (np.abs(residual) < 1e-9), root, np.nan)
+    return np.where(usable & (np.abs(residual) < 1e-9), root, np.nan), np.where(usable, high, np.nan)
 
 
 def _through(capacity, gain):

@@ -6,6 +6,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from sklvalve.mechanism._constants import N18, TURBULENT_REYNOLDS, capacity_over_bore
+from sklvalve.mechanism._liquid_inputs import positive
 from sklvalve.mechanism.piping import combined_recovery_factor, fitting_loss, piping_factor
 from sklvalve.mechanism.trim import trim_parameter
 from sklvalve.mechanism.validity import warn_rows
@@ -18,7 +19,7 @@ from sklvalve.mechanism.viscosity import (
 
 @dataclass(frozen=True)
 class LiquidValve:
-    """Data of a valve and its liquid, each a number, an array or None."""
+    """Data of a valve and its liquid, each a number, an array or None; what is not positive becomes NaN."""
 
     fl: object = None
     viscosity: object = None
@@ -30,10 +31,14 @@ class LiquidValve:
     strict: bool = False
 
     def __post_init__(self):
+        nonsense = {}
         for field in fields(self):
             value = getattr(self, field.name)
             if value is not None and field.name != "strict":
-                object.__setattr__(self, field.name, np.asarray(value, dtype=float))
+                value = np.asarray(value, dtype=float)
+                nonsense[field.name] = value <= 0.0
+                object.__setattr__(self, field.name, positive(value))
+        object.__setattr__(self, "_nonsense", nonsense)
         if self.nominal_size is None and self.piped:
             raise ValueError(
                 "a pipe is given without nominal_size: reducers need the bore of the valve's ends [m]."
@@ -56,6 +61,23 @@ class LiquidValve:
     @property
     def extended(self):
         return self.piped or self.viscous
+
+    @property
+    def senseless(self):
+        """Rows in which a datum that is used cannot be; a viscosity that cannot be is told by itself."""
+        rows = False
+        for name in self._used():
+            if name != "viscosity":
+                rows = rows | self._nonsense[name]
+        return rows
+
+    def given(self):
+        """What is given, by name."""
+        return {
+            field.name: getattr(self, field.name)
+            for field in fields(self)
+            if field.name != "strict" and getattr(self, field.name) is not None
+        }
 
     def turned(self):
         """The same valve seen from its outlet."""
@@ -106,6 +128,15 @@ class LiquidValve:
         ratio = self.ratio(self.reynolds(flow, kv, backward), kv)
         return np.where(flow == 0.0, flow, flow * ratio)[()]
 
+    def recovery_in(self, turbulent, kv, backward):
+        """Recovery factor that limits the flow of `slowed`."""
+        capacity, fl = self.with_pipes(kv, backward)
+        if not (self.viscous and self.strict and self.piped):
+            return fl
+        flow = turbulent(capacity, fl)
+        fast = self.reynolds(flow, kv, backward) >= TURBULENT_REYNOLDS
+        return np.where(fast | np.isnan(flow), fl, self.fl)[()]
+
     def as_turbulent(self, flow, kv, backward):
         """The turbulent flow with the same pressures as `flow`, and capacity and recovery factor for it."""
         if not self.viscous:
@@ -121,21 +152,35 @@ class LiquidValve:
 
     def known(self):
         """Rows in which no datum is missing or senseless."""
-        given = [value for value in vars(self).values() if isinstance(value, np.ndarray)]
-        return np.all([np.isfinite(value) & (value > 0.0) for value in np.broadcast_arrays(*given)], axis=0)
+        rows = True
+        for value in self._used().values():
+            rows = rows & np.isfinite(value)
+        return rows
 
-    def warn(self, kv, where):
+    def warn(self, kv, where, *, stacklevel=4):
         """Say which rows leave what the standard was fitted to."""
         if not self.extended:
             return
         limit = 0.047 * N18
         wide = np.abs(capacity_over_bore(kv, self.nominal_size)) > limit
         warn_rows(
-            wide, where, "have a kv beyond 0.047 N18 d2: outside the accuracy of the standard.", stacklevel=4
+            wide,
+            where,
+            "have a kv beyond 0.047 N18 d2: outside the accuracy of the standard.",
+            stacklevel=stacklevel,
         )
         if self.viscous:
-            bad = np.asarray(self.viscosity) <= 0.0
-            warn_rows(bad, where, "have a viscosity that is not positive and give NaN.", stacklevel=4)
+            bad = self._nonsense["viscosity"]
+            warn_rows(
+                bad, where, "have a viscosity that is not positive and give NaN.", stacklevel=stacklevel
+            )
+
+    def _used(self):
+        """What is given and enters the flow, by name."""
+        needless = set() if self.viscous else {"fd", "kv_rated"}
+        if not self.extended:
+            needless.add("nominal_size")
+        return {name: value for name, value in self.given().items() if name not in needless}
 
     def _pipe_before(self, backward):
         near = self.nominal_size if self.inlet_pipe is None else self.inlet_pipe

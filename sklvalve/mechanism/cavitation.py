@@ -3,7 +3,8 @@
 
 import numpy as np
 
-from sklvalve.mechanism.validity import warn_rows
+from sklvalve.mechanism._liquid_inputs import Screen, positive
+from sklvalve.mechanism.validity import quiet, warn_rows
 
 _REFERENCE_PRESSURE = 6e5
 _N34 = 1.0
@@ -25,7 +26,7 @@ def cavitation_index(p1, p2, p_vapour, *, warn=True):
     -------
     sigma : float or ndarray
         Cavitation index; infinite without a pressure drop, 1 where the outlet is at vapour pressure. NaN
-        where the liquid boils before the valve. [1]
+        where the liquid boils before the valve, or a pressure is below zero absolute. [1]
 
     Notes
     -----
@@ -43,7 +44,7 @@ def cavitation_index(p1, p2, p_vapour, *, warn=True):
     >>> float(cavitation_index(1000e3, 800e3, 200e3))
     4.0
     """
-    with np.errstate(divide="ignore"):
+    with quiet():
         return 1.0 / _ratio(p1, p2, p_vapour, "cavitation_index", warn)
 
 
@@ -59,7 +60,7 @@ def pressure_ratio_xf(p1, p2, p_vapour, *, warn=True):
     -------
     xf : float or ndarray
         Ratio: 0 without a pressure drop, 1 where the outlet is at vapour pressure, above it flashing. NaN
-        where the liquid boils before the valve. [1]
+        where the liquid boils before the valve, or a pressure is below zero absolute. [1]
 
     Notes
     -----
@@ -94,7 +95,8 @@ def incipient_xfz(kv, fl, fd, *, p1=None):
     Returns
     -------
     xfz : float or ndarray
-        Ratio x_F from which on cavitation can be heard; at most 0.9 at 6 bar. [1]
+        Ratio x_F from which on cavitation can be heard; at most 0.9 at 6 bar. NaN where `fl`, `fd` or `p1` is
+        not positive, or `kv` is negative. [1]
 
     Notes
     -----
@@ -115,18 +117,22 @@ def incipient_xfz(kv, fl, fd, *, p1=None):
     >>> round(float(incipient_xfz(90.0, 0.92, 0.42, p1=10e5)), 3)
     0.23
     """
-    kv, fl, fd = (np.asarray(value, dtype=float) for value in (kv, fl, fd))
-    with np.errstate(invalid="ignore", divide="ignore"):
+    kv, fl, fd = np.asarray(kv, dtype=float), positive(fl), positive(fd)
+    with quiet():
         xfz = 0.9 / np.sqrt(1.0 + 3.0 * fd * np.sqrt(kv / (_N34 * fl)))
         if p1 is None:
             return xfz
-        p1 = np.asarray(p1, dtype=float)
-        return xfz * (_REFERENCE_PRESSURE / np.where(p1 > 0.0, p1, np.nan)[()]) ** 0.125
+        return xfz * (_REFERENCE_PRESSURE / positive(p1)) ** 0.125
 
 
 def _ratio(p1, p2, p_vapour, where, warn):
-    p1, p2, p_vapour = (np.asarray(value, dtype=float) for value in (p1, p2, p_vapour))
-    above = np.maximum(p1, p2) - p_vapour
+    screen = Screen()
+    p1, p2, p_vapour = screen.pressures(p1, p2, p_vapour)
+    with quiet():
+        above = np.maximum(p1, p2) - p_vapour
+        ratio = np.abs(p1 - p2) / np.where(above > 0.0, above, np.nan)[()]
     if warn:
-        warn_rows(above <= 0.0, where, "have liquid at or below its vapour pressure before the valve: NaN.")
-    return np.abs(p1 - p2) / np.where(above > 0.0, above, np.nan)[()]
+        what = "have liquid at or below its vapour pressure before the valve: NaN."
+        warn_rows(above <= 0.0, where, what, stacklevel=4)
+        screen.warn(where, ratio, stacklevel=5)
+    return ratio

@@ -9,6 +9,7 @@ of these functions with ``kv * fp`` and ``fl=flp / fp``.
 import numpy as np
 
 from sklvalve.mechanism._constants import FLOW_CONSTANT
+from sklvalve.mechanism._liquid_inputs import Screen
 from sklvalve.mechanism._liquid_sizing import SizingDuty, required_kv
 from sklvalve.mechanism._liquid_valve import LiquidValve
 from sklvalve.mechanism.choking import (
@@ -20,7 +21,7 @@ from sklvalve.mechanism.choking import (
     floats,
     with_choking,
 )
-from sklvalve.mechanism.validity import warn_rows
+from sklvalve.mechanism.validity import quiet, warn_rows
 
 __all__ = [
     "FLOW_CONSTANT",
@@ -93,9 +94,10 @@ def liquid_flow(
     -------
     flow : float or ndarray
         Volume flow, odd in the pressure drop: where `p2` exceeds `p1` the flow is negative and chokes by the
-        conditions at `p2`. NaN where an input is NaN, the density is not positive, or the pressure upstream
-        lies at or under F_F p_v, where no liquid enters; with `strict`, where the standard jumps over the
-        answer. [m3/s]
+        conditions at `p2`. NaN where an input is NaN or senseless (a pressure below zero absolute, a
+        `p_vapour` outside 0 to `p_critical`, anything else but `kv` that is not positive), or the pressure
+        upstream lies at or under F_F p_v, where no liquid enters; with `strict`, where the standard jumps
+        over the answer. Of the data of the valve only those count that are used. [m3/s]
 
     Raises
     ------
@@ -106,7 +108,7 @@ def liquid_flow(
     -----
     ValidityWarning
         Rows where the liquid boils before the valve, `kv` is negative (the linear continuation is returned)
-        or wider than the standard covers, the density or the viscosity is not positive, or no answer.
+        or wider than the standard covers, an input is senseless, or there is no answer.
 
     See Also
     --------
@@ -146,27 +148,27 @@ def liquid_flow(
     kv, p1, p2, density = floats(kv, p1, p2, density)
     valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
     chokes = with_choking(fl, p_vapour, valve.viscous)
-    dp, upstream = p1 - p2, np.maximum(p1, p2)
+    screen = Screen(valve)
+    p1, p2 = screen.pressures(p1, p2)
+    boiling = screen.boiling(p_vapour, p_critical) if chokes else ()
+    with quiet():
+        dp, upstream = p1 - p2, np.maximum(p1, p2)
 
-    def turbulent(kv, fl):
-        drop = np.abs(dp)
-        if chokes:
-            drop = np.minimum(drop, choked_limit(upstream, fl, p_vapour, p_critical))
-        with np.errstate(invalid="ignore", divide="ignore"):
-            # a density of zero must not pass as an infinite flow
-            root = np.sqrt(drop / np.where(density > 0.0, density, np.nan))
-        return FLOW_CONSTANT * kv * np.copysign(root, dp)
+        def turbulent(kv, fl):
+            return _turbulent_flow(kv, dp, upstream, density, fl, boiling)
 
-    flow = valve.slowed(turbulent, kv, dp < 0.0)
+        flow = valve.slowed(turbulent, kv, dp < 0.0)
+        lost = (
+            valve.known() & np.isnan(flow) & ~np.isnan(turbulent(kv, valve.fl)) if valve.extended else False
+        )
     if warn:
         if chokes:
-            warn_rows(upstream <= np.asarray(p_vapour), "liquid_flow", _BOILS)
+            warn_rows(upstream <= boiling[0], "liquid_flow", _BOILS)
         warn_rows(kv < 0.0, "liquid_flow", "have a negative kv; the linear continuation is returned.")
         warn_rows(density <= 0.0, "liquid_flow", "have a density that is not positive and give NaN.")
+        screen.warn("liquid_flow", flow)
         valve.warn(kv, "liquid_flow")
-        if valve.extended:
-            lost = np.isnan(flow) & ~np.isnan(turbulent(kv, fl)) & valve.known()
-            warn_rows(lost, "liquid_flow", "have no flow that satisfies the equations and give NaN.")
+        warn_rows(lost, "liquid_flow", "have no flow that satisfies the equations and give NaN.")
     return flow
 
 
@@ -203,9 +205,10 @@ def liquid_kv(
     -------
     kv : float or ndarray
         Flow coefficient of the valve alone; NaN where the pressure drop is zero, the liquid boils before the
-        valve, or no valve of the size passes the flow between its pipes. Negative, with a warning, where the
-        flow runs against the pressure drop. Where without `kv_rated` a viscous duty has several answers, the
-        smallest. [m3/h]
+        valve, an input is senseless as in `liquid_flow`, or no valve of the size passes the flow between its
+        pipes. Negative, with a warning, where the flow runs against the pressure drop. Where a viscous duty
+        has several answers, which it can have without `kv_rated` or with `strict`, the smallest; by the
+        letter and with reducers a turbulent one goes first. [m3/h]
 
     Raises
     ------
@@ -248,34 +251,44 @@ def liquid_kv(
     flow, p1, p2, density = floats(flow, p1, p2, density)
     valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
     chokes = with_choking(fl, p_vapour, valve.viscous)
-    upstream = np.maximum(p1, p2)
-
-    def unit_flow(fl, drop_behind):
-        known = {"fl": fl, "p_vapour": p_vapour, "p_critical": p_critical} if fl is not None else {}
-        return liquid_flow(1.0, upstream, upstream - drop_behind, density, **known, warn=False)
-
-    with np.errstate(invalid="ignore", divide="ignore"):
+    screen = Screen(valve)
+    p1, p2 = screen.pressures(p1, p2)
+    boiling = screen.boiling(p_vapour, p_critical) if chokes else ()
+    with quiet():
+        dp, upstream = p1 - p2, np.maximum(p1, p2)
         if valve.extended:
-            unit = unit_flow(None, np.abs(p1 - p2))
-            choked_unit = unit_flow(1.0, np.inf) if chokes else None
+            unit = _turbulent_flow(1.0, np.abs(dp), upstream, density, None, ())
+            choked_unit = _turbulent_flow(1.0, np.inf, upstream, density, 1.0, boiling) if chokes else None
             duty = SizingDuty(valve, np.abs(flow), np.where(unit > 0.0, unit, np.nan), choked_unit, p2 > p1)
-            kv = np.copysign(required_kv(duty), np.copysign(1.0, flow) * np.copysign(1.0, p1 - p2))[()]
+            kv = np.copysign(required_kv(duty), np.copysign(1.0, flow) * np.copysign(1.0, dp))[()]
         else:
-            unit = liquid_flow(
-                1.0, p1, p2, density, fl=fl, p_vapour=p_vapour, p_critical=p_critical, warn=False
-            )
+            unit = _turbulent_flow(1.0, dp, upstream, density, valve.fl, boiling)
             kv = np.where(unit == 0.0, np.nan, flow / unit)[()]
+        entering = ~np.isnan(flow / np.where(unit > 0.0, unit, np.nan))
+        if valve.extended and chokes:
+            entering = entering & ~np.isnan(choked_unit)
     if warn:
         warn_rows(p1 == p2, "liquid_kv", "have no pressure drop and give NaN.")
         warn_rows(kv < 0.0, "liquid_kv", "have the flow against the pressure drop; their kv is negative.")
         warn_rows(density <= 0.0, "liquid_kv", "have a density that is not positive and give NaN.")
         if chokes:
-            warn_rows(upstream <= np.asarray(p_vapour), "liquid_kv", _BOILS)
+            warn_rows(upstream <= boiling[0], "liquid_kv", _BOILS)
+        screen.warn("liquid_kv", kv)
         valve.warn(kv, "liquid_kv")
         if valve.extended:
-            lost = np.isnan(kv) & ~np.isnan(flow / np.where(unit > 0.0, unit, np.nan)) & valve.known()
+            lost = np.isnan(kv) & entering & valve.known()
             warn_rows(lost, "liquid_kv", "ask for a flow that no valve of this size passes and give NaN.")
     return kv
+
+
+def _turbulent_flow(kv, dp, upstream, density, fl, boiling):
+    """Turbulent flow, choked by `boiling`, the vapour and the critical pressure, where those are given."""
+    drop = np.abs(dp)
+    if boiling:
+        drop = np.minimum(drop, choked_limit(upstream, fl, *boiling))
+    # a density of zero must not pass as an infinite flow
+    root = np.sqrt(drop / np.where(density > 0.0, density, np.nan))
+    return FLOW_CONSTANT * kv * np.copysign(root, dp)
 
 
 _BOILS = "have liquid at or below its vapour pressure before the valve; those at or below F_F p_v give NaN."

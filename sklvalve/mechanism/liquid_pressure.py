@@ -4,6 +4,7 @@
 import numpy as np
 
 from sklvalve.mechanism._constants import FLOW_CONSTANT
+from sklvalve.mechanism._liquid_inputs import Screen, complete
 from sklvalve.mechanism._liquid_valve import LiquidValve
 from sklvalve.mechanism.choking import (
     WATER_CRITICAL_PRESSURE,
@@ -12,7 +13,7 @@ from sklvalve.mechanism.choking import (
     floats,
     with_choking,
 )
-from sklvalve.mechanism.validity import warn_rows
+from sklvalve.mechanism.validity import quiet, warn_rows
 
 # the flow of a choked valve must not come back as feasible by the rounding of its own root
 _ROUNDING = 32.0 * np.finfo(float).eps
@@ -59,7 +60,8 @@ def liquid_outlet_pressure(
     -------
     p2 : float or ndarray
         Outlet pressure, absolute. NaN where the valve cannot pass the flow: `kv` is not positive, or the flow
-        reaches the choked flow, from where on any lower `p2` gives the same flow. [Pa]
+        reaches the choked flow, from where on any lower `p2` gives the same flow; and where an input is NaN
+        or senseless as in `liquid_flow`. [Pa]
     feasible : bool or ndarray of bool
         Only with ``return_feasible=True``.
 
@@ -71,8 +73,8 @@ def liquid_outlet_pressure(
     Warns
     -----
     ValidityWarning
-        Rows that are infeasible; and, without `fl`, rows whose `p2` falls below zero absolute: they are
-        returned as they are, because without `fl` nobody said where choking sets in.
+        Rows that are infeasible or hold senseless data; and, without `fl`, rows whose `p2` falls below zero
+        absolute: they are returned as they are, because without `fl` nobody said where choking sets in.
 
     Notes
     -----
@@ -94,20 +96,12 @@ def liquid_outlet_pressure(
     """
     flow, kv, p1, density = floats(flow, kv, p1, density)
     valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
-    turbulent, capacity, recovery = valve.as_turbulent(flow, kv, flow < 0.0)
-    drop = _turbulent_drop(turbulent, capacity, density)
-    p2 = p1 - drop
-    if with_choking(fl, p_vapour, valve.viscous):
-        rounding = _ROUNDING_OF_FACTORS if valve.extended else _ROUNDING
-        forward_limit = choked_limit(p1, recovery, p_vapour, p_critical) * (1.0 - rounding)
-        # flow backwards: p1 is then the known pressure behind the valve, p2 the wanted one before it
-        backward = _pressure_before(-drop, p1, recovery, p_vapour, p_critical)
-        p2 = np.where(drop < 0.0, backward, np.where(drop < forward_limit, p2, np.nan))[()]
+    screen = Screen(valve)
+    (p1,) = screen.pressures(p1)
+    boiling = screen.boiling(p_vapour, p_critical) if with_choking(fl, p_vapour, valve.viscous) else ()
+    p2 = _outlet_pressure(flow, kv, p1, density, valve, boiling)
     if warn:
-        given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p1) | np.isnan(density))
-        lost = np.isnan(p2) & given & valve.known()
-        warn_rows(lost, "liquid_outlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
-        valve.warn(kv, "liquid_outlet_pressure")
+        _warn("liquid_outlet_pressure", p2, (flow, kv, p1), density, boiling, screen, valve)
         if fl is None:
             warn_rows(p2 < 0.0, "liquid_outlet_pressure", "fall below zero absolute: give fl and p_vapour.")
     return (p2, ~np.isnan(p2)) if return_feasible else p2
@@ -148,7 +142,8 @@ def liquid_inlet_pressure(
     -------
     p1 : float or ndarray
         Inlet pressure, absolute; defined in choked flow too. NaN where `kv` is not positive or, for a flow
-        that runs backwards, where it is choked. [Pa]
+        that runs backwards, where it is choked; and where an input is NaN or senseless as in `liquid_flow`.
+        [Pa]
 
     Raises
     ------
@@ -176,40 +171,44 @@ def liquid_inlet_pressure(
     """
     # the valve seen from its other side: the flow changes sign, the wanted pressure becomes the outlet
     flow, kv, p2, density = floats(flow, kv, p2, density)
-    p1 = liquid_outlet_pressure(
-        -flow,
-        kv,
-        p2,
-        density,
-        fl=fl,
-        p_vapour=p_vapour,
-        p_critical=p_critical,
-        viscosity=viscosity,
-        fd=fd,
-        kv_rated=kv_rated,
-        nominal_size=nominal_size,
-        inlet_pipe=outlet_pipe,
-        outlet_pipe=inlet_pipe,
-        strict=strict,
-        warn=False,
-    )
+    valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
+    screen = Screen(valve)
+    (p2,) = screen.pressures(p2)
+    boiling = screen.boiling(p_vapour, p_critical) if with_choking(fl, p_vapour, valve.viscous) else ()
+    p1 = _outlet_pressure(-flow, kv, p2, density, valve.turned(), boiling)
     if warn:
-        valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
-        valve.warn(kv, "liquid_inlet_pressure")
-        given = ~(np.isnan(flow) | np.isnan(kv) | np.isnan(p2) | np.isnan(density))
-        lost = np.isnan(p1) & given & valve.known()
-        warn_rows(lost, "liquid_inlet_pressure", "ask for a flow that the valve cannot pass and give NaN.")
+        _warn("liquid_inlet_pressure", p1, (flow, kv, p2), density, boiling, screen, valve)
     return p1
+
+
+def _outlet_pressure(flow, kv, p1, density, valve, boiling):
+    with quiet():
+        turbulent, capacity, recovery = valve.as_turbulent(flow, kv, flow < 0.0)
+        drop = _turbulent_drop(turbulent, capacity, density)
+        p2 = p1 - drop
+        if not boiling:
+            return p2
+        rounding = _ROUNDING_OF_FACTORS if valve.extended else _ROUNDING
+        forward_limit = choked_limit(p1, recovery, *boiling) * (1.0 - rounding)
+        # flow backwards: p1 is then the known pressure behind the valve, p2 the wanted one before it
+        backward = _pressure_before(-drop, p1, recovery, *boiling)
+        return np.where(drop < 0.0, backward, np.where(drop < forward_limit, p2, np.nan))[()]
+
+
+def _warn(where, found, knowns, density, boiling, screen, valve):
+    lost = np.isnan(found) & complete(*knowns, *boiling) & (density > 0.0) & valve.known()
+    warn_rows(lost, where, "ask for a flow that the valve cannot pass and give NaN.", stacklevel=4)
+    warn_rows(density <= 0.0, where, "have a density that is not positive and give NaN.", stacklevel=4)
+    screen.warn(where, found, stacklevel=5)
+    valve.warn(knowns[1], where, stacklevel=5)
 
 
 def _turbulent_drop(flow, kv, density):
     """Drop with the sign of the flow; NaN where the valve is shut or the density is none."""
     possible = (kv > 0.0) & (density > 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        speed = np.where(possible, flow / (FLOW_CONSTANT * kv), np.nan)[()]
+    speed = np.where(possible, flow / (FLOW_CONSTANT * kv), np.nan)[()]
     return density * speed * np.abs(speed)
 
 
 def _pressure_before(drop, p_behind, fl, p_vapour, p_critical):
-    fl = np.asarray(fl, dtype=float)
     return np.maximum(p_behind + drop, boiling_pressure(p_vapour, p_critical) + drop / (fl * fl))

@@ -4,6 +4,7 @@
 from sklvalve.mechanism._opening_search import Trim, opening_for
 from sklvalve.mechanism.gas import gas_flow, gas_kv
 from sklvalve.mechanism.liquid import WATER_CRITICAL_PRESSURE, liquid_flow, liquid_kv
+from sklvalve.mechanism.validity import quiet
 
 
 def opening_for_flow(
@@ -86,7 +87,8 @@ def opening_for_flow(
     if viscosity is not None:
         given |= {"kv_rated": kv_rated, "strict": strict}
     factors = _known({"fl": fl, "fd": fd})
-    return opening_for(flow, liquid_flow, liquid_kv, trim, given, factors, "opening_for_flow", warn)
+    with quiet():
+        return opening_for(flow, liquid_flow, liquid_kv, trim, given, factors, "opening_for_flow", warn)
 
 
 def opening_for_gas_flow(
@@ -161,7 +163,8 @@ def opening_for_gas_flow(
     if dynamic_viscosity is not None:
         given |= {"kv_rated": kv_rated}
     factors = _known({"xt": xt, "fl": fl, "fd": fd})
-    return opening_for(flow, gas_flow, gas_kv, trim, given, factors, "opening_for_gas_flow", warn)
+    with quiet():
+        return opening_for(flow, gas_flow, gas_kv, trim, given, factors, "opening_for_gas_flow", warn)
 
 
 def _known(values):

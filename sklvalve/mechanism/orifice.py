@@ -4,9 +4,10 @@
 import numpy as np
 
 from sklvalve.mechanism._constants import FLOW_CONSTANT
+from sklvalve.mechanism._liquid_inputs import Screen
 from sklvalve.mechanism._liquid_valve import LiquidValve
-from sklvalve.mechanism.choking import WATER_CRITICAL_PRESSURE, critical_pressure_ratio_factor
-from sklvalve.mechanism.validity import warn_rows
+from sklvalve.mechanism.choking import WATER_CRITICAL_PRESSURE, boiling_pressure
+from sklvalve.mechanism.validity import quiet, warn_rows
 
 
 def orifice_flow(
@@ -130,6 +131,7 @@ def vena_contracta_pressure(
     nominal_size=None,
     inlet_pipe=None,
     outlet_pipe=None,
+    warn=True,
 ):
     r"""Pressure at the narrowest section of the stream.
 
@@ -147,16 +149,27 @@ def vena_contracta_pressure(
         Flow coefficient; needed with pipes. [m3/h]
     nominal_size, inlet_pipe, outlet_pipe : float or array-like, default=None
         Bores of the valve and its pipes, as in `liquid_flow`. [m]
+    warn : bool, default=True
+        Emit a `ValidityWarning` with the number of rows outside the validity.
 
     Returns
     -------
     p_vc : float or ndarray
-        Pressure at the vena contracta. Once the flow is choked it stays at F_F p_v. [Pa]
+        Pressure at the vena contracta. Once the flow is choked it stays at F_F p_v. NaN where the pressure
+        upstream lies at or under F_F p_v, where no liquid enters, and where an input is NaN or senseless as
+        in `liquid_flow`. [Pa]
 
     Raises
     ------
     ValueError
         If a pipe is given without `kv` or `nominal_size`.
+
+    Warns
+    -----
+    ValidityWarning
+        Rows where the liquid boils before the valve or an input is senseless; and, without `p_vapour`, rows
+        whose `p_vc` falls below zero absolute: they are returned as they are, because nobody said where
+        choking sets in.
 
     Notes
     -----
@@ -173,19 +186,26 @@ def vena_contracta_pressure(
     >>> round(float(vena_contracta_pressure(680e3, 220e3, 0.9, p_vapour=70.1e3)) / 1e3, 1)
     112.1
     """
-    p1, p2, fl = (np.asarray(value, dtype=float) for value in (p1, p2, fl))
     valve = LiquidValve(fl, nominal_size=nominal_size, inlet_pipe=inlet_pipe, outlet_pipe=outlet_pipe)
-    if valve.piped:
-        if kv is None:
-            raise ValueError(
-                "a pipe is given without kv: how much reducers take depends on it; give kv [m3/h]."
-            )
-        fl = valve.with_pipes(np.asarray(kv, dtype=float), p2 > p1)[1]
-    p_vc = np.maximum(p1, p2) - np.abs(p1 - p2) / (fl * fl)
-    if p_vapour is None:
-        return p_vc
-    p_vapour = np.asarray(p_vapour, dtype=float)
-    return np.maximum(p_vc, critical_pressure_ratio_factor(p_vapour, p_critical) * p_vapour)
+    if valve.piped and kv is None:
+        raise ValueError("a pipe is given without kv: how much reducers take depends on it; give kv [m3/h].")
+    screen = Screen(valve)
+    p1, p2 = screen.pressures(p1, p2)
+    with quiet():
+        upstream = np.maximum(p1, p2)
+        fl = valve.with_pipes(None if kv is None else np.asarray(kv, dtype=float), p2 > p1)[1]
+        p_vc = upstream - np.abs(p1 - p2) / (fl * fl)
+        if p_vapour is not None:
+            p_vapour, p_critical = screen.boiling(p_vapour, p_critical)
+            floor = boiling_pressure(p_vapour, p_critical)
+            p_vc = np.where(upstream > floor, np.maximum(p_vc, floor), np.nan)[()]
+    if warn:
+        screen.warn("vena_contracta_pressure", p_vc, stacklevel=4)
+        if p_vapour is None:
+            warn_rows(p_vc < 0.0, "vena_contracta_pressure", "fall below zero absolute: give p_vapour.")
+        else:
+            warn_rows(upstream <= p_vapour, "vena_contracta_pressure", _BOILS)
+    return p_vc
 
 
 def estimate_fl(p1, p2, p_vc):
@@ -272,3 +292,6 @@ def _area_ratio(area, beta, pipe_area):
     if pipe_area is not None:
         return area / np.asarray(pipe_area, dtype=float)
     return np.asarray(0.0 if beta is None else beta, dtype=float) ** 2
+
+
+_BOILS = "have liquid at or below its vapour pressure before the valve; those at or below F_F p_v give NaN."

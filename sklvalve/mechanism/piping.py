@@ -4,7 +4,8 @@
 import numpy as np
 
 from sklvalve.mechanism._constants import N2, capacity_over_bore
-from sklvalve.mechanism.validity import warn_rows
+from sklvalve.mechanism._liquid_inputs import complete, positive
+from sklvalve.mechanism.validity import quiet, warn_rows
 
 
 def fitting_loss(nominal_size, inlet_pipe, outlet_pipe):
@@ -20,7 +21,8 @@ def fitting_loss(nominal_size, inlet_pipe, outlet_pipe):
     Returns
     -------
     zeta_sum : float or ndarray
-        Sum of the losses and of the two Bernoulli coefficients; 0 where all sizes are equal. [1]
+        Sum of the losses and of the two Bernoulli coefficients; 0 where all sizes are equal, NaN where one
+        is not positive. [1]
     zeta_inlet : float or ndarray
         The inlet's part of it. [1]
 
@@ -44,12 +46,13 @@ def fitting_loss(nominal_size, inlet_pipe, outlet_pipe):
     >>> round(float(zeta_sum), 3), round(float(zeta_inlet), 3)
     (0.658, 1.033)
     """
-    size = np.asarray(nominal_size, dtype=float)
-    inlet = (size / np.asarray(inlet_pipe, dtype=float)) ** 2
-    outlet = (size / np.asarray(outlet_pipe, dtype=float)) ** 2
-    zeta_inlet = 0.5 * (1.0 - inlet) ** 2 + (1.0 - inlet**2)
-    zeta_outlet = (1.0 - outlet) ** 2 - (1.0 - outlet**2)
-    return zeta_inlet + zeta_outlet, zeta_inlet
+    size = positive(nominal_size)
+    with quiet():
+        inlet = (size / positive(inlet_pipe)) ** 2
+        outlet = (size / positive(outlet_pipe)) ** 2
+        zeta_inlet = 0.5 * (1.0 - inlet) ** 2 + (1.0 - inlet**2)
+        zeta_outlet = (1.0 - outlet) ** 2 - (1.0 - outlet**2)
+        return zeta_inlet + zeta_outlet, zeta_inlet
 
 
 def piping_factor(kv, nominal_size, zeta_sum, *, warn=True):
@@ -69,7 +72,8 @@ def piping_factor(kv, nominal_size, zeta_sum, *, warn=True):
     Returns
     -------
     fp : float or ndarray
-        Factor on the flow coefficient. NaN where a negative `zeta_sum` outweighs the valve. [1]
+        Factor on the flow coefficient. NaN where a negative `zeta_sum` outweighs the valve, or
+        `nominal_size` is not positive. [1]
 
     Notes
     -----
@@ -86,9 +90,13 @@ def piping_factor(kv, nominal_size, zeta_sum, *, warn=True):
     >>> round(float(piping_factor(70.9, 0.050, 0.658)), 3)
     0.867
     """
-    fp = _one_over_root(np.asarray(zeta_sum, dtype=float) * _relative_size(kv, nominal_size))
+    size = positive(nominal_size)
+    with quiet():
+        fp = _one_over_root(np.asarray(zeta_sum, dtype=float) * _relative_size(kv, size))
     if warn:
-        known = ~np.isnan(np.asarray(kv, dtype=float) + np.asarray(zeta_sum, dtype=float))
+        known = complete(kv, zeta_sum, size)
+        senseless = np.asarray(nominal_size, dtype=float) <= 0.0
+        warn_rows(senseless, "piping_factor", "have a nominal_size that is not positive and give NaN.")
         what = "have reducers that would give back more than the valve takes: NaN."
         warn_rows(np.isnan(fp) & known, "piping_factor", what)
     return fp
@@ -109,7 +117,8 @@ def combined_recovery_factor(kv, nominal_size, zeta_inlet, fl):
     Returns
     -------
     flp : float or ndarray
-        Combined factor; call the liquid functions with ``kv * fp`` and ``fl=flp / fp``. [1]
+        Combined factor; call the liquid functions with ``kv * fp`` and ``fl=flp / fp``. NaN where `fl` or
+        `nominal_size` is not positive. [1]
 
     Notes
     -----
@@ -124,10 +133,10 @@ def combined_recovery_factor(kv, nominal_size, zeta_inlet, fl):
     >>> round(float(combined_recovery_factor(70.9, 0.050, 1.033, 0.9)), 3)
     0.755
     """
-    fl = np.asarray(fl, dtype=float)
-    return fl * _one_over_root(
-        fl * fl * np.asarray(zeta_inlet, dtype=float) * _relative_size(kv, nominal_size)
-    )
+    fl = positive(fl)
+    with quiet():
+        share = np.asarray(zeta_inlet, dtype=float) * _relative_size(kv, positive(nominal_size))
+        return fl * _one_over_root(fl * fl * share)
 
 
 def _relative_size(kv, nominal_size):

@@ -4,10 +4,12 @@
 import numpy as np
 
 from sklvalve.mechanism._constants import LAMINAR_REYNOLDS, TURBULENT_REYNOLDS
+from sklvalve.mechanism._liquid_inputs import Screen
 from sklvalve.mechanism._liquid_valve import LiquidValve
 from sklvalve.mechanism.cavitation import incipient_xfz, pressure_ratio_xf
 from sklvalve.mechanism.choking import WATER_CRITICAL_PRESSURE, choked_limit, floats, with_choking
 from sklvalve.mechanism.liquid import liquid_flow
+from sklvalve.mechanism.validity import quiet
 
 LIQUID_STATES = {
     -2: "unknown",
@@ -58,7 +60,7 @@ def liquid_state(
     state : int or ndarray of int8
         Code, with its name in ``LIQUID_STATES``:
 
-        - -2 unknown: a datum is NaN or senseless;
+        - -2 unknown: a datum is NaN, infinite or senseless as in `liquid_flow`, or `kv` is negative;
         - -1 infeasible: the liquid boils before the valve so far that none enters, or no flow satisfies the
           equations;
         - 0 no flow: no pressure drop, or the valve shut;
@@ -94,17 +96,38 @@ def liquid_state(
     kv, p1, p2, density = floats(kv, p1, p2, density)
     valve = LiquidValve(fl, viscosity, fd, kv_rated, nominal_size, inlet_pipe, outlet_pipe, strict)
     chokes = with_choking(fl, p_vapour, valve.viscous)
-    upstream, downstream, drop, backward = np.maximum(p1, p2), np.minimum(p1, p2), np.abs(p1 - p2), p2 > p1
-    known = {name: getattr(valve, name) for name in vars(valve)}
-    if chokes:
-        known |= {"p_vapour": p_vapour, "p_critical": p_critical}
-    elif not valve.viscous:
-        known.pop("fl")
-    flow = liquid_flow(kv, p1, p2, density, **known, warn=False)
+    screen = Screen(valve)
+    p1, p2 = screen.pressures(p1, p2)
+    if p_vapour is not None:
+        p_vapour, p_critical = screen.boiling(p_vapour, p_critical)
+    # a factor that only tells where cavitation begins must be known too
+    used = [value for value in (valve.fl, valve.fd) if p_vapour is not None and value is not None]
+    used += [kv, p1, p2, density, *([] if p_vapour is None else [p_vapour, p_critical])]
     given = valve.known() & (density > 0.0) & (kv >= 0.0)
-    for value in (kv, p1, p2, density, *([] if p_vapour is None else floats(p_vapour, p_critical))):
+    for value in used:
         given = given & np.isfinite(value)
+    known = {"p_vapour": p_vapour, "p_critical": p_critical} if chokes else {}
+    with quiet():
+        flow = _flow(kv, p1, p2, density, valve, known)
+        rungs = _rungs(kv, p1, p2, density, valve, known, flow, p_vapour, xfz)
+    rungs += [((p1 == p2) | (kv == 0.0), 0), (np.isnan(flow), -1), (~given, -2)]
+    state = np.full(np.broadcast_shapes(*(np.shape(which) for which, _ in rungs)), 3, dtype=np.int8)
+    for which, code in rungs:
+        state[np.broadcast_to(which, state.shape)] = code
+    return state[()]
 
+
+def _flow(kv, p1, p2, density, valve, known):
+    data = valve.given() | {"strict": valve.strict}
+    if not (known or valve.viscous):
+        data.pop("fl", None)
+    return liquid_flow(kv, p1, p2, density, **data, **known, warn=False)
+
+
+def _rungs(kv, p1, p2, density, valve, known, flow, p_vapour, xfz):
+    """Where each state holds, and its code, the hardest last."""
+    upstream, drop, backward = np.maximum(p1, p2), np.abs(p1 - p2), p2 > p1
+    fl, fd = valve.fl, valve.fd
     rungs = []
     if valve.viscous:
         reynolds = valve.reynolds(flow, kv, backward)
@@ -114,12 +137,12 @@ def liquid_state(
             xfz = incipient_xfz(np.abs(kv), fl, fd, p1=upstream)
         if xfz is not None:
             rungs.append((pressure_ratio_xf(p1, p2, p_vapour, warn=False) >= np.asarray(xfz), 4))
-        if chokes:
-            limit = choked_limit(upstream, valve.with_pipes(kv, backward)[1], p_vapour, p_critical)
-            rungs.append((drop >= limit, 5))
-        rungs.append((downstream < np.asarray(p_vapour), 6))
-    rungs += [((drop == 0.0) | (kv == 0.0), 0), (np.isnan(flow), -1), (~given, -2)]
-    state = np.full(np.broadcast_shapes(*(np.shape(which) for which, _ in rungs)), 3, dtype=np.int8)
-    for which, code in rungs:
-        state[np.broadcast_to(which, state.shape)] = code
-    return state[()]
+        if known:
+
+            def turbulent(kv, fl):
+                return liquid_flow(kv, p1, p2, density, fl=fl, **known, warn=False)
+
+            recovery = valve.recovery_in(turbulent, kv, backward)
+            rungs.append((drop >= choked_limit(upstream, recovery, **known), 5))
+        rungs.append((np.minimum(p1, p2) < p_vapour, 6))
+    return rungs

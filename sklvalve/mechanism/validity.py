@@ -32,6 +32,11 @@ class MissingDatum(ValueError):
     """Something was asked for that needs a datum which nobody gave; the message says which."""
 
 
+def quiet():
+    """Context in which floating point stays silent: what has no answer is NaN, and said in our own words."""
+    return np.errstate(invalid="ignore", divide="ignore", over="ignore")
+
+
 def warn_rows(bad, where, what, *, stacklevel=3):
     """Warn with the count of rows where `bad` is true; silent where there is none."""
     count = int(np.count_nonzero(bad))

@@ -12,10 +12,11 @@ from sklvalve.mechanism._constants import (
     TURBULENT_REYNOLDS,
     capacity_over_bore,
 )
+from sklvalve.mechanism._liquid_inputs import positive
 from sklvalve.mechanism.trim import full_size_kv as full_size_kv
 from sklvalve.mechanism.trim import trim_of as trim_of
 from sklvalve.mechanism.trim import trim_parameter as trim_parameter
-from sklvalve.mechanism.validity import warn_rows
+from sklvalve.mechanism.validity import quiet, warn_rows
 
 
 def valve_reynolds_number(flow, kv, viscosity, *, fl, fd, inlet_pipe):
@@ -39,7 +40,8 @@ def valve_reynolds_number(flow, kv, viscosity, *, fl, fd, inlet_pipe):
     Returns
     -------
     reynolds : float or ndarray
-        Valve Reynolds number; NaN where `kv` is zero or the viscosity is not positive. [1]
+        Valve Reynolds number; NaN where `kv` is zero or any of viscosity, `fl`, `fd` and `inlet_pipe` is not
+        positive. [1]
 
     Notes
     -----
@@ -61,11 +63,11 @@ def valve_reynolds_number(flow, kv, viscosity, *, fl, fd, inlet_pipe):
     >>> round(float(re), -3)
     2967000.0
     """
-    flow, kv, viscosity, fl, fd = (np.asarray(v, dtype=float) for v in (flow, kv, viscosity, fl, fd))
-    pipe = capacity_over_bore(fl * kv, inlet_pipe)
-    possible = (kv != 0.0) & (viscosity > 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        jet = np.where(possible, viscosity * np.sqrt(np.abs(kv) * fl), np.nan)
+    flow, kv = np.asarray(flow, dtype=float), np.asarray(kv, dtype=float)
+    viscosity, fl, fd, inlet_pipe = (positive(value) for value in (viscosity, fl, fd, inlet_pipe))
+    with quiet():
+        pipe = capacity_over_bore(fl * kv, inlet_pipe)
+        jet = np.where(kv != 0.0, viscosity * np.sqrt(np.abs(kv) * fl), np.nan)
         return (N4 * HOUR * fd * np.abs(flow) / jet * (pipe * pipe / N2 + 1.0) ** 0.25)[()]
 
 
@@ -86,7 +88,7 @@ def reynolds_factor(reynolds, trim, fl, *, strict=False):
     Returns
     -------
     fr : float or ndarray
-        Factor between 0 and 1. [1]
+        Factor between 0 and 1; NaN where `reynolds` is negative or `trim` or `fl` not positive. [1]
 
     Notes
     -----
@@ -117,11 +119,11 @@ def reynolds_factor(reynolds, trim, fl, *, strict=False):
     >>> round(float(reynolds_factor(1202.0, 1.235, 0.98)), 3)
     0.715
     """
-    reynolds, trim, fl = (np.asarray(value, dtype=float) for value in (reynolds, trim, fl))
+    reynolds, trim, fl = np.asarray(reynolds, dtype=float), positive(trim), positive(fl)
     reynolds = np.where(reynolds >= 0.0, reynolds, np.nan)
-    laminar = _laminar_law(reynolds, trim, fl)
-    slope = _slope(trim, fl)
-    with np.errstate(divide="ignore"):
+    with quiet():
+        laminar = _laminar_law(reynolds, trim, fl)
+        slope = _slope(trim, fl)
         transitional = 1.0 + slope * np.log(reynolds / TURBULENT_REYNOLDS)
     if not strict:
         floor = np.maximum(_laminar_law(LAMINAR_REYNOLDS, trim, fl), slope)
@@ -144,8 +146,8 @@ def nonturbulent_flow_ratio(reynolds_turbulent, trim, fl, *, strict=False):
     Returns
     -------
     ratio : float or ndarray
-        The r that solves r = F_R(r Re_t); never falls as Re_t grows, nor does r Re_t. With `strict`, NaN
-        where the standard has no answer. [1]
+        The r that solves r = F_R(r Re_t); never falls as Re_t grows, nor does r Re_t. NaN as in
+        `reynolds_factor`; with `strict`, also where the standard has no answer. [1]
 
     Notes
     -----
@@ -163,16 +165,16 @@ def nonturbulent_flow_ratio(reynolds_turbulent, trim, fl, *, strict=False):
     >>> round(float(ratio), 6), round(float(reynolds_factor(1000.0 * ratio, 1.235, 0.98)), 6)
     (0.62736, 0.62736)
     """
-    reynolds, trim, fl = (np.asarray(value, dtype=float) for value in (reynolds_turbulent, trim, fl))
-    laminar = (0.026 / fl) ** 2 * trim * np.where(reynolds >= 0.0, reynolds, np.nan)
-    slope = _slope(trim, fl)
-    with np.errstate(divide="ignore", invalid="ignore"):
+    reynolds, trim, fl = np.asarray(reynolds_turbulent, dtype=float), positive(trim), positive(fl)
+    with quiet():
+        laminar = (0.026 / fl) ** 2 * trim * np.where(reynolds >= 0.0, reynolds, np.nan)
+        slope = _slope(trim, fl)
         shift = 1.0 / slope + np.log(reynolds / TURBULENT_REYNOLDS) + np.log(slope)
     transitional = slope * _minus_lambert(shift)
     if not strict:
         floor = np.maximum(_laminar_law(LAMINAR_REYNOLDS, trim, fl), slope)
         return np.minimum(np.minimum(laminar, np.fmax(transitional, floor)), 1.0)[()]
-    with np.errstate(invalid="ignore"):
+    with quiet():
         low = np.minimum(laminar, 1.0)
         ratio = np.where(reynolds * low < LAMINAR_REYNOLDS, low, np.minimum(low, transitional))
         ratio = np.where(reynolds >= TURBULENT_REYNOLDS, 1.0 + 0.0 * low, ratio)
@@ -219,7 +221,7 @@ def nonturbulent_kv(flow, p1, p2, density, fr, *, warn=True):
     35.355
     """
     flow, p1, p2, density, fr = (np.asarray(value, dtype=float) for value in (flow, p1, p2, density, fr))
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with quiet():
         drop = np.copysign(p1 - p2, (p1 - p2) * flow)
         possible = (drop > 0.0) & (fr > 0.0) & (density > 0.0)
         kv = np.abs(flow) / (FLOW_CONSTANT * fr) * np.sqrt(density / np.where(possible, drop, np.nan))

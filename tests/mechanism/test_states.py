@@ -95,6 +95,30 @@ def test_by_the_letter_a_duty_may_have_no_state():
     assert set(liquid_state(1e-4, 1e6, p2, **trim)) == {1, 2}
 
 
+def test_by_the_letter_choked_is_where_a_lower_pressure_passes_no_more():
+    # flow that is not turbulent knows no reducers by the letter, so its choking must not know them either
+    kv, p1, p2, known = duties(4000, "viscosity and pipes", seed=8)
+    known["viscosity"] = 10.0 ** np.random.default_rng(9).uniform(-6.0, -3.0, kv.size)
+    state = liquid_state(kv, p1, p2, **known, strict=True)
+    flow = liquid_flow(kv, p1, p2, **known, strict=True, warn=False)
+    lower = liquid_flow(kv, p1, 0.999 * p2, **known, strict=True, warn=False)
+    at = ~np.isnan(flow + lower)
+    assert_array_equal(state[at] >= CODE["choked"], (flow == lower)[at] | (p2 < known["p_vapour"])[at])
+    slow = jet_reynolds(flow, kv, known) < 1e4
+    assert np.sum((state == CODE["choked"]) & slow) > 500
+    assert np.sum((state < CODE["choked"]) & slow) > 500
+
+
+def test_by_the_letter_all_rows_of_one_choked_flow_are_choked():
+    valve = {"fl": 0.501738, "fd": 0.339365, "nominal_size": 0.0396359, "kv_rated": 62.8403, "strict": True}
+    valve |= {"inlet_pipe": 0.0978239, "outlet_pipe": 0.1163355, "viscosity": 5.45898e-3, "p_vapour": 2e3}
+    p2 = np.linspace(1.1e6, 0.9e6, 400)
+    flow = liquid_flow(29.3286, 1351609.0, p2, 1000.0, **valve)
+    state = liquid_state(29.3286, 1351609.0, p2, 1000.0, **valve)
+    assert_array_equal(state == CODE["choked"], flow == flow[-1])
+    assert set(state) > {CODE["choked"]}
+
+
 def test_what_misses():
     with pytest.raises(ValueError, match="viscosity is given without fd and nominal_size"):
         liquid_state(10.0, 3e5, 1e5, 1000.0, fl=0.9, p_vapour=0.2e5, viscosity=1e-3)
