@@ -55,7 +55,8 @@ class Workbench:
         self.coupled = "opening" not in recording
         self.spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in self.channels}
         self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
-        self._known = {}
+        # fits and noises found once are kept: in a search the same question comes up many times
+        self._known, self._learnt, self._used = {}, {}, [*self.noise.values()]
 
     def chain(self, members, recording=None):
         """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
@@ -129,16 +130,16 @@ class Workbench:
         begin = dict(start.values) if start is not None else {}
         values, spreads, predictions, likelihood = {}, {}, {}, 0.0
         for channels in self._groups(members):
-            own = [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
+            own = self._touching(members, channels)
             sign = (
                 channels,
-                tuple(sorted((m.sign for m in own), key=str)),
+                _signs(own),
                 attempt if own else 0,
                 hold,
                 max_steps,
                 None if rows is None else rows.tobytes(),
-                id(self.noise[channels[0]]),
-                None if start is None or not own else start.keys,
+                tuple(id(self.noise[c]) for c in channels),
+                None if start is None or not own else _signs(self._touching(start.members, channels)),
             )
             if sign not in self._known:
                 self._known[sign] = self._fit_group(
@@ -150,6 +151,9 @@ class Workbench:
             predictions |= fit.predictions
             likelihood += fit.log_likelihood
         return Model(members, chain, values, predictions, likelihood, spreads)
+
+    def _touching(self, members, channels):
+        return [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
 
     def _fit_group(self, chain, channels, members, begin, attempt, hold, rows, max_steps):
         parameters, fixed = [], {}
@@ -178,25 +182,31 @@ class Workbench:
         return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
 
     def use_noise(self, noise):
-        """Judge by this noise from now on; fits made under another one are forgotten."""
+        """Judge by this noise from now on."""
+        # all are held on to, for a fit is known by the identity of its noise
+        self._used += noise.values()
         self.noise = noise
-        self._known.clear()
 
-    def learn_noise(self, model, *, cautious=False):
-        """Fit the noise of every channel to what a model leaves over; `cautious` as in `fit_noise`."""
-        left = self.residuals(model)
-        noise = {
-            c: fit_noise(
-                left[c],
-                model.predictions[c],
-                model.chain.step,
-                quantum=self.recording.resolution(c),
-                inadequacy=_INADEQUACY * self.least(c) * self.spans[c],
-                largest=_LARGEST * self.least(c) * self.spans[c],
-                cautious=cautious,
-            )
-            for c in self.channels
-        }
+    def learn_noise(self, model, *, cautious=False, anew=False):
+        """Fit the noise of every channel to what a model leaves over; `cautious` as in `fit_noise`.
+
+        A channel that no effect of the model touches keeps what was learnt there before, unless `anew`: the
+        fits made with it then hold as well.
+        """
+        left, noise = self.residuals(model), {}
+        for c in self.channels:
+            key = None if self._touching(model.members, (c,)) else (c, cautious)
+            if key is None or anew or key not in self._learnt:
+                self._learnt[key] = fit_noise(
+                    left[c],
+                    model.predictions[c],
+                    model.chain.step,
+                    quantum=self.recording.resolution(c),
+                    inadequacy=_INADEQUACY * self.least(c) * self.spans[c],
+                    largest=_LARGEST * self.least(c) * self.spans[c],
+                    cautious=cautious,
+                )
+            noise[c] = self._learnt[key]
         self.use_noise(noise)
 
     def least_squares(self, model, *, rows=None, max_steps=15):
@@ -221,7 +231,7 @@ class Workbench:
         guess = first_guess(self)
         model = self.fit((), start=guess, hold="actuator_" if guess.values and not self.coupled else None)
         for _ in range(2):
-            self.learn_noise(model, cautious=True)
+            self.learn_noise(model, cautious=True, anew=True)
             model = self.fit((), start=model)
         return model
 
@@ -251,3 +261,7 @@ class Workbench:
     def least(self, channel):
         """Size from which on a change of a channel counts, share of span [1]."""
         return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect
+
+
+def _signs(members):
+    return tuple(sorted((m.sign for m in members), key=str))
