@@ -114,7 +114,7 @@ def _count_lost(w, n, choking, counts):
         entering &= (w[RHO + i] > 0.0) & (w[NU + i] > 0.0) & (w[NU + i] < np.inf)
         # finite in sum: none is NaN or endless, and what is not positive is NaN already
         data = w[FL + i] + w[FD + i] + abs(w[RATED + i]) + w[SIZE + i] + w[INLET + i] + w[OUTLET + i]
-        known = (kv == kv) & (abs(p1 - p2) >= 0.0) & (data < np.inf)
+        known = (abs(kv * (p1 - p2)) >= 0.0) & (data < np.inf)
         counts[7] += (w[FLOW + i] != w[FLOW + i]) & entering & known
 
 

@@ -205,6 +205,8 @@ def reynolds(w, n, strict):
         square = relative * relative
         inverse = one_over_cube_root(1e-280 if square < 1e-280 else square)
         trim = N2 / square if rated >= FULL_SIZE else 1.0 + N32 * square * inverse * inverse
+        # by the letter the rated kv only chooses, which would hide that it is missing
+        trim = trim if rated == rated else np.nan
         w[RE + i] = reynolds
         w[LAM + i] = 0.026 * 0.026 / (fl * fl) * trim
         w[SLOPE + i] = _SLOPE_FACTOR * sqrt(fl / sqrt(trim))
@@ -216,6 +218,7 @@ def transitional(w, n):
     for i in range(n):
         reynolds, slope = w[RE + i], w[SLOPE + i]
         grown = reynolds * slope / TURBULENT_REYNOLDS
+        grown = 1e300 if grown > 1e300 else grown
         shift = 1.0 / slope + log(1e-300 if grown < 1e-300 else grown)
         excess = shift - 1.0
         excess = excess if excess > 0.0 else np.nan

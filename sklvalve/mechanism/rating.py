@@ -7,6 +7,7 @@ import warnings
 
 import numpy as np
 
+from sklvalve.mechanism._liquid_inputs import SENSELESS
 from sklvalve.mechanism.fluid import STANDARD_TEMPERATURE, fluid_from
 from sklvalve.mechanism.liquid import WATER_CRITICAL_PRESSURE
 from sklvalve.mechanism.validity import MissingDatum, ValidityWarning
@@ -41,8 +42,7 @@ _TOLD = {
     "viscosity": "have a viscosity that is not positive and give NaN.",
     "wide": "have a kv beyond 0.047 N18 d2: outside the accuracy of the standard.",
     "lost": "have no flow that satisfies the equations and give NaN.",
-    "senseless": "hold what cannot be (a pressure below zero absolute, a p_vapour outside 0 to "
-    "p_critical, or a bore, factor or kv_rated that is not positive) and give NaN.",
+    "senseless": SENSELESS,
 }
 
 
