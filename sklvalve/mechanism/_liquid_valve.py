@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from sklvalve.mechanism._constants import N18, TURBULENT_REYNOLDS, capacity_over_bore
+from sklvalve.mechanism._constants import TURBULENT_REYNOLDS, WIDEST, capacity_over_bore
 from sklvalve.mechanism._liquid_inputs import positive
 from sklvalve.mechanism.piping import combined_recovery_factor, fitting_loss, piping_factor
 from sklvalve.mechanism.trim import trim_parameter
@@ -161,7 +161,7 @@ class LiquidValve:
         """Say which rows leave what the standard was fitted to."""
         if not self.extended:
             return
-        limit = 0.047 * N18
+        limit = WIDEST
         wide = np.abs(capacity_over_bore(kv, self.nominal_size)) > limit
         warn_rows(
             wide,

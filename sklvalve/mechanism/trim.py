@@ -3,9 +3,7 @@
 
 import numpy as np
 
-from sklvalve.mechanism._constants import MM, N2, N18, N32, capacity_over_bore
-
-_FULL_SIZE = 0.016 * N18
+from sklvalve.mechanism._constants import FULL_SIZE, MM, N2, N32, capacity_over_bore
 
 
 def trim_parameter(kv, nominal_size, *, kv_rated=None, strict=False):
@@ -27,7 +25,7 @@ def trim_parameter(kv, nominal_size, *, kv_rated=None, strict=False):
     Returns
     -------
     trim : float or ndarray
-        The number n. [1]
+        The number n; NaN where `kv_rated` is given and not positive. [1]
 
     Notes
     -----
@@ -51,8 +49,12 @@ def trim_parameter(kv, nominal_size, *, kv_rated=None, strict=False):
     1.235
     """
     actual = np.abs(capacity_over_bore(kv, nominal_size))
-    rated = actual if kv_rated is None else np.abs(capacity_over_bore(kv_rated, nominal_size))
-    return trim_of(actual if strict else rated, full=rated >= _FULL_SIZE)
+    rated = actual
+    if kv_rated is not None:
+        # nothing is known of a trim whose rated capacity is not
+        rated = np.where(np.asarray(kv_rated) > 0.0, capacity_over_bore(kv_rated, nominal_size), np.nan)
+        actual = np.where(np.isnan(rated), np.nan, actual)
+    return trim_of(actual if strict else rated, full=np.abs(rated) >= FULL_SIZE)
 
 
 def trim_of(relative, full):
@@ -64,4 +66,4 @@ def trim_of(relative, full):
 def full_size_kv(nominal_size):
     """Flow coefficient from which on a trim counts as full-size."""
     size = MM * np.asarray(nominal_size, dtype=float)
-    return _FULL_SIZE * size * size
+    return FULL_SIZE * size * size

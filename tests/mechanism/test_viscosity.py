@@ -170,3 +170,9 @@ def test_reynolds_number_without_an_answer():
     # a reducer slows the approach, and with it the Reynolds number by little
     wide = valve_reynolds_number(0.01, 10.0, 1e-6, **(known | {"inlet_pipe": 0.2}))
     assert 0.99 * reynolds[0] < wide < reynolds[0]
+
+
+@pytest.mark.parametrize("strict", [False, True])
+@pytest.mark.parametrize("rated", [np.nan, 0.0, -5.0])
+def test_a_trim_of_unknown_rated_capacity_has_no_number(rated, strict):
+    assert np.isnan(trim_parameter(1.0, 0.05, kv_rated=rated, strict=strict))
