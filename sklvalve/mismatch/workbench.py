@@ -56,7 +56,7 @@ class Workbench:
         self.spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in self.channels}
         self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
         # fits and noises found once are kept: in a search the same question comes up many times
-        self._known, self._learnt, self._used = {}, {}, [*self.noise.values()]
+        self._known, self._learnt = {}, {}
 
     def chain(self, members, recording=None):
         """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
@@ -138,7 +138,7 @@ class Workbench:
                 hold,
                 max_steps,
                 None if rows is None else rows.tobytes(),
-                tuple(id(self.noise[c]) for c in channels),
+                tuple(self.noise[c] for c in channels),
                 None if start is None or not own else _signs(self._touching(start.members, channels)),
             )
             if sign not in self._known:
@@ -183,8 +183,6 @@ class Workbench:
 
     def use_noise(self, noise):
         """Judge by this noise from now on."""
-        # all are held on to, for a fit is known by the identity of its noise
-        self._used += noise.values()
         self.noise = noise
 
     def learn_noise(self, model, *, cautious=False, anew=False):
@@ -195,18 +193,21 @@ class Workbench:
         """
         left, noise = self.residuals(model), {}
         for c in self.channels:
-            key = None if self._touching(model.members, (c,)) else (c, cautious)
-            if key is None or anew or key not in self._learnt:
-                self._learnt[key] = fit_noise(
-                    left[c],
-                    model.predictions[c],
-                    model.chain.step,
-                    quantum=self.recording.resolution(c),
-                    inadequacy=_INADEQUACY * self.least(c) * self.spans[c],
-                    largest=_LARGEST * self.least(c) * self.spans[c],
-                    cautious=cautious,
-                )
-            noise[c] = self._learnt[key]
+            untouched = not self._touching(model.members, (c,))
+            if untouched and not anew and (c, cautious) in self._learnt:
+                noise[c] = self._learnt[c, cautious]
+                continue
+            noise[c] = fit_noise(
+                left[c],
+                model.predictions[c],
+                model.chain.step,
+                quantum=self.recording.resolution(c),
+                inadequacy=_INADEQUACY * self.least(c) * self.spans[c],
+                largest=_LARGEST * self.least(c) * self.spans[c],
+                cautious=cautious,
+            )
+            if untouched:
+                self._learnt[c, cautious] = noise[c]
         self.use_noise(noise)
 
     def least_squares(self, model, *, rows=None, max_steps=15):

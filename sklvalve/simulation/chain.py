@@ -13,7 +13,7 @@ import numpy as np
 from joblib import cpu_count
 
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
-from sklvalve.mechanism.liquid import FLOW_CONSTANT
+from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.recording import InputError
 from sklvalve.simulation.stages import delayed, first_order_lag, positioner_and_actuator
 from sklvalve.simulation.trim import GRID
@@ -92,7 +92,7 @@ class Chain:
         self.margin = None
         if fluid.knows("vapour_pressure") and self.has_pressures:
             vapour = np.broadcast_to(fluid.vapour_pressure(temperature, warn=False), n)
-            critical = fluid.critical_pressure or 22.064e6
+            critical = fluid.critical_pressure or WATER_CRITICAL_PRESSURE
             self.margin = self.p1 - critical_pressure_ratio_factor(vapour, critical) * vapour
         self.pressure_ratio = None if self.margin is None else self.dp / self.margin
 
