@@ -9,16 +9,12 @@ from sklvalve.mechanism.gas_inputs import valve_of
 from sklvalve.mechanism.gas_units import gas_mass_flow
 from sklvalve.mechanism.gas_viscous import jet_of
 from sklvalve.mechanism.liquid import floats
+from sklvalve.mechanism.states import LIQUID_STATES
 
-GAS_STATES = {
-    -2: "unknown",
-    -1: "infeasible",
-    0: "no flow",
-    1: "laminar",
-    2: "transitional",
-    3: "turbulent",
-    5: "choked",
-}
+# no gas boils in a valve
+_OF_LIQUIDS_ALONE = ("incipient cavitation", "flashing")
+
+GAS_STATES = {code: name for code, name in LIQUID_STATES.items() if name not in _OF_LIQUIDS_ALONE}
 """Codes of `gas_state` and their names; a gas and a liquid have the same code in the same state."""
 
 _CODE = {name: code for code, name in GAS_STATES.items()}
