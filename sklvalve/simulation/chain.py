@@ -56,6 +56,8 @@ class Chain:
         Absolute times, seconds from the first sample, and time since the sample before [s].
     pressure_ratio : ndarray of shape (n,) or None
         dp / (p1 - FF pv) [1].
+    vapour : ndarray of shape (n,) or None
+        Vapour pressure pv of the liquid [Pa].
     """
 
     def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False):
@@ -89,11 +91,11 @@ class Chain:
             # without pressures a constant drop is all that can be assumed; the capacity takes it up
             self.p1, self.p2 = np.full(n, ATMOSPHERE + 1e5), np.full(n, ATMOSPHERE)
         self.dp = self.p1 - self.p2
-        self.margin = None
+        self.fluid, self.vapour, self.margin = fluid, None, None
         if fluid.knows("vapour_pressure") and self.has_pressures:
-            vapour = np.broadcast_to(fluid.vapour_pressure(temperature, warn=False), n)
+            self.vapour = np.broadcast_to(fluid.vapour_pressure(temperature, warn=False), n)
             critical = fluid.critical_pressure or WATER_CRITICAL_PRESSURE
-            self.margin = self.p1 - critical_pressure_ratio_factor(vapour, critical) * vapour
+            self.margin = self.p1 - critical_pressure_ratio_factor(self.vapour, critical) * self.vapour
         self.pressure_ratio = None if self.margin is None else self.dp / self.margin
 
     def _actuator_scale(self):

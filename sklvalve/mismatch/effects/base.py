@@ -61,10 +61,15 @@ class Effect:
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
     damadics : str
         Fault of the benchmark with the same physics, or ``""``.
+    source : str
+        Where its equation is from, or ``""`` where it is plain arithmetic.
+    requires : str
+        What must be known or seen for `possible` to hold, as it is told where the effect cannot be tested.
     """
 
     name = key = block = stage = phrase = separated_by = damadics = ""
-    family = ""
+    family = source = ""
+    requires = "a data sheet with the characteristic and the fluid"
     may_begin = True
     needs: tuple = ()
     parameters: tuple = ()
