@@ -7,12 +7,15 @@ import numpy as np
 
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, own_values
 from sklvalve.mismatch.onset import fit_with_onset
+from sklvalve.mismatch.screening import screened
 
 # two explanations are told apart from this profile-likelihood distance on (3 % confusion)
 DISTINGUISHABLE = 14.0
 # what a model of a strong effect gets wrong passes for weak further ones: these must reach this share of it
 _SHARE_OF_STRONGEST = 0.15
-# a rival this far behind after a few steps is fitted to the end
+# of the effects screened, so many are fitted with the whole calibration free; of rivals also those that
+# come this near to the one in place
+_FITTED = 4
 _WITHIN_REACH = 100.0
 # what an onset must gain: it is one of as many as there are rows
 _ONSET_PRICE = 10.0
@@ -154,27 +157,25 @@ def _better_in_place(findings):
 
 
 def _step(workbench, model, effects, report, done):
-    """Fits with one effect more, best first."""
+    """Hypotheses with one effect more, best first: all screened, the most promising fitted."""
     usable = [e for e in effects if not is_in(e, model.members)]
-    rough = []
-    for i, effect in enumerate(usable):
-        # the actuator's own parameters are dear to fit and hide little: first without them
-        hold = "actuator_"
-        fits = [
-            workbench.fit((*model.members, Member(effect)), start=model, attempt=k, hold=hold, max_steps=5)
-            for k in range(max(len(q.starts) for q in effect.parameters))
-        ]
-        if effect.may_begin:
-            likeliest = int(np.argmax([m.log_likelihood for m in fits]))
-            fits.append(fit_with_onset(workbench, model, effect, hold=hold, attempt=likeliest))
-        rough.append(max(fits, key=lambda m: worth(workbench, m)))
-        if report:
-            report(done + 0.2 * (i + 1) / len(usable))
-    rough.sort(key=lambda m: worth(workbench, m), reverse=True)
-    # the best few again, now with the whole calibration free
-    best = rough[0].members[-1].onset if rough else None
-    refined = [_refine(workbench, model, m, best) if i < 4 else m for i, m in enumerate(rough)]
+    tried = screened(workbench, model, usable, report=report and (lambda share: report(done + 0.1 * share)))
+    rough = _best_of_each(workbench, tried)
+    onset = rough[0].members[-1].onset if rough else None
+    refined = []
+    for i, m in enumerate(rough):
+        refined.append(_refine(workbench, model, m, onset) if i < _FITTED else m)
+        if report and i < _FITTED:
+            report(done + 0.1 + 0.1 * (i + 1) / _FITTED)
     return sorted(refined, key=lambda m: worth(workbench, m), reverse=True)
+
+
+def _best_of_each(workbench, tried):
+    """Of every effect its best hypothesis, the best first."""
+    best = {}
+    for m in sorted(tried, key=lambda m: worth(workbench, m), reverse=True):
+        best.setdefault(m.members[-1].effect.key, m)
+    return list(best.values())
 
 
 def _refine(workbench, before, model, other_onset):
@@ -186,6 +187,10 @@ def _refine(workbench, before, model, other_onset):
     onsets = {last.onset, last.onset if other_onset is None else other_onset}
     fits = [fit_with_onset(workbench, rest, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
     return max(fits, key=lambda m: m.log_likelihood)
+
+
+def _touch_the_same(workbench, effect, other):
+    return bool(set(workbench.channels_touched(effect)) & set(workbench.channels_touched(other)))
 
 
 def _matters(workbench, model, without, threshold):
@@ -262,21 +267,15 @@ def _rivals(workbench, model, effects, report):
     for i, member in enumerate(model.members):
         rest = tuple(m for m in model.members if m is not member)
         without = workbench.fit(rest, start=model)
+        others = [e for e in effects if e.key != member.effect.key and not is_in(e, rest)]
+        others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
         places = [(member, model)]
-        for effect in effects:
-            if effect.key == member.effect.key or is_in(effect, rest):
-                continue
-            if not set(workbench.channels_touched(effect)) & set(workbench.channels_touched(member.effect)):
-                continue
-            onset = member.onset if effect.may_begin else None
-            fits = [
-                workbench.fit((*rest, Member(effect, onset)), start=without, attempt=k, max_steps=5)
-                for k in range(max(len(q.starts) for q in effect.parameters))
-            ]
-            best = max(fits, key=lambda m: m.log_likelihood)
-            if best.log_likelihood > model.log_likelihood - _WITHIN_REACH:
-                best = workbench.fit(best.members, start=best)
-            places.append((best.members[-1], best))
+        for k, rough in enumerate(screened(workbench, without, others, onset=member.onset)):
+            fitted = rough
+            near = rough.log_likelihood > model.log_likelihood - _WITHIN_REACH
+            if k < _FITTED or near:
+                fitted = workbench.fit(rough.members, start=rough)
+            places.append((rough.members[-1], fitted))
         worths = np.array([worth(workbench, m) for _, m in places])
         weights = np.exp(worths - worths.max())
         weights /= weights.sum()

@@ -14,7 +14,7 @@ from sklvalve.simulation.calibration import (
     span_of,
 )
 from sklvalve.simulation.chain import Chain
-from sklvalve.simulation.fitting import PlainNoise, fit_chain, residual_of, simulate_channels
+from sklvalve.simulation.fitting import Misfit, PlainNoise, fit_chain, residual_of, simulate_channels
 
 # a healthy simulation is wrong by about this share of what counts as an effect
 _INADEQUACY = 0.2
@@ -156,19 +156,39 @@ class Workbench:
         return [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
 
     def _fit_group(self, chain, channels, members, begin, attempt, hold, rows, max_steps):
-        parameters, fixed = [], {}
-        for p in self.calibration(channels):
-            if hold is not None and p.name.startswith(hold) and p.name in begin:
-                fixed[p.name] = begin[p.name]
-            else:
-                parameters.append(p)
-        for member in members:
-            parameters += [
-                q.parameter_of(member.effect.key, attempt) for q in member.effect.quantities(chain)
-            ]
+        parameters, fixed = self.parameters(chain, channels, members, attempt), {}
+        if hold is not None:
+            fixed = {p.name: begin[p.name] for p in parameters if p.name.startswith(hold) and p.name in begin}
+            parameters = [p for p in parameters if p.name not in fixed]
         return fit_chain(
             chain, parameters, channels, self.noise, start=begin, fixed=fixed, rows=rows, max_steps=max_steps
         )
+
+    def parameters(self, chain, channels, members, attempt=0):
+        """All that a fit of some channels moves: what the sheet leaves open, and what the effects bring."""
+        brought = [q.parameter_of(m.effect.key, attempt) for m in members for q in m.effect.quantities(chain)]
+        return self.calibration(channels) + brought
+
+    def misfits(self, model, channels):
+        """Errors of a fitted hypothesis as functions of its parameters, for the groups of channels named.
+
+        Returns
+        -------
+        misfits : list of Misfit
+            One for each group of channels that share parameters and hold one of `channels`.
+        """
+        groups = [g for g in self._groups(model.members) if set(g) & set(channels)]
+        return [
+            Misfit(
+                model.chain,
+                self.parameters(model.chain, group, self._touching(model.members, group)),
+                group,
+                self.noise,
+                fixed=model.values,
+                rows=self.rows,
+            )
+            for group in groups
+        ]
 
     def simulate(self, members, values):
         """A hypothesis with given values, simulated and not fitted."""

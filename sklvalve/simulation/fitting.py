@@ -57,24 +57,71 @@ def residual_of(chain, predictions, channel, rows):
     return left if rows is None else np.where(rows, left, np.nan)
 
 
-def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, rows=None, max_steps=20):
-    """Fit parameters to channels, least squares of the whitened simulation error with bounds and priors.
+class Misfit:
+    """Whitened simulation error of some channels, as a function of the parameters that a fit moves.
 
     Parameters
     ----------
     chain : Chain
     parameters : sequence of Parameter
-        Those to be moved; the chain must need no others.
+        Those to be moved.
     channels : sequence of str
         Signals to be met, `"opening"` and/or `"flow"`.
     noise : dict
         Channel -> object with `whiten(residuals)`.
-    start : dict, default=None
-        Values to begin with; what it lacks begins at the parameter's own start.
     fixed : dict, default=None
         Values of parameters that the chain needs and that are not moved.
     rows : ndarray of bool, default=None
         Rows that count.
+    """
+
+    def __init__(self, chain, parameters, channels, noise, *, fixed=None, rows=None):
+        self.chain, self.channels, self.noise, self.rows = chain, tuple(channels), noise, rows
+        self.vector, self.fixed = ParameterVector(parameters), dict(fixed or {})
+
+    def values(self, z):
+        """Every parameter's value where the moved ones stand at `z`."""
+        return self.fixed | self.vector.values(z)
+
+    def predictions(self, z):
+        """Simulated signals of the channels, by name."""
+        return simulate_channels(self.chain, self.values(z), self.channels)
+
+    def whitened(self, predictions):
+        """Whitened residuals of predictions, channel after channel."""
+        parts = [
+            self.noise[c].whiten(residual_of(self.chain, predictions, c, self.rows)) for c in self.channels
+        ]
+        return np.concatenate(parts)
+
+    def errors(self, z):
+        """Whitened residuals of the channels, then distances from the priors."""
+        return np.concatenate([self.whitened(self.predictions(z)), self.vector.prior_residuals(z)])
+
+    def neighbours(self, z):
+        """Points beside `z`, one a parameter, and how far each is: one-sided, away from the nearer bound."""
+        reach = 1e-3 * self.vector.scale
+        reach = np.where(z + reach > self.vector.high, -reach, reach)
+        moved = z + np.diag(reach)
+        if "opening" in self.channels:
+            self.chain.free_runs_ahead([self.values(m) for m in moved])
+        return moved, reach
+
+    def slopes(self, z, base):
+        """Derivatives of `errors` [n_errors, n_parameters], by one-sided differences from `base`."""
+        moved, reach = self.neighbours(z)
+        return np.stack([(self.errors(m) - base) / r for m, r in zip(moved, reach, strict=True)], axis=1)
+
+
+def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, rows=None, max_steps=20):
+    """Fit parameters to channels, least squares of the whitened simulation error with bounds and priors.
+
+    Parameters
+    ----------
+    chain, parameters, channels, noise, fixed, rows
+        As in `Misfit`; the chain must need no other parameters.
+    start : dict, default=None
+        Values to begin with; what it lacks begins at the parameter's own start.
     max_steps : int, default=20
         Bound on the number of optimiser steps.
 
@@ -87,43 +134,29 @@ def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, row
     Residuals beyond three standard deviations weigh linearly (soft L1). Derivatives are one-sided
     differences; a signal that cannot depend on a parameter is not simulated again for it.
     """
-    vector, held = ParameterVector(parameters), fixed or {}
-
-    def stacked(z):
-        predictions = simulate_channels(chain, held | vector.values(z), channels)
-        parts = [noise[c].whiten(residual_of(chain, predictions, c, rows)) for c in channels]
-        return np.concatenate([*parts, vector.prior_residuals(z)])
-
-    def slopes(z, base):
-        # away from the nearer bound, so that a difference never leaves the possible
-        reach = 1e-3 * vector.scale
-        reach = np.where(z + reach > vector.high, -reach, reach)
-        moved = z + np.diag(reach)
-        if "opening" in channels:
-            chain.free_runs_ahead([held | vector.values(m) for m in moved])
-        return np.stack([(stacked(m) - base) / r for m, r in zip(moved, reach, strict=True)], axis=1)
-
-    z = vector.pack(start or {})
+    misfit = Misfit(chain, parameters, channels, noise, fixed=fixed, rows=rows)
+    vector = misfit.vector
     if not len(vector):
-        predictions = simulate_channels(chain, held, channels)
+        predictions = simulate_channels(chain, misfit.fixed, channels)
         left = sum(log_likelihood(residual_of(chain, predictions, c, rows), noise[c]) for c in channels)
-        return ChannelFit(dict(held), left, predictions)
+        return ChannelFit(misfit.fixed, left, predictions)
     inside = 1e-6 * np.minimum(vector.scale, vector.high - vector.low)
-    z = np.clip(z, vector.low + inside, vector.high - inside)
-    z, cost, hessian = _minimise(stacked, slopes, z, vector, max_steps)
-    values = held | vector.values(z)
+    z = np.clip(vector.pack(start or {}), vector.low + inside, vector.high - inside)
+    z, cost, hessian = _minimise(misfit.errors, misfit.slopes, z, vector, max_steps)
     return ChannelFit(
-        values,
-        -cost,
-        simulate_channels(chain, values, channels),
-        tuple(parameters),
-        _spreads(hessian, vector),
+        misfit.values(z), -cost, misfit.predictions(z), tuple(parameters), _spreads(hessian, vector)
     )
 
 
-def _cost(left):
+def robust_cost(left):
+    """Soft L1 cost of whitened residuals: half their squares where small, linear where large."""
     scaled = (left / _ROBUST_FROM) ** 2
     return float(np.sum(_ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)))
+
+
+def robust_weights(left):
+    """Weight of each whitened residual in the quadratic that touches the soft L1 cost from above."""
+    return 1.0 / np.sqrt(1.0 + (left / _ROBUST_FROM) ** 2)
 
 
 def _minimise(stacked, slopes, z, vector, max_steps):
@@ -133,19 +166,19 @@ def _minimise(stacked, slopes, z, vector, max_steps):
     beside the simulations. A parameter at its bound that would leave it sits out the step.
     """
     left = stacked(z)
-    cost, damping, hessian, idle = _cost(left), 1e-3, np.eye(len(z)), 0
+    cost, damping, hessian, idle = robust_cost(left), 1e-3, np.eye(len(z)), 0
     for _ in range(max_steps):
         columns = slopes(z, left)
-        weights = 1.0 / np.sqrt(1.0 + (left / _ROBUST_FROM) ** 2)
+        weights = robust_weights(left)
         gradient = columns.T @ (weights * left)
         hessian = columns.T @ (weights[:, None] * columns)
         gained = 0.0
         for _try in range(6):
             # relative to each parameter's own curvature, with a little of its scale where there is none
             damped = hessian + damping * np.diag(np.diag(hessian) + 1e-6 / vector.scale**2)
-            moved = z + _step_inside(damped, gradient, vector.low - z, vector.high - z)
+            moved = z + step_inside(damped, gradient, vector.low - z, vector.high - z)
             new_left = stacked(moved)
-            new_cost = _cost(new_left)
+            new_cost = robust_cost(new_left)
             if new_cost < cost:
                 gained = cost - new_cost
                 z, left, cost = moved, new_left, new_cost
@@ -159,7 +192,7 @@ def _minimise(stacked, slopes, z, vector, max_steps):
     return z, cost, hessian
 
 
-def _step_inside(hessian, gradient, lowest, highest):
+def step_inside(hessian, gradient, lowest, highest):
     """Newton step between bounds: parameters that would leave are set on theirs, the others solved again."""
     # in each parameter's own curvature: in raw units a pascal beside a m3/s falls below the solver's rounding
     unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
@@ -180,7 +213,7 @@ def _step_inside(hessian, gradient, lowest, highest):
 
 def log_likelihood(residuals, noise):
     """Robust log likelihood of residuals under a noise model, as `fit_chain` counts it."""
-    return -_cost(noise.whiten(residuals))
+    return -robust_cost(noise.whiten(residuals))
 
 
 def _spreads(hessian, vector):

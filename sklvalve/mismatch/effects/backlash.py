@@ -14,7 +14,7 @@ _SWING = 1.0
 
 
 @nb.njit(cache=True)
-def play_with_overshoot(inside, step, width, overshoot):
+def play_with_overshoot(inside, step, width, overshoot, first_side):
     """Play whose driving part swings beyond its samples after a stroke.
 
     Parameters
@@ -25,11 +25,13 @@ def play_with_overshoot(inside, step, width, overshoot):
         Whole gap [1].
     overshoot : float
         How far the driving part goes beyond where it is next seen, share of the movement just made [1].
+    first_side : float
+        Where in its gap the driven part stands at the beginning, -1 to 1 [1].
 
     Returns
     -------
     outside : ndarray of shape (n,)
-        Movement of the driven part, in the middle of its gap at the beginning [1].
+        Movement of the driven part [1].
     """
     half = 0.5 * width
     out = np.empty_like(inside)
@@ -42,7 +44,7 @@ def play_with_overshoot(inside, step, width, overshoot):
             out[k] = np.nan
             continue
         if y != y:
-            y = v
+            y = v + half * first_side
             before = v
         moved = moved * exp(-step[k] / _SWING) + v - before
         before = v
@@ -61,7 +63,8 @@ class Backlash(Effect):
     It shows in the flow only, as a constant shift of opening by direction of travel; without jumps, and
     whatever the rate. After a stroke the stem swings beyond where the next sample sees it, and the plug stays
     where the peak took it, until the stem comes back by the whole gap: hence the overshoot, a share of the
-    stroke. Without it a recording with large strokes shows play that changes, or too little of it.
+    stroke. Without it a recording with large strokes shows play that changes, or too little of it. Until the
+    first reversals the plug stands where it was left: on the `first_side` of its gap.
     """
 
     name = key = "backlash"
@@ -69,6 +72,7 @@ class Backlash(Effect):
     parameters: tuple = (
         Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),
         Quantity("overshoot", "1", 0.0, 0.3, (0.03,)),
+        Quantity("first_side", "1", -1.0, 1.0, (0.0,)),
     )
     needs: tuple = ("flow",)
     family = "play"
@@ -79,7 +83,7 @@ class Backlash(Effect):
     damadics = "f4"
 
     def apply(self, value, p, chain):
-        return play_with_overshoot(value, chain.step, p["width"], p["overshoot"])
+        return play_with_overshoot(value, chain.step, p["width"], p["overshoot"], p["first_side"])
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return p["width"] > tolerance.static_error
