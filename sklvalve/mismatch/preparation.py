@@ -143,6 +143,8 @@ def candidates(workbench, wanted, data):
             untestable.setdefault(effect.name, " and ".join(missing))
         elif effect.name in off:
             untestable.setdefault(effect.name, off[effect.name])
+        elif workbench.plain.lacks(effect):
+            untestable.setdefault(effect.name, workbench.plain.lacks(effect))
         elif effect.possible(workbench.plain) and workbench.channels_touched(effect):
             found.append(effect)
         else:

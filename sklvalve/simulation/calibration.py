@@ -10,6 +10,7 @@ import numpy as np
 
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.recording import InputError
+from sklvalve.simulation.electric import is_electric
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.trim import LearntTrim, SheetTrim
 
@@ -90,7 +91,7 @@ def opening_parameters(recording, valve, tolerance):
         # friction that keeps the static error of a loop of ordinary gain within its tolerance
         Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
     ]
-    found += inside if "opening" in recording else []
+    found += inside if "opening" in recording and not is_electric(valve, recording) else []
     # a few scans may lie between a command and its effect
     scan = min(2.0 * recording.sample_time, tolerance.response)
     found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))

@@ -15,6 +15,7 @@ from joblib import cpu_count
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.recording import InputError
+from sklvalve.simulation.electric import electric_stem, is_electric
 from sklvalve.simulation.stages import delayed, first_order_lag, positioner_and_actuator
 from sklvalve.simulation.trim import GRID
 
@@ -99,6 +100,9 @@ class Chain:
         self.pressure_ratio = None if self.margin is None else self.dp / self.margin
 
     def _actuator_scale(self):
+        # a motor's effect found elsewhere says what the actuator is
+        motors = any(getattr(e, "motor", False) for e in self.effects)
+        self.electric = motors or is_electric(self.valve, self.recording)
         low, high = self.valve.spring_range or (20e3, 100e3)
         supply = self.valve.supply_pressure or 340e3
         self.spring_span = high - low
@@ -126,6 +130,13 @@ class Chain:
                 else:
                     value = np.where(acting, changed, value)
         return value
+
+    def lacks(self, effect):
+        """What an effect would need of this simulation that it has not; empty where it can act."""
+        motor = getattr(effect, "motor", False)
+        if effect.stage == "actuator" and motor != self.electric:
+            return "an electric actuator" if motor else "an actuator driven by air"
+        return ""
 
     def opening(self, values):
         """Opening as the position sensor would show it, free run from the command [1]."""
@@ -164,6 +175,8 @@ class Chain:
     def _free_run(self, values):
         if self.command is None:
             raise InputError("the opening cannot be simulated without a command; record it, or leave it out")
+        if self.electric:
+            return electric_stem(self, values, self._through)
         n = len(self.command)
         command = delayed(self.command, self.time, values["actuator_delay"])
         command = self._through("signal", command, values)

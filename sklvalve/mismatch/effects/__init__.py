@@ -14,9 +14,9 @@ from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
 from sklvalve.mismatch.effects.outlet_pressure_bias import OutletPressureBias
 from sklvalve.mismatch.effects.piping_reducers import PipingReducers
 from sklvalve.mismatch.effects.position_sensor_bias import PositionSensorBias, PositionSensorBiasInLoop
-from sklvalve.mismatch.effects.positioner_deadband import PositionerDeadband
+from sklvalve.mismatch.effects.positioner_deadband import MotorDeadband, PositionerDeadband
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
-from sklvalve.mismatch.effects.slew_limit import SlewLimit
+from sklvalve.mismatch.effects.slew_limit import MotorSpeed, SlewLimit
 from sklvalve.mismatch.effects.stiction import Stiction
 from sklvalve.mismatch.effects.supply_pressure_drop import SupplyPressureDrop
 from sklvalve.mismatch.effects.wrong_characteristic import WrongCharacteristic
@@ -26,9 +26,11 @@ CATALOGUE = (
     LinkageBacklash(),
     Stiction(),
     PositionerDeadband(),
+    MotorDeadband(),
     SupplyPressureDrop(),
     DeadTime(),
     SlewLimit(),
+    MotorSpeed(),
     ChokedFlow(),
     SeatLeakage(),
     BypassOpen(),

@@ -4,19 +4,35 @@
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.stages import delayed
 
+# as many scans may lie between a command and its effect
+_SCANS = 2.0
+
 
 class DeadTime(Effect):
-    r"""Delay of the command: :math:`u'(t) = u(t - \theta)`, the same for steps of every size."""
+    r"""Delay of the command: :math:`u'(t) = u(t - \theta)`, the same for steps of every size.
+
+    Air that fills an actuator may pass for a delay of up to its response time. A motor has no such excuse:
+    what its recording shows beyond a few scans is one.
+    """
 
     name = key = "dead_time"
     block, stage = "actuator", "signal"
-    parameters = (Quantity("delay", "s", 0.2, 120.0, (4.0, 12.0), log=True),)
+    parameters = (Quantity("delay", "s", 0.05, 120.0, (4.0, 12.0), log=True),)
     needs = ("command",)
-    phrase = "the valve answers {delay:.1f} s after the command"
+    phrase = "the valve answers {delay:.2g} s after the command"
     separated_by = "Steps of three sizes: a dead time is the same for all, a slew limit grows with the step."
+
+    def quantities(self, chain):
+        (delay,) = self.parameters
+        scan = chain.recording.sample_time
+        # at a fast sampling shorter ones can be seen
+        starts = delay.starts if scan > 0.5 else (6.0 * scan, *delay.starts)
+        return (Quantity("delay", "s", delay.low if scan < 0.1 else 0.2, delay.high, starts, log=True),)
 
     def apply(self, value, p, chain):
         return delayed(value, chain.time, p["delay"])
 
     def beyond_tolerance(self, p, chain, tolerance, late):
+        if chain.electric:
+            return p["delay"] > _SCANS * chain.recording.sample_time
         return p["delay"] > tolerance.response

@@ -4,6 +4,10 @@
 import numpy as np
 
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.thresholds import seen_thresholds
+
+# a threshold that a recording shows is that right within this factor
+_NEAR = 1.25
 
 
 class PositionerDeadband(Effect):
@@ -14,7 +18,7 @@ class PositionerDeadband(Effect):
 
     name = key = "positioner_deadband"
     block, stage = "actuator", "actuator"
-    parameters = (Quantity("half_width", "1", 0.002, 0.2, (0.01, 0.03), log=True),)
+    parameters: tuple = (Quantity("half_width", "1", 0.002, 0.2, (0.01, 0.03), log=True),)
     needs = ("command",)
     phrase = "the positioner leaves errors of up to {half_width:.1%} of travel uncorrected"
     separated_by = (
@@ -26,3 +30,46 @@ class PositionerDeadband(Effect):
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return 2.0 * p["half_width"] > tolerance.static_error
+
+
+class MotorDeadband(PositionerDeadband):
+    r"""Dead band of the comparator that starts a motor, wider where the motor would have to turn.
+
+    .. math:: \text{start when } |e| > d, \text{ or } |e| > \rho d \text{ against the last run;
+        stop when } |e| \to 0
+
+    Makers give both: the sensitivity, and the reversal. Once the motor runs it corrects the whole error.
+    """
+
+    key = "positioner_deadband_motor"
+    motor = True
+    parameters = (
+        Quantity("half_width", "1", 0.0005, 0.2, (0.005, 0.01, 0.01, 0.02, 0.02, 0.05), log=True),
+        Quantity("reversal", "1", 0.2, 10.0, (1.0, 1.0, 2.5, 1.0, 2.5, 1.0), log=True),
+    )
+    phrase = (
+        "the motor leaves errors of up to {half_width:.2%} of travel uncorrected, "
+        "{reversal:.2g} times that where it would have to turn"
+    )
+    separated_by = "Small steps of the command (0.25, 0.5, 1, 2, 4 %), up, and then the same down."
+
+    def quantities(self, chain):
+        seen = seen_thresholds(chain.recording)
+        if seen is None:
+            return self.parameters
+        # a threshold that some steps exceed and others do not has no slope for a fit to follow: it is looked for
+        # near where it is seen, and only there
+        width, factor = self.parameters
+        on, turning = seen
+        if turning is None:
+            return _near(width, on), factor
+        return _near(width, on), _near(factor, turning / on)
+
+    def apply(self, value, p, chain):
+        changed = super().apply(value, p, chain)
+        return changed | {"reversal": np.full_like(value["reversal"], p["reversal"])}
+
+
+def _near(quantity, seen):
+    middle = float(np.clip(seen, quantity.low * _NEAR, quantity.high / _NEAR))
+    return Quantity(quantity.name, quantity.unit, middle / _NEAR, middle * _NEAR, (middle,), log=True)

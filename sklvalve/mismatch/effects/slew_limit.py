@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stem that travels no faster than a limit."""
 
+import numpy as np
+
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.stages import limited_rate
 
@@ -13,7 +15,7 @@ class SlewLimit(Effect):
 
     name = key = "slew_limit"
     block, stage = "actuator", "signal"
-    parameters = (
+    parameters: tuple = (
         Quantity("speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
         Quantity("closing_ratio", "1", 0.25, 4.0, (1.0,), log=True),
     )
@@ -31,3 +33,43 @@ class SlewLimit(Effect):
     def beyond_tolerance(self, p, chain, tolerance, late):
         # positioner and actuator each may take their response time for a stroke
         return p["speed"] * min(p["closing_ratio"], 1.0) < 0.5 / tolerance.response
+
+    def possible(self, chain):
+        return not chain.electric
+
+
+class MotorSpeed(SlewLimit):
+    """Speed of an electric actuator, which runs at it whatever the error."""
+
+    key = "slew_limit_motor"
+    stage = "actuator"
+    motor = True
+
+    def quantities(self, chain):
+        speed, ratio = self.parameters
+        fastest = _usual_speed(chain)
+        starts = speed.starts if fastest is None else (float(np.clip(fastest, 0.0011, 0.99)), *speed.starts)
+        return (Quantity("speed", "1/s", speed.low, speed.high, starts, log=True), ratio)
+
+    def apply(self, value, p, chain):
+        up = np.full_like(value["up"], p["speed"])
+        return value | {"up": up, "down": up * p["closing_ratio"]}
+
+    def possible(self, chain):
+        return chain.electric
+
+
+def _usual_speed(chain):
+    """Speed at which most of a recorded travel is made [1/s]: where a fit begins; None without travel."""
+    if chain.measured is None:
+        return None
+    # over a second or three samples, whichever is longer: sensors are read more seldom than recorded
+    many = max(int(np.ceil(1.0 / np.median(chain.step))), 3)
+    moved = np.abs(chain.measured[many:] - chain.measured[:-many])
+    speed = moved / (chain.time[many:] - chain.time[:-many])
+    known = np.isfinite(speed) & (moved > 0.002)
+    if known.sum() < 10:
+        return None
+    order = np.argsort(speed[known])
+    travelled = np.cumsum(moved[known][order])
+    return float(speed[known][order][np.searchsorted(travelled, 0.7 * travelled[-1])])

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Electric actuators: a motor that runs at one speed, and a comparator that starts it."""
+
+from math import exp
+
+import numba as nb
+import numpy as np
+
+from sklvalve.simulation.stages import delayed
+
+# so far inside its dead band a motor is switched off; nearer no motor stops
+_STOPS_AT = 0.05
+# strokes in less than a tenth of a second are no motor's [1/s]
+_FREE = 10.0
+
+
+def is_electric(valve, recording):
+    """Whether a position is recorded of a valve whose sheet and recording say nothing of compressed air.
+
+    Parameters
+    ----------
+    valve : Valve
+    recording : Recording
+
+    Returns
+    -------
+    electric : bool
+        True where no air supply, spring, diaphragm or fail position is known, and no pressure of the actuator
+        is recorded. Without a position nothing tells one kind from the other, and all effects stay open.
+    """
+    air = (valve.supply_pressure, valve.spring_range, valve.effective_area, valve.fail)
+    told = {"actuator_pressure", "supply_pressure"} & set(recording)
+    return "opening" in recording and not told and all(known is None for known in air)
+
+
+@nb.njit(cache=True, nogil=True)
+def motor(command, step, x0, up, down, dead_band, reversal, lag):
+    """Position of a motor that a comparator switches on and off.
+
+    At rest it starts when the error exceeds the dead band, or `reversal` times the dead band where it ran the
+    other way before. It then runs at its speed, slows down within `lag` times that speed of its target, and
+    stops where it meets it.
+
+    Parameters
+    ----------
+    command, step : ndarray of shape (n,)
+        Wanted position [1], a gap (NaN) holds the value before it; time since the sample before [s].
+    x0 : float
+        Position at the beginning [1].
+    up, down, dead_band, reversal : ndarray of shape (n,)
+        Speeds of opening and closing [1/s]; half width of the dead band [1]; factor on it where the motor
+        turns [1].
+    lag : float
+        Time constant of the approach [s].
+
+    Returns
+    -------
+    position : ndarray of shape (n,)
+    """
+    out = np.empty(len(command))
+    x = x0
+    target = x0
+    last = 0.0
+    on = False
+    for k in range(len(command)):
+        if command[k] == command[k]:
+            target = command[k]
+        left = abs(target - x)
+        side = 1.0 if target > x else -1.0
+        band = dead_band[k]
+        if not on:
+            on = left > (band * reversal[k] if side * last < 0.0 else band)
+        if on:
+            last = side
+            speed = up[k] if side > 0.0 else down[k]
+            remaining = step[k]
+            knee = speed * lag
+            if left > knee:
+                running = min((left - knee) / speed, remaining)
+                left -= speed * running
+                remaining -= running
+            if remaining > 0.0:
+                left *= exp(-remaining / lag)
+            x = min(max(target - side * left, 0.0), 1.0)
+            on = left > _STOPS_AT * band
+        out[k] = x
+    return out
+
+
+def electric_stem(chain, values, changed):
+    """Opening of the stem of an electric actuator, free run from the command [1].
+
+    Parameters
+    ----------
+    chain : Chain
+        Its effects change the command at stage ``"signal"``, and at stage ``"actuator"`` the motor: a dict of
+        ``up``, ``down``, ``dead_band`` and ``reversal`` as `motor` takes them.
+    values : dict
+    changed : callable
+        ``changed(stage, value, values)`` is what the chain's effects make of a stage.
+
+    Returns
+    -------
+    stem : ndarray of shape (n,)
+    """
+    n = len(chain.command)
+    command = delayed(chain.command, chain.time, values["actuator_delay"])
+    command = changed("signal", command, values)
+    drive = {
+        "up": np.full(n, _FREE),
+        "down": np.full(n, _FREE),
+        "dead_band": np.zeros(n),
+        "reversal": np.ones(n),
+    }
+    drive = changed("actuator", drive, values)
+    start = chain.measured[0] if chain.measured is not None else command[0]
+    start = float(start) if np.isfinite(start) else 0.5
+    stem = motor(
+        command,
+        chain.step,
+        start,
+        drive["up"],
+        drive["down"],
+        drive["dead_band"],
+        drive["reversal"],
+        values["actuator_filter"],
+    )
+    return changed("stem", stem, values)
