@@ -5,20 +5,35 @@ from sklvalve.mismatch.effects.backlash import Backlash, LinkageBacklash
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.mismatch.effects.bypass_open import BypassOpen
 from sklvalve.mismatch.effects.capacity_error import CapacityError
+from sklvalve.mismatch.effects.cavitation import Cavitation
 from sklvalve.mismatch.effects.choked_flow import ChokedFlow
-from sklvalve.mismatch.effects.clogging import Clogging
+from sklvalve.mismatch.effects.clogging import Clogging, ClosingBlocked
 from sklvalve.mismatch.effects.dead_time import DeadTime
+from sklvalve.mismatch.effects.density_change import DensityChange, ThermalDensity
+from sklvalve.mismatch.effects.erosion import Erosion
+from sklvalve.mismatch.effects.external_leakage import ExternalLeakage, OutletLeakage
+from sklvalve.mismatch.effects.flashing import Flashing
+from sklvalve.mismatch.effects.flow_inertia import FlowInertia
 from sklvalve.mismatch.effects.flow_meter_bias import FlowMeterBias
+from sklvalve.mismatch.effects.flow_meter_drift import FlowMeterDrift, FlowMeterSpanDrift
 from sklvalve.mismatch.effects.flow_meter_gain import FlowMeterGain
+from sklvalve.mismatch.effects.gas_expansion import GasExpansion
 from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
+from sklvalve.mismatch.effects.line_loss import LineLoss
 from sklvalve.mismatch.effects.outlet_pressure_bias import OutletPressureBias
 from sklvalve.mismatch.effects.piping_reducers import PipingReducers
 from sklvalve.mismatch.effects.position_sensor_bias import PositionSensorBias, PositionSensorBiasInLoop
-from sklvalve.mismatch.effects.positioner_deadband import MotorDeadband, PositionerDeadband
+from sklvalve.mismatch.effects.position_sensor_gain import PositionSensorGain, PositionSensorGainInLoop
+from sklvalve.mismatch.effects.positioner_deadband import PositionerDeadband
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
-from sklvalve.mismatch.effects.slew_limit import MotorSpeed, SlewLimit
+from sklvalve.mismatch.effects.sedimentation import Sedimentation
+from sklvalve.mismatch.effects.sensor_lag import SensorLag
+from sklvalve.mismatch.effects.slew_limit import SlewLimit
 from sklvalve.mismatch.effects.stiction import Stiction
 from sklvalve.mismatch.effects.supply_pressure_drop import SupplyPressureDrop
+from sklvalve.mismatch.effects.two_phase import TwoPhase
+from sklvalve.mismatch.effects.viscosity_change import ViscosityChange
+from sklvalve.mismatch.effects.viscous_flow import ViscousFlow
 from sklvalve.mismatch.effects.wrong_characteristic import WrongCharacteristic
 
 CATALOGUE = (
@@ -26,24 +41,42 @@ CATALOGUE = (
     LinkageBacklash(),
     Stiction(),
     PositionerDeadband(),
-    MotorDeadband(),
     SupplyPressureDrop(),
     DeadTime(),
     SlewLimit(),
-    MotorSpeed(),
     ChokedFlow(),
+    Cavitation(),
+    Flashing(),
+    ViscousFlow(),
+    ViscosityChange(),
+    GasExpansion(),
+    TwoPhase(),
     SeatLeakage(),
     BypassOpen(),
+    ExternalLeakage(),
+    OutletLeakage(),
     Clogging(),
+    ClosingBlocked(),
+    Sedimentation(),
+    Erosion(),
     WrongCharacteristic(),
     PipingReducers(),
+    LineLoss(),
+    FlowInertia(),
     PositionSensorBias(),
     PositionSensorBiasInLoop(),
+    PositionSensorGain(),
+    PositionSensorGainInLoop(),
     InletPressureBias(),
     OutletPressureBias(),
     FlowMeterGain(),
     CapacityError(),
+    DensityChange(),
+    ThermalDensity(),
     FlowMeterBias(),
+    FlowMeterDrift(),
+    FlowMeterSpanDrift(),
+    SensorLag(),
 )
 
 __all__ = ["CATALOGUE", "Effect", "Quantity"]

@@ -26,6 +26,8 @@ class ChokedFlow(Effect):
     phrase = "the flow chokes (F_L about {fl:.2f})"
     separated_by = "Lower the outlet pressure at a fixed opening through the knee: choked flow stops rising."
     damadics = "f7"
+    source = "IEC 60534-2-1"
+    requires = "the liquid's vapour pressure"
 
     def possible(self, chain):
         return chain.margin is not None

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Capacity that stops rising with the opening."""
+"""Capacity that stops rising with the opening, or a plug that something keeps from closing."""
 
 import numpy as np
 
@@ -11,13 +11,13 @@ class Clogging(Effect):
 
     name = key = "clogging"
     block, stage = "valve", "capacity"
-    parameters = (Quantity("limit", "1", 0.03, 0.99, (0.9, 0.7, 0.45)),)
-    needs = ("flow",)
+    parameters: tuple = (Quantity("limit", "1", 0.03, 0.99, (0.9, 0.7, 0.45)),)
+    needs: tuple = ("flow",)
     phrase = "the passage is blocked above {limit:.0%} opening"
     separated_by = (
         "Open the valve slowly to 100 %: a blockage has a sharp corner, a line loss bends smoothly."
     )
-    damadics = "f1"
+    requires = "a data sheet with the trim's characteristic"
 
     def apply(self, value, p, chain):
         return np.minimum(value, chain.capacity_at(p["limit"]))
@@ -25,3 +25,25 @@ class Clogging(Effect):
     def possible(self, chain):
         # a trim learnt from this very recording would take it up
         return chain.trim.known
+
+
+class ClosingBlocked(Clogging):
+    r"""Something between plug and seat: the stem stops before the valve is shut, :math:`x' = \max(x, x_c)`.
+
+    The recorded opening shows it; the flow follows the opening as ever.
+    """
+
+    key = "clogging_closing"
+    stage = "stem"
+    parameters = (Quantity("limit", "1", 0.01, 0.95, (0.08, 0.25, 0.5)),)
+    needs = ("command",)
+    phrase = "something keeps the plug from closing below {limit:.0%} opening"
+    separated_by = "Close the valve slowly and open it by hand wheel: the stem stops at one place, both ways."
+    damadics = "f1"
+    requires = "commands below 95 % opening"
+
+    def apply(self, value, p, chain):
+        return np.maximum(value, p["limit"])
+
+    def possible(self, chain):
+        return bool(np.nanquantile(chain.command, 0.05) < 0.95)

@@ -17,7 +17,9 @@ class PipingReducers(Effect):
     name = key = "piping_reducers"
     block, stage = "line", "line"
     parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
-    needs = ("flow",)
+    needs: tuple = ("flow",)
+    family = "series"
+    source = "IEC 60534-2-1"
     may_begin = False
     phrase = "fittings or line in series with the valve cost {loss:.2g} times its own loss when fully open"
     separated_by = (

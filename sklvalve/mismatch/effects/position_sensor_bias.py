@@ -18,6 +18,7 @@ class PositionSensorBias(Effect):
     phrase = "the position sensor reads {bias:+.1%} of travel off"
     separated_by = "Drive the valve to both stops and read the sensor there."
     damadics = "f13"
+    requires = "a recorded opening"
 
     def apply(self, value, p, chain):
         return value + p["bias"]

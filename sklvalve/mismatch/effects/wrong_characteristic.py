@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from sklvalve.mismatch.effects._trim import beyond_trim, visited
 from sklvalve.mismatch.effects.base import Effect, Quantity
 
 
@@ -24,10 +25,18 @@ class WrongCharacteristic(Effect):
     may_begin = False
     phrase = "the trim does not have the characteristic of its data sheet"
     separated_by = "A slow staircase over the whole travel at three pressure drops."
+    requires = "a data sheet with the trim's characteristic"
 
     def possible(self, chain):
         return chain.trim.known
 
     def apply(self, value, p, chain):
-        x = chain.plug
-        return value * np.exp(p["slope"] * (x - 1.0) + 4.0 * p["bow"] * x * (1.0 - x))
+        return value * np.exp(self._bend(chain.plug, p))
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        x, phi = visited(chain)
+        return beyond_trim(np.expm1(self._bend(x, p)), phi, tolerance)
+
+    @staticmethod
+    def _bend(x, p):
+        return p["slope"] * (x - 1.0) + 4.0 * p["bow"] * x * (1.0 - x)

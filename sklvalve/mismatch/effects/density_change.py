@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A liquid of another density than the sheet's, or one that changes otherwise with temperature."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+_ROOM = 293.15
+# over a smaller range of temperature a density that follows it is one that does not
+_RANGE = 2.0
+
+
+def warms(chain):
+    """Whether a recorded temperature varies by enough to speak of what hangs on it."""
+    if "temperature" not in chain.recording:
+        return False
+    low, high = np.nanquantile(chain.temperature, (0.02, 0.98))
+    return bool(high - low >= _RANGE)
+
+
+class DensityChange(Effect):
+    r"""Density off by one factor: volume flow :math:`Q' = Q / \sqrt{r}`, mass flow :math:`M' = M \sqrt{r}`.
+
+    A constant one is a factor on the flow, as a wrong capacity is; liquids bound the factor.
+    """
+
+    name = key = "density_change"
+    block, stage = "valve", "flow"
+    parameters: tuple = (Quantity("ratio", "1", 0.6, 1.7, (1.25, 0.85)),)
+    needs: tuple = ("flow",)
+    family = "gain"
+    phrase = "the liquid's density is {ratio:.2f} times the sheet's"
+    separated_by = (
+        "Take a sample of the liquid and weigh it: no signal of the valve tells density from capacity."
+    )
+
+    def _ratio(self, p, chain):
+        return p["ratio"]
+
+    def apply(self, value, p, chain):
+        root = np.sqrt(self._ratio(p, chain))
+        return value * root if chain.recording.mass_flow else value / root
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        factor = np.sqrt(p["ratio"])
+        factor = factor if chain.recording.mass_flow else 1.0 / factor
+        return late or abs(factor - 1.0) > tolerance.capacity
+
+    def possible(self, chain):
+        # a trim learnt from this very recording would take it up
+        return chain.trim.known
+
+
+class ThermalDensity(DensityChange):
+    r"""Density that falls with temperature by more, or less, than the sheet's fluid has it.
+
+    .. math:: \rho' = \rho\, e^{-\beta (T - 293.15\,\mathrm{K})}
+
+    Organic liquids expand by about 0.001 per kelvin, liquefied gases by 0.003, water by 0.0002 to 0.0007.
+    """
+
+    key = "density_change_thermal"
+    parameters = (Quantity("expansion", "1/K", -0.002, 0.006, (0.001, -0.0005)),)
+    needs = ("flow", "temperature")
+    family = ""
+    phrase = "the liquid's density changes by {expansion:+.3%} a kelvin more than the sheet has it"
+    separated_by = "Warm the liquid by 20 K at a fixed opening and pressure drop."
+    requires = "a temperature that varies by 2 K or more"
+
+    def _ratio(self, p, chain):
+        return np.exp(-p["expansion"] * (chain.temperature - _ROOM))
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return True
+
+    def possible(self, chain):
+        return warms(chain)

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A column of liquid that must be set in motion before the flow follows the valve."""
+
+from math import tanh
+
+import numba as nb
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+_STEEL = 4e7
+
+
+@nb.njit(cache=True)
+def water_column(steady, step, drop, inertance):
+    """Flow of a rigid column of liquid through a valve that would pass `steady` at rest.
+
+    Parameters
+    ----------
+    steady : ndarray of shape (n,)
+        Flow that valve and pressure drop would let through for good [m3/s]; a gap (NaN) stays one.
+    step, drop, inertance : ndarray of shape (n,)
+        Time since the sample before [s], size of the pressure drop [Pa], and density times length over cross
+        section of the column [kg/m4].
+
+    Returns
+    -------
+    flow : ndarray of shape (n,)
+        [m3/s].
+    """
+    out = np.empty_like(steady)
+    q = np.nan
+    for k in range(len(steady)):
+        s = steady[k]
+        if not (s == s and drop[k] == drop[k]):
+            out[k] = np.nan
+            continue
+        if q != q or s == 0.0 or q / s <= -1.0 or inertance[k] <= 0.0:
+            q = s
+        else:
+            # exact while valve and drop stand still: y = Q / Q_s obeys dy/dt = (1 - y2) dp / (I Q_s)
+            t = tanh(step[k] * drop[k] / (inertance[k] * abs(s)))
+            y = q / s
+            q = s * (y + t) / (1.0 + y * t)
+        out[k] = q
+    return out
+
+
+class FlowInertia(Effect):
+    r"""Inertia of the liquid in the line, for which the drop over the valve must first do work.
+
+    .. math:: \rho\, \frac{L}{A}\, \dot Q = \Delta p - \rho \Bigl(\frac{Q}{N_1 K_v}\Bigr)^2
+
+    A lag of :math:`\rho L Q / (2 A \Delta p)`: long at large flows and small drops, which a sensor's damping
+    is not. Rigid column: waves, and what happens faster than a sample, are left out. Without choking.
+    """
+
+    name = key = "flow_inertia"
+    block, stage = "line", "flow"
+    parameters = (Quantity("length_over_area", "1/m", 10.0, _STEEL, (1e4,), log=True),)
+    needs = ("flow", "p1", "p2")
+    phrase = "the liquid in the line is slow to follow (length over cross section {length_over_area:.2g} 1/m)"
+    separated_by = (
+        "Fast steps at two pressure drops: inertia takes less time at the larger drop, a sensor's damping "
+        "the same at both."
+    )
+
+    def _per_second(self, chain):
+        """Length over area that makes a lag of one second in the middle of the recording [1/m]."""
+        flow = chain.recording["flow"]
+        volume = flow / chain.density if chain.recording.mass_flow else flow
+        size = float(np.nanmedian(np.abs(chain.dp) / (chain.density * np.maximum(np.abs(volume), 1e-9))))
+        return 2.0 * max(size, 1e-9)
+
+    def quantities(self, chain):
+        (own,) = self.parameters
+        starts = tuple(
+            float(np.clip(lag * self._per_second(chain), 20.0, 0.5 * _STEEL)) for lag in (5.0, 20.0)
+        )
+        return (Quantity(own.name, own.unit, own.low, own.high, starts, log=True),)
+
+    def apply(self, value, p, chain):
+        steady = value / chain.density if chain.recording.mass_flow else value
+        inertance = p["length_over_area"] * chain.density
+        flow = water_column(steady, chain.step, np.abs(chain.dp), inertance)
+        return flow * chain.density if chain.recording.mass_flow else flow
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return p["length_over_area"] / self._per_second(chain) > tolerance.response

@@ -1,0 +1,20 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Resistance of the line between the pressure taps."""
+
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.effects.piping_reducers import PipingReducers
+
+
+class LineLoss(PipingReducers):
+    r"""Line, strainer or half-shut hand valve between the pressure taps, in series with the trim.
+
+    .. math:: K_v' = K_v / \sqrt{1 + \zeta (K_v / K_{v,rated})^2}
+
+    the equation of reducers, so that no signal of the valve tells the two apart; but a line may lose more
+    from some time on, reducers do not.
+    """
+
+    name = key = "line_loss"
+    parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
+    may_begin = True
+    phrase = "the line between the pressure taps costs {loss:.2g} times the valve's own loss when fully open"

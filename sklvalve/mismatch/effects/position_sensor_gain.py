@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A position sensor whose span is wrong."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class PositionSensorGain(Effect):
+    r"""Recorded travel is off in proportion to how far the stem has left its rest.
+
+    .. math:: x' = x_r + (1 + g)(x - x_r)
+
+    The rest :math:`x_r` is where the spring holds the stem without air: shut, or open for a valve that fails
+    open. The stem itself is where the positioner wants it.
+    """
+
+    name = key = "position_sensor_gain"
+    block, stage = "measurement", "position_sensor"
+    parameters: tuple = (Quantity("gain", "1", -0.5, 1.0, (0.06, -0.06)),)
+    needs: tuple = ("opening", "command")
+    family = "position_gain"
+    phrase = "the position sensor's span is {gain:+.1%} off"
+    separated_by = "Drive the valve to both stops and read the sensor there."
+    damadics = "f13"
+    requires = "a recorded opening"
+
+    def apply(self, value, p, chain):
+        rest = 1.0 if chain.air_closes else 0.0
+        return rest + (1.0 + p["gain"]) * (value - rest)
+
+    def invert(self, value, p, chain):
+        """True opening of a recorded one."""
+        rest = 1.0 if chain.air_closes else 0.0
+        return rest + (value - rest) / (1.0 + p["gain"])
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        # at the far end of the travel it is as much as a zero may be off
+        return late or abs(p["gain"]) > tolerance.position_zero
+
+    def possible(self, chain):
+        return chain.measured is not None
+
+
+class PositionSensorGainInLoop(PositionSensorGain):
+    """The wrong sensor is also the positioner's: the position reads right and the flow contradicts it."""
+
+    key = "position_sensor_gain_loop"
+    stage = "plug"
+    needs = ("opening", "flow")
+
+    def apply(self, value, p, chain):
+        return self.invert(value, p, chain)

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A flow signal that is damped by more than a meter's own response."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.stages import first_order_lag
+
+
+class SensorLag(Effect):
+    r"""Damping of the recorded flow: :math:`\tau \dot F' = F - F'`, behind the meter's own response.
+
+    A calibrated meter answers within 3 s; this is what is slower. It is told from the inertia of the liquid
+    by being the same at every flow and drop. Damping of a position signal is not among the effects: no signal
+    tells it from a slow actuator.
+    """
+
+    name = key = "sensor_lag"
+    block, stage = "measurement", "flow_meter"
+    parameters = (Quantity("lag", "s", 1.0, 600.0, (6.0, 25.0), log=True),)
+    needs = ("flow",)
+    phrase = "the flow signal is damped by {lag:.1f} s"
+    separated_by = (
+        "Fast steps at two pressure drops: damping takes the same time at both, inertia less at the larger "
+        "drop."
+    )
+
+    def apply(self, value, p, chain):
+        # when within a sample a step came, the meter's own response knows already
+        return first_order_lag(value, chain.step, p["lag"], 1.0)
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return p["lag"] > tolerance.response

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A liquid so viscous that the flow is no longer turbulent."""
+
+from sklvalve.mismatch.effects._reynolds import viscous_share
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+_ROOM = 293.15
+
+
+class ViscousFlow(Effect):
+    r"""Flow below full turbulence: :math:`K_v' = F_R(Re_v)\, K_v`.
+
+    .. math:: Re_v = \frac{N_4 F_d Q}{\nu \sqrt{K_v F_L}} \Bigl(\frac{(F_L K_v)^2}{N_2 D^4} + 1\Bigr)^{1/4}
+
+    in closed form, laminar to transitional. The viscosity is that at 20 degC; where the fluid is known it
+    follows the temperature as the fluid's own does. Without choking and without reducers.
+    """
+
+    name = key = "viscous_flow"
+    block, stage = "valve", "capacity"
+    parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4), log=True),)
+    needs: tuple = ("flow", "p1", "p2")
+    phrase = "the flow is not turbulent (viscosity about {viscosity:.2g} m2/s at 20 degC)"
+    separated_by = (
+        "Hold a small opening at three pressure drops, cold and warm: viscous flow is nearer to proportional "
+        "to the drop, and the more so the colder."
+    )
+    source = "IEC 60534-2-1, annex A"
+
+    def apply(self, value, p, chain):
+        return value * viscous_share(value, self._viscosity(p, chain), chain)
+
+    def _viscosity(self, p, chain):
+        if not chain.fluid.knows("kinematic_viscosity"):
+            return p["viscosity"]
+        known = chain.fluid.kinematic_viscosity
+        return p["viscosity"] * known(chain.temperature, warn=False) / known(_ROOM, warn=False)
