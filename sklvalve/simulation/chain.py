@@ -16,7 +16,8 @@ from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.recording import InputError
 from sklvalve.simulation.electric import electric_stem, is_electric
-from sklvalve.simulation.stages import delayed, first_order_lag, positioner_and_actuator
+from sklvalve.simulation.stages import delayed, first_order_lag
+from sklvalve.simulation.stem import FAULTS, columns_of_faults, positioner_and_actuator
 from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
@@ -106,6 +107,7 @@ class Chain:
         low, high = self.valve.spring_range or (20e3, 100e3)
         supply = self.valve.supply_pressure or 340e3
         self.spring_span = high - low
+        self.atmosphere = ATMOSPHERE / self.spring_span
         self.spring = (ATMOSPHERE + low) / self.spring_span
         self.supply = (ATMOSPHERE + supply) / self.spring_span
         # air opens a valve that its spring closes; where it is the other way the stem is seen from its end
@@ -126,7 +128,10 @@ class Chain:
                 if acting is None:
                     value = changed
                 elif isinstance(value, dict):
-                    value = {key: np.where(acting, changed[key], value[key]) for key in value}
+                    value = {
+                        key: old if changed[key] is old else np.where(acting, changed[key], old)
+                        for key, old in value.items()
+                    }
                 else:
                     value = np.where(acting, changed, value)
         return value
@@ -189,7 +194,7 @@ class Chain:
             "coulomb": np.full(n, values["actuator_coulomb"]),
             "stick": np.zeros(n),
             "dead_band": np.zeros(n),
-        }
+        } | dict.fromkeys(FAULTS, 0.0)
         drive = self._through("actuator", drive, values)
         start = self.measured[:1] if self.measured is not None else command[:1]
         start = start[0] if np.isfinite(start[0]) else 0.5
@@ -200,10 +205,12 @@ class Chain:
             self.step,
             start,
             self.spring,
+            self.atmosphere,
             drive["supply"],
             drive["coulomb"],
             drive["stick"],
             drive["dead_band"],
+            columns_of_faults(drive, n),
             values["actuator_filter"],
             values["actuator_gain"],
             values["actuator_reset"],

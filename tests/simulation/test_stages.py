@@ -7,11 +7,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from sklvalve.simulation.stages import delayed, first_order_lag, limited_rate, play, positioner_and_actuator
+from sklvalve.simulation.stages import delayed, first_order_lag, limited_rate, play
+from sklvalve.simulation.stem import FAULTS, positioner_and_actuator
 
 SIGNALS = arrays(np.float64, st.integers(2, 60), elements=st.floats(0.0, 1.0))
 # an ordinary actuator, in travels of its spring: 20 to 100 kPa of spring, 340 kPa of supply, all gauge
-SPRING, SUPPLY = (101.325 + 20.0) / 80.0, (101.325 + 340.0) / 80.0
+AIR, SPRING, SUPPLY = 101.325 / 80.0, (101.325 + 20.0) / 80.0, (101.325 + 340.0) / 80.0
+SOUND = np.empty((0, len(FAULTS)))
 
 
 def _triangle(n=2000):
@@ -28,10 +30,12 @@ def _stem(
         np.ones(n),
         command[0] if start is None else start,
         SPRING,
+        AIR,
         np.full(n, supply),
         np.full(n, coulomb),
         np.full(n, stick),
         np.full(n, dead_band),
+        SOUND,
         0.1,
         gain,
         reset,
@@ -229,10 +233,12 @@ def test_a_night_without_samples_settles_the_stem_and_keeps_it_finite(gap):
         step,
         0.3,
         SPRING,
+        AIR,
         np.full(n, SUPPLY),
         np.full(n, 0.003),
         np.zeros(n),
         np.zeros(n),
+        SOUND,
         0.1,
         20.0,
         0.3,

@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Stem of a pneumatic actuator behind its positioner: one scan along time, compiled."""
+
+from math import exp, sqrt
+
+import numba as nb
+import numpy as np
+
+# what else may be wrong in an actuator, in the order of the columns of `faults`; all are zero in a sound one
+FAULTS = (
+    "preload",  # added to the pressure at which the spring begins to give way [travels of spring]
+    "stiffness",  # added to the spring's stiffness [travels of spring over a travel]
+    "hardening",  # its force with the cube of the travel [travels of spring]
+    "leak",  # nozzle from the chamber to the air, share of the spool's capacity [1]
+    "rod",  # friction that grows along the travel [travels of spring over a travel] ...
+    "rod_from",  # ... from here on, measured as air drives the stem [1]
+    "load",  # force on the stem, against the air [travels of spring]
+    "feedback_play",  # whole play between the stem and the positioner's lever [1]
+    "bristle",  # stiffness of the friction's bristles in place of the ordinary one [travels of spring]
+)
+# of the pressure's change, and in time: what a step may leave to the straight lines drawn through it
+_LARGEST_CHANGE = 0.01
+_LONGEST = 2.0
+_STEP_OF_SLIPPING = 0.1
+_BRISTLE = 60.0
+_STRIBECK = 0.03
+_VISCOUS = 0.005
+_DEAD_VOLUME = 5.0
+
+
+def columns_of_faults(drive, rows):
+    """Faults of a drive (a number or an array under each name of `FAULTS`) as the scan takes them."""
+    columns = [drive[name] for name in FAULTS]
+    if all(np.ndim(column) == 0 and column == 0.0 for column in columns):
+        return np.empty((0, len(FAULTS)))
+    return np.column_stack([np.broadcast_to(column, rows) for column in columns])
+
+
+@nb.njit(cache=True, inline="always")
+def _nozzle(ratio):
+    # ISO 6358, critical ratio 0.3: share of the choked mass flow that a pressure ratio leaves, and its slope,
+    # which is kept finite where it is upright
+    if ratio <= 0.3:
+        return 1.0, 0.0
+    if ratio >= 1.0:
+        return 0.0, -70.0
+    part = (ratio - 0.3) * (1.0 / 0.7)
+    share = sqrt(1.0 - part * part)
+    return share, -part / (0.7 * max(share, 0.02))
+
+
+@nb.njit(cache=True, inline="always")
+def _supply_nozzle(pressure, ps):
+    share, slope = _nozzle(pressure / ps)
+    return ps * share, slope
+
+
+@nb.njit(cache=True, inline="always")
+def _vent_nozzle(pressure, atmosphere):
+    ratio = atmosphere / pressure
+    share, slope = _nozzle(ratio)
+    return pressure * share, share - slope * ratio
+
+
+@nb.njit(cache=True, inline="always")
+def _beyond(value, band):
+    return value - min(max(value, -band), band)
+
+
+@nb.njit(cache=True, inline="always")
+def _displacement(push, tight, held, stiff):
+    # d where  push = tight d + held (1 - exp(-stiff d)); and what of `held` is left there, as a share.
+    # Begun where a bristle that fades as 1 / (1 + u) would come to rest, two or three Newton steps suffice.
+    steep = held * stiff
+    b = push * stiff - tight - steep
+    c = tight * stiff
+    root = sqrt(b * b + 4.0 * c * push)
+    d = 2.0 * push / (root - b) if b < 0.0 else 0.5 * (b + root) / c
+    fade = 1.0
+    for _ in range(4):
+        fade = exp(-stiff * d)
+        off = (push - tight * d - held * (1.0 - fade)) / (tight + steep * fade)
+        d += off
+        off *= stiff
+        fade *= 1.0 - off + 0.5 * off * off
+        if abs(off) < 3e-3:
+            break
+    return d, fade
+
+
+# no check for division by zero in the innermost loop: no divisor there can be zero
+@nb.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+def positioner_and_actuator(
+    command,
+    step,
+    x0,
+    spring,
+    atmosphere,
+    supply,
+    coulomb,
+    extra_stick,
+    dead_band,
+    faults,
+    filter_time,
+    gain,
+    reset,
+    rate,
+):
+    r"""Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
+
+    All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool in
+    proportion to the error (and, by `reset`, to its integral); the spool fills the chamber from the supply or
+    vents it, by nozzles that choke; the stem moves where pressure, spring and bristle friction with a
+    Stribeck fall balance. Mass is left out: a stem answers in milliseconds.
+
+    .. math::
+
+        \dot m = c\, s\, p_s \psi(p / p_s) \;\text{or}\; c\, s\, p\, \psi(p_a / p), \quad m = p (V_0 + x)
+
+        p - p_0 - x = \sigma z + b \dot x, \quad \dot z = \dot x - |\dot x| \sigma z / F(\dot x)
+
+    Parameters
+    ----------
+    command : ndarray of shape (n,)
+        Wanted opening [1]. A gap (NaN) holds the value before it.
+    step : ndarray of shape (n,)
+        Time since the sample before [s].
+    x0 : float
+        Opening at the beginning [1].
+    spring, atmosphere : float
+        Absolute pressure at which the spring begins to give way, and that of the air [travels of spring].
+    supply, coulomb, extra_stick, dead_band : ndarray of shape (n,)
+        Absolute supply pressure; sliding friction; how far friction at rest exceeds it [all in travels of
+        spring]; half width of the positioner's dead band [1].
+    faults : ndarray of shape (n, 9), or (0, 9) in a sound actuator
+        Columns as `FAULTS` has them.
+    filter_time, gain, reset, rate : float
+        Time constant of the positioner's input [s], spool opening for an error [1], share of the spool for
+        the error's integral [1/s], and capacity of the spool [1/s].
+
+    Returns
+    -------
+    opening : ndarray of shape (n,)
+        Position of the stem [1].
+
+    Notes
+    -----
+    One equation a step for how far the stem goes, implicit in pressure and error, and weighted between
+    trapezoid (short steps) and backward Euler (long ones), so that a fast positioner settles and does not
+    ring. Steps are as long as the pressure's rate allows, down to milliseconds. Their length follows the
+    state without jumps, so the opening is smooth in every parameter; where a stem hunts it is not, for
+    hunting is chaotic.
+    """
+    n = len(command)
+    out = np.empty(n)
+    faulty = len(faults) > 0
+    filter_time = max(filter_time, 1e-6)
+    x = min(max(x0, 0.0), 1.0)
+    wanted = command[0]
+    if wanted != wanted:
+        wanted = x
+    target = wanted
+    # a stem that stands at its end of travel may be pressed against it by any pressure
+    mass = (x + spring) * (_DEAD_VOLUME + x)
+    lever = x
+    bristle = _BRISTLE
+    integral, bend, speed = 0.0, 0.0, 0.0
+    known, eased, old, drag = -1.0, 0.0, 0.0, 0.0
+    for k in range(n):
+        if command[k] == command[k]:
+            target = command[k]
+        # whatever happened before the last 40 s has settled
+        remaining = min(step[k], 40.0)
+        ps, stick, band = supply[k], extra_stick[k], dead_band[k]
+        slide = max(coulomb[k], 1e-4)
+        limit = slide + stick
+        softening, hardening, pre, leak, play = 0.0, 0.0, spring, 0.0, 0.0
+        if faulty:
+            pre = spring + faults[k, 0] + faults[k, 6]
+            softening, hardening = faults[k, 1], faults[k, 2]
+            leak, play = faults[k, 3], 0.5 * faults[k, 7]
+            bristle = faults[k, 8] if faults[k, 8] > 0.0 else _BRISTLE
+        while remaining > 1e-9:
+            volume = 1.0 / (_DEAD_VOLUME + x)
+            pressure = mass * volume
+            air = pressure * volume
+            seen = x
+            if play > 0.0:
+                lever = min(max(lever, x - play), x + play)
+                seen = lever
+            far, near = target - seen, wanted - seen
+
+            # how wide the spool may open in this step decides on its length
+            wish = gain * _beyond(far if abs(far) > abs(near) else near, band) + integral
+            filling = wish >= 0.0
+            inlet, slope = _supply_nozzle(pressure, ps) if filling else _vent_nozzle(pressure, atmosphere)
+            bar = inlet if far * near >= 0.0 else ps
+            busy = rate * min(max(wish, -1.0), 1.0) * bar
+            lost, lost_slope = 0.0, 0.0
+            if leak > 0.0:
+                lost, lost_slope = _vent_nozzle(pressure, atmosphere)
+                lost *= leak * rate
+                lost_slope *= leak * rate
+                busy -= lost
+            busy = abs(busy) * volume
+            h = min(_LONGEST, remaining)
+            if stick > 0.0:
+                # a stem about to slip, or slipping, is watched closely
+                limit = slide + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
+                margin = 0.5 * (limit - abs(bristle * bend))
+                if h * busy > margin:
+                    h = min(h, max(_STEP_OF_SLIPPING, margin / busy))
+            if play > 0.0:
+                h = min(h, 0.5 * _STEP_OF_SLIPPING)
+            if h * busy > _LARGEST_CHANGE:
+                h = _LARGEST_CHANGE / busy
+            remaining -= h
+            if h != known:
+                known = h
+                drag = _VISCOUS / h
+                q = h / filter_time
+                eased = 1.0 - exp(-q) if q > 1e-3 else q * (1.0 - 0.5 * q)
+                # twice the weight that the filter's beginning has in the step's mean
+                old = 2.0 * (1.0 - 1.0 / eased + 1.0 / q) if q > 1e-3 else 1.0
+
+            moved = eased * (target - wanted)
+            spool = gain * _beyond(near + 0.6 * moved, band) + integral
+            if (spool >= 0.0) != filling:
+                inlet, slope = _vent_nozzle(pressure, atmosphere) if filling else _supply_nozzle(pressure, ps)
+            if faulty:
+                limit = slide + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
+                limit += max(faults[k, 4] * (x - faults[k, 5]), 0.0)
+            stiff = bristle / limit
+            tight = 1.0 + air
+            force = pressure - pre - x
+            if faulty:
+                force -= x * (softening + hardening * x * x)
+                tight += softening + 3.0 * hardening * x * x
+            # friction that a stem at rest has still in hand holds it as a spring does
+            hold = tight
+            bent = bristle * bend if spool > 0.0 else -bristle * bend
+            if bent < limit:
+                hold += (limit - bent) * stiff
+            y = h * volume * rate * (inlet * gain + abs(slope * spool) * hold)
+            theta = (hold + y) / (2.0 * hold + y)
+
+            error = near + (1.0 - (1.0 - theta) * old) * moved
+            lift = gain + theta * h * reset
+            grip = lift
+            if abs(error) > band:
+                error = _beyond(error, band)
+                spool = lift * error + integral
+                if abs(spool) > 1.0:
+                    spool = 1.0 if spool > 0.0 else -1.0
+                    grip = 0.0
+            else:
+                error, grip, spool = 0.0, 0.0, integral
+            fall = rate * abs(slope * spool) + lost_slope
+            share = h / (1.0 + h * theta * fall * volume)
+            inflow = (rate * inlet * spool - lost) * share
+            back = theta * (rate * grip * inlet - fall * air) * share
+
+            left = force - bristle * bend + inflow * volume
+            side = 1.0 if left > 0.0 else -1.0
+            way = 0.0
+            speed = 0.0
+            if (x < 1.0) if side > 0.0 else (x > 0.0):
+                push = side * left
+                held = limit - side * bristle * bend
+                through = tight + back * volume + drag
+                if held > 0.0:
+                    way, fade = _displacement(push, through, held, stiff)
+                    bend = side * (limit - held * fade) / bristle
+                elif push > held:
+                    # friction has fallen below what the bristles hold
+                    way = (push - held) / through
+                    bend = side * (limit - held * exp(-stiff * way)) / bristle
+                x += side * way
+                if 0.0 <= x <= 1.0:
+                    speed = side * way / h
+                else:
+                    end = 1.0 if x > 1.0 else 0.0
+                    way -= abs(x - end)
+                    x = end
+            mass += inflow - side * back * way
+            if grip > 0.0:
+                error -= side * theta * way
+            integral = min(max(integral + h * reset * error, -0.2), 0.2)
+            wanted += moved
+        out[k] = x
+    return out
