@@ -21,9 +21,12 @@ def _gains(white, step, fast_time, fast_size, slow_time, slow_size):
     keep = np.empty((n, 2))
     spread = np.empty(n)
     p11, p12, p22 = fast_size, 0.0, slow_size
+    a = b = last = 0.0
     for k in range(n):
-        a = np.exp(-step[k] / fast_time)
-        b = np.exp(-step[k] / slow_time)
+        if step[k] != last:
+            last = step[k]
+            a = np.exp(-last / fast_time)
+            b = np.exp(-last / slow_time)
         p11 = a * a * p11 + (1.0 - a * a) * fast_size
         p22 = b * b * p22 + (1.0 - b * b) * slow_size
         p12 = a * b * p12
@@ -62,6 +65,47 @@ def _innovations(residuals, gain, keep, spread):
             s += gain[k, 1] * left
             out[k] = left / spread[k]
     return out
+
+
+@nb.njit(cache=True)
+def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_size, slow_time, slow_size):
+    """Negative robust log likelihood of residuals, in one pass: gains, innovations and their spreads.
+
+    The white variance of a row is ``base + share level + timing moving``.
+    """
+    p11, p12, p22 = fast_size, 0.0, slow_size
+    a = b = last = f = s = total = 0.0
+    product = 1.0
+    for k in range(len(residuals)):
+        if step[k] != last:
+            last = step[k]
+            a = np.exp(-last / fast_time)
+            b = np.exp(-last / slow_time)
+        p11 = a * a * p11 + (1.0 - a * a) * fast_size
+        p22 = b * b * p22 + (1.0 - b * b) * slow_size
+        p12 = a * b * p12
+        f *= a
+        s *= b
+        e = residuals[k]
+        if e != e:
+            continue
+        v = p11 + 2.0 * p12 + p22 + base + share * level[k] + timing * moving[k]
+        g1 = (p11 + p12) / v
+        g2 = (p12 + p22) / v
+        left = e - f - s
+        f += g1 * left
+        s += g2 * left
+        total += 9.0 * (np.sqrt(1.0 + left * left / (9.0 * v)) - 1.0)
+        # logarithms are dear: of a product of some rows, before it leaves the range of a number
+        product *= v
+        if product < 1e-200 or product > 1e200:
+            total += 0.5 * np.log(product)
+            product = 1.0
+        q11, q12, q22 = p11, p12, p22
+        p11 = q11 - g1 * (q11 + q12)
+        p12 = q12 - g1 * (q12 + q22)
+        p22 = q22 - g2 * (q12 + q22)
+    return total + 0.5 * np.log(product)
 
 
 @dataclass(frozen=True, eq=False)
@@ -195,25 +239,23 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
     length = float(np.sum(step))
     dt = float(np.median(step))
 
-    def model(z):
+    def parts(z):
         base, timing, share, fast, fast_time, slow, slow_time = np.exp(z)
         fast, slow, base = min(fast, most, cap), min(slow, 0.3 * most, cap), min(base, 3.0 * most)
         # a sample too early or too late is wrong by the movement itself; more is no matter of timing
         timing = min(timing, 0.1 if cautious else 1.0)
         # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
-        fast_time = np.clip(fast_time, 0.5 * dt, 30.0 * dt)
-        slow_time = np.clip(slow_time, 40.0 * dt, max(0.25 * length, 80.0 * dt))
-        sensor = quantum**2 / 12.0 + base * size**2 + share * size**2 * level
-        white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
-        own = float(np.mean(sensor[seen]))
-        return NoiseModel(white, step, fast_time, fast * size**2, slow_time, slow * size**2, own)
+        fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
+        slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
+        own = quantum**2 / 12.0 + base * size**2
+        return own, share * size**2, timing, fast_time, fast * size**2, slow_time, slow * size**2
 
     def loss(z):
-        noise = model(z)
-        scaled = (noise.whiten(residuals) / 3.0) ** 2
+        own, share, timing, *correlated = parts(z)
         # weak priors keep parts that are not there from running off
         away = np.sum((z - start) ** 2) / 50.0
-        return float(noise.log_spread + 9.0 * np.sum(np.sqrt(1.0 + scaled) - 1.0) + away)
+        white = own + inadequacy**2
+        return away + _loss(residuals, step, white, share, level, timing, moving, *correlated)
 
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
     found = minimize(
@@ -222,4 +264,7 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
         method="Nelder-Mead",
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
-    return model(found.x)
+    own, share, timing, *correlated = parts(found.x)
+    sensor = own + share * level
+    white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
+    return NoiseModel(white, step, *correlated, float(np.mean(sensor[seen])))

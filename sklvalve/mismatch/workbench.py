@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fits of hypotheses to one recording: a hypothesis is a set of effects, each from its onset on."""
 
+from contextlib import contextmanager
+
 import numpy as np
 
 from sklvalve.mismatch.first_guess import first_guess
@@ -230,22 +232,26 @@ class Workbench:
                 self._learnt[c, cautious] = noise[c]
         self.use_noise(noise)
 
-    def least_squares(self, model, *, rows=None, max_steps=15):
-        """A hypothesis fitted for the least error itself, each row weighing the same.
+    @contextmanager
+    def every_row_alike(self, model):
+        """Noise of one size in all rows, that of what a model leaves over.
 
         The noise of the best explanation makes little of what a poor one gets wrong; compared by its errors,
         a simulation must be the best of its kind.
         """
-        kept, known = self.noise, self._known
-        left = self.residuals(model)
+        kept, left = self.noise, self.residuals(model)
         self.noise = {
             c: PlainNoise(max(float(np.sqrt(np.nanmean(left[c] ** 2))), 1e-12)) for c in self.channels
         }
-        self._known = {}
         try:
-            return self.fit(model.members, start=model, rows=rows, max_steps=max_steps)
+            yield
         finally:
-            self.noise, self._known = kept, known
+            self.noise = kept
+
+    def least_squares(self, model):
+        """A hypothesis fitted for the least error itself."""
+        with self.every_row_alike(model):
+            return self.fit(model.members, start=model, max_steps=15)
 
     def calibrated(self):
         """The simulation without any further effect, calibrated, and the noise learnt from it."""

@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A fitted hypothesis and how its calibration would answer a change, to first order and within its bounds."""
+
+import numpy as np
+
+from sklvalve.simulation.fitting import robust_cost, robust_weights, step_inside
+
+# an onset is looked for between these shares of the record: before and after there is too little to compare
+_FIRST, _LAST = 0.04, 0.96
+
+
+class Linearised:
+    """A fitted hypothesis and, to first order, what its calibration can do about a change of some channels.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+    touched : sequence of str
+        Channels that change.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Those touched, and those that share parameters with them.
+    errors : ndarray of shape (n_errors,)
+        Whitened residuals of the channels, one after the other, then distances from the priors.
+    cost : float
+        Robust cost of the errors.
+    """
+
+    def __init__(self, workbench, model, touched):
+        misfits = workbench.misfits(model, touched)
+        self.channels = tuple(c for m in misfits for c in m.channels)
+        self.clock, self.n = model.chain.clock, len(model.chain.clock)
+        self._names, parts = [], []
+        for misfit in misfits:
+            parts.append(_derivatives(misfit))
+            self._names += list(misfit.vector.names)
+        self._assemble(parts)
+        self.cost = robust_cost(self.errors)
+        self._weights = robust_weights(self.errors)
+        weighed = self._slopes * np.sqrt(self._weights)[:, None]
+        self._inverse = np.linalg.pinv(weighed.T @ weighed, rcond=1e-10, hermitian=True)
+        self._vectors = [m.vector for m in misfits]
+
+    def _assemble(self, parts):
+        """One system of all groups: they share no parameter, so their derivatives stand block by block."""
+        rows = [len(p["whitened"]) for p in parts]
+        width = [len(p["z"]) for p in parts]
+        priors = [p["slopes"].shape[0] - r for p, r in zip(parts, rows, strict=True)]
+        slopes = np.zeros((sum(rows) + sum(priors), sum(width)))
+        row, prior, column = 0, sum(rows), 0
+        self._raw = {}
+        for part, r, w, q in zip(parts, rows, width, priors, strict=True):
+            span = slice(column, column + w)
+            slopes[row : row + r, span] = part["slopes"][:r]
+            slopes[prior : prior + q, span] = part["slopes"][r:]
+            for channel, raw in part["raw"].items():
+                self._raw[channel] = (span, raw)
+            row, prior, column = row + r, prior + q, column + w
+        self._slopes = slopes
+        self._priors = np.concatenate([p["priors"] for p in parts])
+        self.errors = np.concatenate([*(p["whitened"] for p in parts), self._priors])
+        self._z = np.concatenate([p["z"] for p in parts])
+        self._low = np.concatenate([p["low"] for p in parts]) - self._z
+        self._high = np.concatenate([p["high"] for p in parts]) - self._z
+
+    def with_priors(self, whitened):
+        """Errors of a changed simulation whose calibration stands as it was."""
+        return np.concatenate([whitened, self._priors])
+
+    def refitted(self, rows):
+        """Values of the calibration when only some rows count.
+
+        Parameters
+        ----------
+        rows : ndarray of bool, shape (n,)
+        """
+        counts = np.concatenate([np.tile(rows, len(self.channels)), np.ones(len(self._priors), dtype=bool)])
+        kept = self._slopes
+        self._slopes = np.where(counts[:, None], kept, 0.0)
+        try:
+            return self.values(self.answered(np.where(counts, self.errors, 0.0))[1])
+        finally:
+            self._slopes = kept
+
+    def answered(self, errors, columns=None, low=None, high=None):
+        """Least cost of changed errors when the calibration, and `columns` beside it, may answer in bounds.
+
+        Parameters
+        ----------
+        errors : ndarray of shape (n_errors,)
+        columns : ndarray of shape (n_errors, m), default=None
+            Derivatives with regard to something else that may move.
+        low, high : ndarray of shape (m,), default=None
+            How far that may move.
+
+        Returns
+        -------
+        cost : float
+        steps : ndarray of shape (n_parameters + m,)
+        """
+        slopes, lowest, highest = self._slopes, self._low, self._high
+        if columns is not None:
+            slopes = np.hstack([slopes, columns])
+            lowest, highest = np.concatenate([lowest, low]), np.concatenate([highest, high])
+        at, left = np.zeros(slopes.shape[1]), errors
+        cost, hessian = robust_cost(left), None
+        for _ in range(8):
+            weights = robust_weights(left)
+            fresh = hessian is None
+            if fresh:
+                hessian = slopes.T @ (weights[:, None] * slopes)
+                hessian[np.diag_indices_from(hessian)] += 1e-12 * np.trace(hessian) / len(hessian) + 1e-300
+            step = step_inside(hessian, slopes.T @ (weights * left), lowest - at, highest - at)
+            moved = left + slopes @ step
+            lower = robust_cost(moved)
+            if lower >= cost:
+                # weights grow as errors shrink: old ones promise too long a step
+                if fresh:
+                    break
+                hessian = None
+                continue
+            gained, cost, left, at = cost - lower, lower, moved, at + step
+            if gained < 0.05 + 1e-4 * cost:
+                break
+        return cost, at
+
+    def gain_at_any_size(self, errors):
+        """What a change gains at the best share of it up to one and a half."""
+        change = (errors - self.errors)[:, None]
+        if not np.any(change):
+            return 0.0
+        cost, _ = self.answered(errors, change, np.array([-1.0]), np.array([0.5]))
+        return self.cost - cost
+
+    def likeliest_onset(self, errors):
+        """From when on a change gains most at the best share of it, and what, to second order."""
+        rows = len(self.errors) - len(self._priors)
+        weights = self._weights[:rows]
+        change = (errors - self.errors)[:rows]
+        behind = lambda each: _sums_from_here(each.reshape(-1, self.n).sum(axis=0))  # noqa: E731
+        towards = -behind(weights * change * self.errors[:rows])
+        square = behind(weights * change * change)
+        shared = (weights * change)[:, None] * self._slopes[:rows]
+        shared = _sums_from_here(shared.reshape(-1, self.n, shared.shape[1]).sum(axis=0))
+        left = square - np.einsum("ij,jk,ik->i", shared, self._inverse, shared, optimize=True)
+        left = np.maximum(left, 1e-3 * square + 1e-12)
+        share = np.clip(towards / left, 0.0, 1.5)
+        gains = share * towards - 0.5 * share**2 * left
+        first, last = int(_FIRST * self.n), int(_LAST * self.n)
+        k = first + int(np.argmax(gains[first:last]))
+        return float(gains[k]), float(self.clock[k])
+
+    def values(self, steps):
+        """Values of the calibration after steps."""
+        moved, found, at = self._z + steps[: len(self._z)], {}, 0
+        for vector in self._vectors:
+            found |= vector.values(moved[at : at + len(vector)])
+            at += len(vector)
+        return found
+
+    def predictions(self, changed, steps):
+        """Changed predictions after steps of the calibration."""
+        return {c: changed[c] + raw @ steps[span] for c, (span, raw) in self._raw.items()}
+
+
+def _derivatives(misfit):
+    """Errors of one group at its calibration, and their derivatives, whitened and raw."""
+    vector = misfit.vector
+    z = vector.pack(misfit.fixed)
+    base = misfit.predictions(z)
+    whitened, priors = misfit.whitened(base), vector.prior_residuals(z)
+    moved, reach = misfit.neighbours(z)
+    slopes = np.empty((len(whitened) + len(priors), len(z)))
+    raw = {c: np.empty((len(base[c]), len(z))) for c in misfit.channels}
+    for j, (m, r) in enumerate(zip(moved, reach, strict=True)):
+        beside = misfit.predictions(m)
+        slopes[: len(whitened), j] = (misfit.whitened(beside) - whitened) / r
+        slopes[len(whitened) :, j] = (vector.prior_residuals(m) - priors) / r
+        for c in misfit.channels:
+            raw[c][:, j] = (beside[c] - base[c]) / r
+    return {
+        "z": z,
+        "low": vector.low,
+        "high": vector.high,
+        "whitened": whitened,
+        "priors": priors,
+        "slopes": slopes,
+        "raw": raw,
+    }
+
+
+def _sums_from_here(each):
+    """Sum of every row and all behind it."""
+    return np.cumsum(each[::-1], axis=0)[::-1]
