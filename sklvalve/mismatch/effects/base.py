@@ -59,6 +59,8 @@ class Effect:
         Effects of one family have the same equation: a hypothesis holds one of them at most.
     may_begin : bool
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
+    grows : bool
+        Whether it grows from its onset on, so that with another onset it is another signal.
     damadics : str
         Fault of the benchmark with the same physics, or ``""``.
     source : str
@@ -71,6 +73,7 @@ class Effect:
     family = source = ""
     requires = "a data sheet with the characteristic and the fluid"
     may_begin = True
+    grows = False
     needs: tuple = ()
     parameters: tuple = ()
 

@@ -19,6 +19,7 @@ class FlowMeterDrift(Effect):
     block, stage = "measurement", "flow_meter"
     parameters = (Quantity("drift", "m3/s/h", -1.0, 1.0, (0.01, -0.01)),)
     needs = ("flow",)
+    grows = True
     phrase = "the flow meter's zero drifts"
     separated_by = "Shut the block valves and read the meter at zero flow, now and some hours later."
     damadics = "f19"

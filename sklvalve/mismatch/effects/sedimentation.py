@@ -24,6 +24,7 @@ class Sedimentation(Effect):
     parameters = (Quantity("rate", "1/h", 0.0, 10.0, (0.1,)),)
     needs = ("flow",)
     family = "growth"
+    grows = True
     phrase = "deposits take {rate:.1%} of the capacity an hour"
     separated_by = "Check the flow meter against a second one: a recording of the valve alone shows the same."
     damadics = "f2"
