@@ -129,6 +129,8 @@ def test_parameters_lie_within_their_bounds(effect, plain):
 
 @each_effect
 def test_at_no_size_it_changes_nothing(effect, bench, plain):
+    if getattr(effect, "motor", False):
+        pytest.skip("a motor is another actuator: test_effects_motor.py")
     same = _with(bench, plain, effect, NOTHING[effect.key])
     for channel, signal in plain.predictions.items():
         np.testing.assert_allclose(

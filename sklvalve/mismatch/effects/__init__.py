@@ -24,11 +24,11 @@ from sklvalve.mismatch.effects.outlet_pressure_bias import OutletPressureBias
 from sklvalve.mismatch.effects.piping_reducers import PipingReducers
 from sklvalve.mismatch.effects.position_sensor_bias import PositionSensorBias, PositionSensorBiasInLoop
 from sklvalve.mismatch.effects.position_sensor_gain import PositionSensorGain, PositionSensorGainInLoop
-from sklvalve.mismatch.effects.positioner_deadband import PositionerDeadband
+from sklvalve.mismatch.effects.positioner_deadband import MotorDeadband, PositionerDeadband
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
 from sklvalve.mismatch.effects.sedimentation import Sedimentation
 from sklvalve.mismatch.effects.sensor_lag import SensorLag
-from sklvalve.mismatch.effects.slew_limit import SlewLimit
+from sklvalve.mismatch.effects.slew_limit import MotorSpeed, SlewLimit
 from sklvalve.mismatch.effects.stiction import Stiction
 from sklvalve.mismatch.effects.supply_pressure_drop import SupplyPressureDrop
 from sklvalve.mismatch.effects.two_phase import TwoPhase
@@ -41,9 +41,11 @@ CATALOGUE = (
     LinkageBacklash(),
     Stiction(),
     PositionerDeadband(),
+    MotorDeadband(),
     SupplyPressureDrop(),
     DeadTime(),
     SlewLimit(),
+    MotorSpeed(),
     ChokedFlow(),
     Cavitation(),
     Flashing(),
