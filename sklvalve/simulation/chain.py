@@ -14,10 +14,9 @@ from joblib import cpu_count
 
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
-from sklvalve.recording import InputError
-from sklvalve.simulation.electric import electric_stem, is_electric
-from sklvalve.simulation.stages import delayed, first_order_lag
-from sklvalve.simulation.stem import FAULTS, columns_of_faults, positioner_and_actuator
+from sklvalve.simulation.electric import is_electric
+from sklvalve.simulation.free_run import free_run, key_of_free_run
+from sklvalve.simulation.stages import first_order_lag
 from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
@@ -154,70 +153,21 @@ class Chain:
 
     def stem_of_free_run(self, values):
         """Opening of the stem itself, free run from the command [1]."""
-        key = self._key_of_free_run(values)
+        key = key_of_free_run(self, values)
         if key not in self._remembered:
             if len(self._remembered) > 40:
                 self._remembered.clear()
-            self._remembered[key] = self._free_run(values)
+            self._remembered[key] = free_run(self, values, self._through)
         return self._remembered[key]
 
     def free_runs_ahead(self, several):
         """Run the stem for several sets of values side by side, to have the results at hand later."""
-        wanted = {self._key_of_free_run(values): values for values in several}
+        wanted = {key_of_free_run(self, values): values for values in several}
         missing = [key for key in wanted if key not in self._remembered]
         if len(missing) > 1 and _CORES > 1:
             with ThreadPoolExecutor(_CORES) as threads:
-                runs = list(threads.map(lambda key: self._free_run(wanted[key]), missing))
+                runs = list(threads.map(lambda key: free_run(self, wanted[key], self._through), missing))
             self._remembered |= zip(missing, runs, strict=True)
-
-    def _key_of_free_run(self, values):
-        names = [k for k in values if k.startswith("actuator_")]
-        names += [
-            f"{e.key}.{p.name}" for e in self.effects if e.stage in _OPENING_STAGES for p in e.parameters
-        ]
-        return tuple(values[name] for name in names)
-
-    def _free_run(self, values):
-        if self.command is None:
-            raise InputError("the opening cannot be simulated without a command; record it, or leave it out")
-        if self.electric:
-            return electric_stem(self, values, self._through)
-        n = len(self.command)
-        command = delayed(self.command, self.time, values["actuator_delay"])
-        command = self._through("signal", command, values)
-        if "actuator_gain" not in values and not any(e.stage == "actuator" for e in self.effects):
-            stem = first_order_lag(command, self.step, values["actuator_filter"], 1.0)
-            return self._through("stem", np.clip(stem, 0.0, 1.0), values)
-        values = _IDEAL | values
-        drive = {
-            "supply": np.full(n, self.supply),
-            "coulomb": np.full(n, values["actuator_coulomb"]),
-            "stick": np.zeros(n),
-            "dead_band": np.zeros(n),
-        } | dict.fromkeys(FAULTS, 0.0)
-        drive = self._through("actuator", drive, values)
-        start = self.measured[:1] if self.measured is not None else command[:1]
-        start = start[0] if np.isfinite(start[0]) else 0.5
-        if self.air_closes:
-            command, start = 1.0 - command, 1.0 - start
-        stem = positioner_and_actuator(
-            command,
-            self.step,
-            start,
-            self.spring,
-            self.atmosphere,
-            drive["supply"],
-            drive["coulomb"],
-            drive["stick"],
-            drive["dead_band"],
-            columns_of_faults(drive, n),
-            values["actuator_filter"],
-            values["actuator_gain"],
-            values["actuator_reset"],
-            values["actuator_rate"],
-        )
-        stem = 1.0 - stem if self.air_closes else stem
-        return self._through("stem", stem, values)
 
     def drive(self, values):
         """Opening of the stem that drives the flow side: the recorded one, corrected, or the free run."""
@@ -266,8 +216,3 @@ class Chain:
                 soft = size * (1.0 + ratio**knee) ** (-1.0 / knee)
             size = np.where(np.isfinite(fl), soft, size)
         return np.sign(drop) * np.sqrt(size / self.density)
-
-
-# a quick positioner and a stem that slides: what stands in where no position speaks of them
-_IDEAL = {"actuator_gain": 8.0, "actuator_reset": 1e-3, "actuator_rate": 0.9, "actuator_coulomb": 1e-3}
-_OPENING_STAGES = ("signal", "actuator", "stem", "position_sensor")

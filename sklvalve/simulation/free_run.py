@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Free run of the stem: from the command alone, through signal, positioner and actuator."""
+
+import numpy as np
+
+from sklvalve.recording import InputError
+from sklvalve.simulation.electric import electric_stem
+from sklvalve.simulation.stages import delayed, first_order_lag
+from sklvalve.simulation.stem import FAULTS, columns_of_faults, positioner_and_actuator
+
+# a quick positioner and a stem that slides: what stands in where no position speaks of them
+_IDEAL = {"actuator_gain": 8.0, "actuator_reset": 1e-3, "actuator_rate": 0.9, "actuator_coulomb": 1e-3}
+_OPENING_STAGES = ("signal", "actuator", "stem", "position_sensor")
+
+
+def key_of_free_run(chain, values):
+    """What a free run hangs on: runs of equal keys are the same."""
+    names = [name for name in values if name.startswith("actuator_")]
+    names += [f"{e.key}.{p.name}" for e in chain.effects if e.stage in _OPENING_STAGES for p in e.parameters]
+    return tuple(values[name] for name in names)
+
+
+def free_run(chain, values, through):
+    """Opening of the stem, from the command.
+
+    Parameters
+    ----------
+    chain : Chain
+    values : dict
+        Values of the simulation's parameters.
+    through : callable
+        The chain's way to let effects change what a stage makes: ``through(stage, made, values)``.
+
+    Returns
+    -------
+    stem : ndarray of shape (n,)
+        Opening [1].
+
+    Raises
+    ------
+    InputError
+        If the recording has no command.
+    """
+    if chain.command is None:
+        raise InputError("the opening cannot be simulated without a command; record it, or leave it out")
+    if chain.electric:
+        return electric_stem(chain, values, through)
+    command = delayed(chain.command, chain.time, values["actuator_delay"])
+    command = through("signal", command, values)
+    if "actuator_gain" not in values and not any(e.stage == "actuator" for e in chain.effects):
+        stem = first_order_lag(command, chain.step, values["actuator_filter"], 1.0)
+        return through("stem", np.clip(stem, 0.0, 1.0), values)
+    return through("stem", _driven_by_air(chain, command, _IDEAL | values, through), values)
+
+
+def _driven_by_air(chain, command, values, through):
+    n = len(command)
+    drive = {
+        "supply": np.full(n, chain.supply),
+        "coulomb": np.full(n, values["actuator_coulomb"]),
+        "stick": np.zeros(n),
+        "dead_band": np.zeros(n),
+    } | dict.fromkeys(FAULTS, 0.0)
+    drive = through("actuator", drive, values)
+    start = chain.measured[:1] if chain.measured is not None else command[:1]
+    start = start[0] if np.isfinite(start[0]) else 0.5
+    if chain.air_closes:
+        command, start = 1.0 - command, 1.0 - start
+    stem = positioner_and_actuator(
+        command,
+        chain.step,
+        start,
+        chain.spring,
+        chain.atmosphere,
+        drive["supply"],
+        drive["coulomb"],
+        drive["stick"],
+        drive["dead_band"],
+        columns_of_faults(drive, n),
+        values["actuator_filter"],
+        values["actuator_gain"],
+        values["actuator_reset"],
+        values["actuator_rate"],
+    )
+    return 1.0 - stem if chain.air_closes else stem
