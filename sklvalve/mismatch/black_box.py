@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.lssvm.held_out import BlockedErrors
 
 LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
 _MOST_ROWS = 1500
@@ -39,7 +40,8 @@ def black_box_prediction(recording, channel, train):
     best, least = None, np.inf
     for gamma in (0.01, 0.05, 0.2):
         for C in (10.0, 1000.0):
-            error = _blocked_error(LSSVMRegressor(gamma=gamma, C=C), Z[few], y[few] / size)
+            held_out = BlockedErrors(Z[few], C=C, gamma=gamma, blocks=_quarters(len(few)))
+            error = float(np.sum(held_out(y[few] / size) ** 2))
             if error < least:
                 best, least = (gamma, C), error
     many = rows[:: max(len(rows) // _MOST_ROWS, 1)]
@@ -47,12 +49,5 @@ def black_box_prediction(recording, channel, train):
     return regressor.predict(Z) * size
 
 
-def _blocked_error(regressor, Z, y, blocks=4):
-    edges = np.linspace(0, len(y), blocks + 1).astype(int)
-    total = 0.0
-    for low, high in pairwise(edges):
-        train = np.ones(len(y), dtype=bool)
-        train[low:high] = False
-        regressor.fit(Z[train], y[train])
-        total += float(np.sum((y[low:high] - regressor.predict(Z[low:high])) ** 2))
-    return total
+def _quarters(n):
+    return [slice(low, high) for low, high in pairwise(np.linspace(0, n, 5).astype(int))]

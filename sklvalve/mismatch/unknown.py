@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.lssvm.held_out import BlockedErrors
 from sklvalve.simulation.simulation import rest_inputs
 
 _BLOCKS = 8
@@ -73,7 +74,7 @@ def find_unknown(workbench, model, *, alpha, random_state=0):
 
     The rest is averaged over short stretches in which nothing moves fast, and predicted from slow signals by
     an LS-SVM on contiguous blocks that it was not fitted to. Chance is judged by the same prediction from
-    inputs shifted in time against the rest, which keeps every correlation but the one in question.
+    inputs shifted in time against it, which keeps every correlation but the one in question.
 
     Parameters
     ----------
@@ -143,13 +144,14 @@ def _in_channel(workbench, model, channel, alpha, rng):
     size = _acting_rms(best.predicted)
     if size < workbench.least(channel) or best.skill < 0.1:
         return None
+    # the rest shifted against its inputs: the inputs, and all that is dear about them, stay
     shifts = np.unique(rng.integers(len(y) // 8, len(y) - len(y) // 8, size=_MOST_SHIFTS))
-    chance = [_held_out(best.regressor, np.roll(best.Z, s, axis=0), y)[0] for s in shifts]
-    p_value = (1.0 + np.sum(np.asarray(chance) >= best.skill)) / (1.0 + len(chance))
+    chance = _skills(best.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
+    p_value = (1.0 + np.sum(chance >= best.skill)) / (1.0 + len(chance))
     # no number of shifts that is cheap can show less than one in their number
     if p_value > max(alpha, 1.5 / (1.0 + len(chance))):
         return None
-    matter = _inputs_that_matter(best.regressor, best.Z, y, best.names, best.skill)
+    matter = _inputs_that_matter(best)
     correction = best.correction(channel, workbench.spans[channel])
     return Unknown(channel, matter, size, float(best.skill), float(p_value), correction)
 
@@ -164,6 +166,7 @@ class _Tuned:
     Z: np.ndarray
     y: np.ndarray
     regressor: LSSVMRegressor
+    held_out: BlockedErrors
     skill: float
     predicted: np.ndarray
 
@@ -192,10 +195,11 @@ def _tuned(X, y, names):
     best = None
     for chosen, gamma in trials:
         regressor = LSSVMRegressor(gamma=gamma, C=10.0)
-        skill, predicted = _held_out(regressor, Z[:, chosen], y)
+        held_out = _held_out(regressor, Z[:, chosen])
+        (skill,), predicted = _skills(held_out, y[:, None])
         if best is None or skill > best.skill:
-            kept = tuple(names[i] for i in chosen)
-            best = _Tuned(kept, centre[chosen], scale[chosen], Z[:, chosen], y, regressor, skill, predicted)
+            kept, own = tuple(names[i] for i in chosen), (centre[chosen], scale[chosen], Z[:, chosen])
+            best = _Tuned(kept, *own, y, regressor, held_out, float(skill), predicted[:, 0])
     return best
 
 
@@ -205,26 +209,28 @@ def _acting_rms(predicted):
     return float(np.sqrt(np.mean(predicted[acting] ** 2))) if acting.any() else 0.0
 
 
-def _held_out(regressor, Z, y):
-    edges = np.linspace(0, len(y), _BLOCKS + 1).astype(int)
-    predicted = np.empty(len(y))
-    for low, high in pairwise(edges):
-        train = np.ones(len(y), dtype=bool)
-        train[max(low - 3, 0) : high + 3] = False
-        regressor.fit(Z[train], y[train])
-        predicted[low:high] = regressor.predict(Z[low:high])
-    return 1.0 - np.sum((y - predicted) ** 2) / np.sum((y - y.mean()) ** 2), predicted
+def _held_out(regressor, Z):
+    edges = np.linspace(0, len(Z), _BLOCKS + 1).astype(int)
+    blocks = [slice(low, high) for low, high in pairwise(edges)]
+    return BlockedErrors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=3)
 
 
-def _inputs_that_matter(regressor, Z, y, names, skill):
+def _skills(held_out, Y):
+    """Share of each target's variance that is predicted on held-out blocks, and the predictions."""
+    left = held_out(Y)
+    return 1.0 - np.sum(left**2, axis=0) / np.sum((Y - Y.mean(axis=0)) ** 2, axis=0), Y - left
+
+
+def _inputs_that_matter(tuned):
     """Inputs whose loss costs a good part of the skill."""
+    names, skill = tuned.names, tuned.skill
     if len(names) == 1:
         return names
     lost = []
     for i in range(len(names)):
-        without = Z.copy()
+        without = tuned.Z.copy()
         without[:, i] = 0.0
-        lost.append(skill - _held_out(regressor, without, y)[0])
+        lost.append(skill - _skills(_held_out(tuned.regressor, without), tuned.y[:, None])[0][0])
     return tuple(n for n, gone in zip(names, lost, strict=True) if gone > 0.2 * skill) or (
         names[int(np.argmax(lost))],
     )
