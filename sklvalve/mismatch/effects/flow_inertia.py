@@ -35,7 +35,7 @@ def water_column(steady, step, drop, inertance):
         if not (s == s and drop[k] == drop[k]):
             out[k] = np.nan
             continue
-        if q != q or s == 0.0 or q / s <= -1.0 or inertance[k] <= 0.0:
+        if q != q or s == 0.0 or q / s < 0.0 or inertance[k] <= 0.0:
             q = s
         else:
             # exact while valve and drop stand still: y = Q / Q_s obeys dy/dt = (1 - y2) dp / (I Q_s)
