@@ -17,6 +17,7 @@ FAULTS = (
     "load",  # force on the stem, against the air [travels of spring]
     "feedback_play",  # whole play between the stem and the positioner's lever [1]
     "bristle",  # stiffness of the friction's bristles in place of the ordinary one [travels of spring]
+    "capacity",  # added to the spool's capacity, share of it [1]
 )
 # of the pressure's change, and in time: what a step may leave to the straight lines drawn through it
 _LARGEST_CHANGE = 0.01
@@ -132,7 +133,7 @@ def positioner_and_actuator(
     supply, coulomb, extra_stick, dead_band : ndarray of shape (n,)
         Absolute supply pressure; sliding friction; how far friction at rest exceeds it [all in travels of
         spring]; half width of the positioner's dead band [1].
-    faults : ndarray of shape (n, 9), or (0, 9) in a sound actuator
+    faults : ndarray of shape (n, 10), or (0, 10) in a sound actuator
         Columns as `FAULTS` has them.
     filter_time, gain, reset, rate : float
         Time constant of the positioner's input [s], spool opening for an error [1], share of the spool for
@@ -163,7 +164,7 @@ def positioner_and_actuator(
     # a stem that stands at its end of travel may be pressed against it by any pressure
     mass = (x + spring) * (_DEAD_VOLUME + x)
     lever = x
-    bristle = _BRISTLE
+    bristle, capacity = _BRISTLE, rate
     integral, bend, speed = 0.0, 0.0, 0.0
     known, eased, old, drag = -1.0, 0.0, 0.0, 0.0
     for k in range(n):
@@ -180,6 +181,7 @@ def positioner_and_actuator(
             softening, hardening = faults[k, 1], faults[k, 2]
             leak, play = faults[k, 3], 0.5 * faults[k, 7]
             bristle = faults[k, 8] if faults[k, 8] > 0.0 else _BRISTLE
+            capacity = rate * (1.0 + faults[k, 9])
         while remaining > 1e-9:
             volume = 1.0 / (_DEAD_VOLUME + x)
             pressure = mass * volume
@@ -195,12 +197,12 @@ def positioner_and_actuator(
             filling = wish >= 0.0
             inlet, slope = _supply_nozzle(pressure, ps) if filling else _vent_nozzle(pressure, atmosphere)
             bar = inlet if far * near >= 0.0 else ps
-            busy = rate * min(max(wish, -1.0), 1.0) * bar
+            busy = capacity * min(max(wish, -1.0), 1.0) * bar
             lost, lost_slope = 0.0, 0.0
             if leak > 0.0:
                 lost, lost_slope = _vent_nozzle(pressure, atmosphere)
-                lost *= leak * rate
-                lost_slope *= leak * rate
+                lost *= leak * capacity
+                lost_slope *= leak * capacity
                 busy -= lost
             busy = abs(busy) * volume
             h = min(_LONGEST, remaining)
@@ -241,7 +243,7 @@ def positioner_and_actuator(
             bent = bristle * bend if spool > 0.0 else -bristle * bend
             if bent < limit:
                 hold += (limit - bent) * stiff
-            y = h * volume * rate * (inlet * gain + abs(slope * spool) * hold)
+            y = h * volume * capacity * (inlet * gain + abs(slope * spool) * hold)
             theta = (hold + y) / (2.0 * hold + y)
 
             error = near + (1.0 - (1.0 - theta) * old) * moved
@@ -255,10 +257,10 @@ def positioner_and_actuator(
                     grip = 0.0
             else:
                 error, grip, spool = 0.0, 0.0, integral
-            fall = rate * abs(slope * spool) + lost_slope
+            fall = capacity * abs(slope * spool) + lost_slope
             share = h / (1.0 + h * theta * fall * volume)
-            inflow = (rate * inlet * spool - lost) * share
-            back = theta * (rate * grip * inlet - fall * air) * share
+            inflow = (capacity * inlet * spool - lost) * share
+            back = theta * (capacity * grip * inlet - fall * air) * share
 
             left = force - bristle * bend + inflow * volume
             side = 1.0 if left > 0.0 else -1.0

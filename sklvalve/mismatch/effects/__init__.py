@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The catalogue: one effect, one file, one line here."""
 
+from sklvalve.mismatch.effects.actuator_lag import ActuatorLag, RestrictedAir
+from sklvalve.mismatch.effects.actuator_leak import ActuatorLeak, DiaphragmLeak
 from sklvalve.mismatch.effects.backlash import Backlash, LinkageBacklash
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.mismatch.effects.bypass_open import BypassOpen
@@ -17,6 +19,7 @@ from sklvalve.mismatch.effects.flow_inertia import FlowInertia
 from sklvalve.mismatch.effects.flow_meter_bias import FlowMeterBias
 from sklvalve.mismatch.effects.flow_meter_drift import FlowMeterDrift, FlowMeterSpanDrift
 from sklvalve.mismatch.effects.flow_meter_gain import FlowMeterGain
+from sklvalve.mismatch.effects.friction import Friction
 from sklvalve.mismatch.effects.gas_expansion import GasExpansion
 from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
 from sklvalve.mismatch.effects.line_loss import LineLoss
@@ -24,13 +27,22 @@ from sklvalve.mismatch.effects.outlet_pressure_bias import OutletPressureBias
 from sklvalve.mismatch.effects.piping_reducers import PipingReducers
 from sklvalve.mismatch.effects.position_sensor_bias import PositionSensorBias, PositionSensorBiasInLoop
 from sklvalve.mismatch.effects.position_sensor_gain import PositionSensorGain, PositionSensorGainInLoop
+from sklvalve.mismatch.effects.positioner_characteriser import PositionerCharacteriser
 from sklvalve.mismatch.effects.positioner_deadband import MotorDeadband, PositionerDeadband
+from sklvalve.mismatch.effects.positioner_feedback_fault import FeedbackPlay, PositionerFeedbackFault
+from sklvalve.mismatch.effects.presliding import Presliding
+from sklvalve.mismatch.effects.rod_bend import RodBend, RodBendShut
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
 from sklvalve.mismatch.effects.sedimentation import Sedimentation
 from sklvalve.mismatch.effects.sensor_lag import SensorLag
 from sklvalve.mismatch.effects.slew_limit import MotorSpeed, SlewLimit
+from sklvalve.mismatch.effects.spring_fault import SpringFault
+from sklvalve.mismatch.effects.stem_load import StemLoad
 from sklvalve.mismatch.effects.stiction import Stiction
+from sklvalve.mismatch.effects.stuck_valve import StuckValve
 from sklvalve.mismatch.effects.supply_pressure_drop import SupplyPressureDrop
+from sklvalve.mismatch.effects.tight_shutoff import FullOpening, TightShutoff
+from sklvalve.mismatch.effects.transducer_fault import TransducerFault, TransducerOutput
 from sklvalve.mismatch.effects.two_phase import TwoPhase
 from sklvalve.mismatch.effects.viscosity_change import ViscosityChange
 from sklvalve.mismatch.effects.viscous_flow import ViscousFlow
@@ -40,9 +52,27 @@ CATALOGUE = (
     Backlash(),
     LinkageBacklash(),
     Stiction(),
+    Friction(),
+    Presliding(),
+    RodBend(),
+    RodBendShut(),
     PositionerDeadband(),
     MotorDeadband(),
     SupplyPressureDrop(),
+    ActuatorLeak(),
+    DiaphragmLeak(),
+    SpringFault(),
+    StemLoad(),
+    ActuatorLag(),
+    RestrictedAir(),
+    TransducerFault(),
+    TransducerOutput(),
+    PositionerFeedbackFault(),
+    FeedbackPlay(),
+    PositionerCharacteriser(),
+    TightShutoff(),
+    FullOpening(),
+    StuckValve(),
     DeadTime(),
     SlewLimit(),
     MotorSpeed(),

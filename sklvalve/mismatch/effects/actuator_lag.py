@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An actuator that answers slowly."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.stages import first_order_lag
+
+
+class ActuatorLag(Effect):
+    r"""Lag in the pneumatic signal, as a long line or a large volume before the positioner makes it.
+
+    .. math:: \tau \dot u' = u - u'
+
+    The same share of every step is made in the same time, whatever its size. A positioner answers within 3 s;
+    this is what is slower.
+    """
+
+    name = key = "actuator_lag"
+    block, stage = "actuator", "signal"
+    parameters: tuple = (Quantity("time_constant", "s", 0.5, 600.0, (6.0, 25.0), log=True),)
+    needs = ("command",)
+    source = "volume behind a resistance, V dp/dt = (p_s - p) / R"
+    requires = "an actuator driven by air"
+    phrase = "the actuator follows with a lag of {time_constant:.1f} s"
+    separated_by = (
+        "Steps of three sizes: a lag takes the same time for all, choked air or a slew limit longer "
+        "the larger the step, and a dead time shifts all of it."
+    )
+
+    def apply(self, value, p, chain):
+        return first_order_lag(value, chain.step, p["time_constant"], 1.0)
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return p["time_constant"] > tolerance.response
+
+    def possible(self, chain):
+        return not chain.electric
+
+
+class RestrictedAir(ActuatorLag):
+    r"""Air that passes slowly between spool and chamber, through a kinked line or a clogged filter or nozzle.
+
+    .. math:: \dot m' = r\, \dot m
+
+    The flow through a nozzle chokes, so a large step takes longer than a small one; filling and venting
+    suffer alike.
+    """
+
+    key = "actuator_lag_air"
+    stage = "actuator"
+    family = "air"
+    parameters = (Quantity("share", "1", 0.002, 0.95, (0.3, 0.07), log=True),)
+    phrase = "the actuator's air is throttled to {share:.0%} of its flow"
+    source = "ISO 6358, critical ratio 0.3"
+
+    def apply(self, value, p, chain):
+        return value | {"capacity": p["share"] - 1.0}
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        # a capacity constant from the start is calibrated down to a whole stroke in the response time
+        return True

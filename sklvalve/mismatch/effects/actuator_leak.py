@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Air that is lost from the actuator's chamber."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.spring_fault import knows_air
+
+
+class ActuatorLeak(Effect):
+    r"""Leak of the chamber to the air, at housing, fitting or terminal.
+
+    .. math:: \dot m = \dot m_{spool} - l\, C\, p\, \psi(p_a / p)
+
+    :math:`C` is the spool's capacity and :math:`l` the leak's share of it. Filling is slower, venting faster;
+    the positioner must keep its spool open, so a stem held against the spring droops where it does not
+    integrate.
+    """
+
+    name = key = "actuator_leak"
+    block, stage = "actuator", "actuator"
+    parameters: tuple = (Quantity("leak", "1", 0.003, 1.5, (0.1, 0.4), log=True),)
+    needs = ("command",)
+    source = "ISO 6358, critical ratio 0.3"
+    requires = "an air supply or a spring range in the data sheet"
+    phrase = "the actuator loses air (a leak of {leak:.0%} of the positioner's capacity)"
+    separated_by = (
+        "Soap the housing, the fittings and the vent hole with the valve half open: "
+        "a torn diaphragm blows at the vent, a leaking housing elsewhere."
+    )
+    damadics = "f9"
+
+    def apply(self, value, p, chain):
+        return value | {"leak": p["leak"]}
+
+    def possible(self, chain):
+        return knows_air(chain)
+
+
+class DiaphragmLeak(ActuatorLeak):
+    r"""Torn diaphragm: it leaks, and less of its area carries the pressure.
+
+    .. math:: (1 - a)(p - p_a) = F_0 + x + F_f
+
+    Divided by :math:`1 - a` it is a stronger spring with more friction.
+    """
+
+    key = "actuator_leak_diaphragm"
+    parameters = (
+        *ActuatorLeak.parameters,
+        Quantity("lost_area", "1", 0.0, 0.9, (0.2, 0.5)),
+    )
+    phrase = (
+        "the diaphragm is torn (a leak of {leak:.0%} of the positioner's capacity, "
+        "{lost_area:.0%} of the area carry no pressure)"
+    )
+    damadics = "f10"
+
+    def apply(self, value, p, chain):
+        more = p["lost_area"] / (1.0 - p["lost_area"])
+        return super().apply(value, p, chain) | {
+            "coulomb": np.multiply(value["coulomb"], 1.0 + more),
+            "stick": np.multiply(value["stick"], 1.0 + more),
+            "preload": more * (chain.spring - chain.atmosphere),
+            "stiffness": more,
+        }

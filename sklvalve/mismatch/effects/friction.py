@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A stem that rubs."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class Friction(Effect):
+    r"""Friction in motion far beyond that of a sound packing, and no larger at rest.
+
+    .. math:: F_f = F_c \operatorname{sgn} \dot x
+
+    in travels of the spring: :math:`F_c = 0.1` is a tenth of the spring's range. The stem follows late by
+    what it takes the positioner to build up :math:`2 F_c` at each reversal, and moves without jumps. Where
+    the command is slow, play in the linkage looks the same; a stem that sticks jumps besides.
+    """
+
+    name = key = "friction"
+    block, stage = "actuator", "actuator"
+    parameters = (Quantity("friction", "1", 0.02, 1.5, (0.1, 0.3), log=True),)
+    needs = ("command",)
+    source = "Olsson et al., Friction models and friction compensation, Eur. J. Control 4 (1998)"
+    phrase = "the stem rubs (friction {friction:.0%} of the spring's range)"
+    separated_by = (
+        "Ramp the command slowly up and down with the actuator's pressure recorded: "
+        "friction opens its loop of pressure over travel, play in the linkage does not."
+    )
+
+    def apply(self, value, p, chain):
+        return value | {"coulomb": np.maximum(value["coulomb"], p["friction"])}
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return p["friction"] > most_friction(tolerance)
+
+
+def most_friction(tolerance):
+    """Friction that a sound valve may have: what keeps a loop of ordinary gain within its static error."""
+    return 4.0 * tolerance.static_error

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Friction that gives way elastically before the stem slides."""
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.friction import most_friction
+
+
+class Presliding(Effect):
+    r"""Soft packing: friction builds up along a reach of travel, and gives part of it back.
+
+    .. math:: F_f = \sigma_0 z, \quad \dot z = \dot x - |\dot x|\, \sigma_0 z / F_c, \quad \sigma_0 = F_c / r
+
+    After a reversal the friction has turned by :math:`1 - e^{-1}` of its way within the reach :math:`r` of
+    travel: smooth small loops within what would else be a stick band (Dahl's model, half of LuGre's).
+    """
+
+    name = key = "presliding"
+    block, stage = "actuator", "actuator"
+    parameters = (
+        Quantity("friction", "1", 0.02, 1.5, (0.1, 0.2, 0.3), log=True),
+        Quantity("reach", "1", 0.002, 0.2, (0.01, 0.03, 0.01), log=True),
+    )
+    needs = ("command",)
+    source = "Canudas de Wit et al., A new model for control of systems with friction, IEEE TAC 40 (1995)"
+    phrase = (
+        "the packing gives way before the stem slides (over {reach:.1%} of travel, friction "
+        "{friction:.0%} of the spring's range)"
+    )
+    separated_by = (
+        "Sine waves of the command of growing size, below the size at which the stem slides: "
+        "the loops of soft friction grow with the size, those of play vanish below its width."
+    )
+
+    def apply(self, value, p, chain):
+        friction = np.maximum(value["coulomb"], p["friction"])
+        return value | {"coulomb": friction, "bristle": p["friction"] / p["reach"]}
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return p["friction"] > most_friction(tolerance)

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A stem that is bent or twisted."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.friction import most_friction
+
+
+class RodBend(Effect):
+    r"""Side load that grows towards the open end: friction in one part of the travel only.
+
+    .. math:: F_f(x) = F_c + F_b \max\left(0, \frac{x - x_b}{1 - x_b}\right)
+
+    in travels of the spring. Below :math:`x_b` the stem is sound.
+    """
+
+    name = key = "rod_bend"
+    block, stage = "actuator", "actuator"
+    parameters = (
+        Quantity("friction", "1", 0.02, 2.0, (0.2, 0.5, 0.5), log=True),
+        Quantity("begins", "1", 0.0, 0.95, (0.3, 0.6, 0.1)),
+    )
+    needs = ("command",)
+    source = "friction in proportion to the side load of a bent beam"
+    phrase = (
+        "the stem is bent (above {begins:.0%} opening friction grows to {friction:.0%} of the spring's range)"
+    )
+    separated_by = (
+        "A slow full stroke both ways: the way round is wider in one part of the travel for a bent rod, "
+        "everywhere for a tight packing."
+    )
+    damadics = "f8"
+
+    def apply(self, value, p, chain):
+        slope, begins = p["friction"] / (1.0 - p["begins"]), p["begins"]
+        return value | self._as_air_drives(slope, begins, chain)
+
+    @staticmethod
+    def _as_air_drives(slope, begins, chain):
+        # a valve that air closes is seen from its other end
+        return (
+            {"rod": -slope, "rod_from": 1.0 - begins}
+            if chain.air_closes
+            else {"rod": slope, "rod_from": begins}
+        )
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        return p["friction"] > most_friction(tolerance)
+
+
+class RodBendShut(RodBend):
+    r"""Side load that grows towards the seat: :math:`F_b \max(0, (x_b - x) / x_b)`."""
+
+    key = "rod_bend_shut"
+    parameters = (
+        Quantity("friction", "1", 0.02, 2.0, (0.2, 0.5, 0.5), log=True),
+        Quantity("begins", "1", 0.05, 1.0, (0.7, 0.4, 0.9)),
+    )
+    phrase = (
+        "the stem is bent (below {begins:.0%} opening friction grows to {friction:.0%} of the spring's range)"
+    )
+
+    def apply(self, value, p, chain):
+        return value | self._as_air_drives(-p["friction"] / p["begins"], p["begins"], chain)

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An actuator's spring that is not the sheet's."""
+
+from sklvalve.mismatch.effects.base import Effect, Quantity
+
+
+class SpringFault(Effect):
+    r"""Spring weaker or stronger than its range says, or one that hardens along the travel.
+
+    .. math:: F = s\,(F_0 + x) + k_3 x^3
+
+    in travels of the sheet's spring, :math:`F_0` its preload. The positioner makes up for it while it has
+    air: it shows where the air ends, in how long strokes take one way and the other, and in the last of the
+    way home.
+    """
+
+    name = key = "spring_fault"
+    block, stage = "actuator", "actuator"
+    parameters = (
+        Quantity("strength", "1", 0.02, 3.0, (0.6, 1.5, 0.15), log=True),
+        Quantity("hardening", "1", -0.3, 2.0, (0.0,)),
+    )
+    needs = ("command",)
+    source = "force balance of a spring and diaphragm actuator, IEC 60534-4 bench range"
+    requires = "an air supply or a spring range in the data sheet"
+    phrase = "the actuator's spring has {strength:.0%} of its sheet's force"
+    separated_by = (
+        "Stroke the valve fully both ways with the actuator's pressure recorded: "
+        "the spring's range is the line of pressure over travel."
+    )
+    damadics = "f11"
+
+    def apply(self, value, p, chain):
+        more = p["strength"] - 1.0
+        return value | {
+            "preload": more * (chain.spring - chain.atmosphere),
+            "stiffness": more,
+            "hardening": p["hardening"],
+        }
+
+    def possible(self, chain):
+        return knows_air(chain)
+
+
+def knows_air(chain):
+    """Whether the sheet says what air and spring the actuator has: without them its forces have no scale."""
+    return chain.valve.supply_pressure is not None or chain.valve.spring_range is not None
