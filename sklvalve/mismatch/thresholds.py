@@ -26,7 +26,8 @@ def seen_thresholds(recording):
     Returns
     -------
     thresholds : tuple (going on, turning), or None
-        Turning is None where too few reversals are seen.
+        Each as (low, high), between an error left alone and one answered; turning is None where too few
+        reversals are seen.
     """
     command, x, time = recording.get("command"), recording.get("opening"), recording.time
     if command is None or x is None:
@@ -54,7 +55,7 @@ def seen_thresholds(recording):
 
 
 def _limit(events):
-    """Threshold between errors left alone and errors answered; None where one kind is missing."""
+    """Errors left alone and answered beside the threshold; None where one kind is missing."""
     if len(events) < _FEWEST:
         return None
     size, started = map(np.asarray, zip(*sorted(events), strict=True))
@@ -65,4 +66,4 @@ def _limit(events):
     cut = int(np.argmin(wrong))
     if cut in (0, len(size)):
         return None
-    return 0.5 * float(size[cut - 1] + size[cut])
+    return float(size[cut - 1]), float(size[cut])

@@ -10,7 +10,7 @@ import numpy as np
 
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.recording import InputError
-from sklvalve.simulation.electric import is_electric
+from sklvalve.simulation.electric import is_electric, motor_parameters
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.trim import LearntTrim, SheetTrim
 
@@ -79,19 +79,9 @@ def span_of(values):
 
 def opening_parameters(recording, valve, tolerance):
     """Parameters of positioner, actuator and position sensor that stay open."""
-    found = [
-        Parameter("actuator_filter", "s", 0.02, tolerance.response, 0.1, spread=1.5, log=True),
-    ]
-    # without a recorded position no signal speaks of what goes on inside positioner and actuator
-    inside = [
-        Parameter("actuator_gain", "1", 1.0, 60.0, 15.0, spread=1.5, log=True),
-        Parameter("actuator_reset", "1/s", 1e-3, 10.0, 0.3, spread=3.0, log=True),
-        # at the lowest the chamber fills for a whole stroke in about the response time
-        Parameter("actuator_rate", "1/s", 0.9 / tolerance.response, 10.0, 1.0, spread=1.5, log=True),
-        # friction that keeps the static error of a loop of ordinary gain within its tolerance
-        Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
-    ]
-    found += inside if "opening" in recording and not is_electric(valve, recording) else []
+    found = list(motor_parameters(tolerance))
+    if not is_electric(valve, recording):
+        found = _air_parameters(recording, tolerance)
     # a few scans may lie between a command and its effect
     scan = min(2.0 * recording.sample_time, tolerance.response)
     found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))
@@ -99,6 +89,24 @@ def opening_parameters(recording, valve, tolerance):
         zero = tolerance.position_zero
         found.append(Parameter("position_zero", "1", -zero, zero, 0.0, spread=0.5 * zero))
     return tuple(found)
+
+
+def _air_parameters(recording, tolerance):
+    found = [
+        Parameter("actuator_filter", "s", 0.02, tolerance.response, 0.1, spread=1.5, log=True),
+    ]
+    # without a recorded position no signal speaks of what goes on inside positioner and actuator
+    if "opening" not in recording:
+        return found
+    return [
+        *found,
+        Parameter("actuator_gain", "1", 1.0, 60.0, 15.0, spread=1.5, log=True),
+        Parameter("actuator_reset", "1/s", 1e-3, 10.0, 0.3, spread=3.0, log=True),
+        # at the lowest the chamber fills for a whole stroke in about the response time
+        Parameter("actuator_rate", "1/s", 0.9 / tolerance.response, 10.0, 1.0, spread=1.5, log=True),
+        # friction that keeps the static error of a loop of ordinary gain within its tolerance
+        Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
+    ]
 
 
 def flow_parameters(recording, valve, tolerance, trim, *, choking):

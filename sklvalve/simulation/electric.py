@@ -6,12 +6,15 @@ from math import exp
 import numba as nb
 import numpy as np
 
+from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.stages import delayed
 
 # so far inside its dead band a motor is switched off; nearer no motor stops
-_STOPS_AT = 0.05
-# strokes in less than a tenth of a second are no motor's [1/s]
-_FREE = 10.0
+_STOPS_AT = 0.03
+# a motor slows down within this share of the response time that positioners and actuators may have
+_APPROACH = 0.03
+# what stands in where a healthy motor's speed is not known [1/s]
+_SPEED = 1.0
 
 
 def is_electric(valve, recording):
@@ -31,6 +34,19 @@ def is_electric(valve, recording):
     air = (valve.supply_pressure, valve.spring_range, valve.effective_area, valve.fail)
     told = {"actuator_pressure", "supply_pressure"} & set(recording)
     return "opening" in recording and not told and all(known is None for known in air)
+
+
+def motor_parameters(tolerance):
+    """Parameters of a healthy motor that stay open.
+
+    What a data sheet grants the response of positioner and actuator is here the motor's time for a stroke.
+    The comparator that starts it answers at once, and the motor slows down for a moment only.
+    """
+    lag = _APPROACH * tolerance.response
+    return (
+        Parameter("actuator_filter", "s", 0.01, lag, 0.5 * lag, spread=1.0, log=True),
+        Parameter("actuator_speed", "1/s", 0.5 / tolerance.response, 10.0, _SPEED, spread=1.5, log=True),
+    )
 
 
 @nb.njit(cache=True, nogil=True)
@@ -63,17 +79,23 @@ def motor(command, step, x0, up, down, dead_band, reversal, lag):
     last = 0.0
     on = False
     for k in range(len(command)):
+        before = target
         if command[k] == command[k]:
             target = command[k]
         left = abs(target - x)
         side = 1.0 if target > x else -1.0
-        band = dead_band[k]
+        remaining = step[k]
         if not on:
-            on = left > (band * reversal[k] if side * last < 0.0 else band)
+            limit = dead_band[k] * reversal[k] if side * last < 0.0 else dead_band[k]
+            on = left > limit
+            ahead = side * (before - x)
+            if on and ahead < limit:
+                # the command moves evenly between two samples, and the motor starts as it passes the limit:
+                # so a delay by less than a sample is seen
+                remaining *= (left - limit) / (left - ahead)
         if on:
             last = side
             speed = up[k] if side > 0.0 else down[k]
-            remaining = step[k]
             knee = speed * lag
             if left > knee:
                 running = min((left - knee) / speed, remaining)
@@ -82,7 +104,7 @@ def motor(command, step, x0, up, down, dead_band, reversal, lag):
             if remaining > 0.0:
                 left *= exp(-remaining / lag)
             x = min(max(target - side * left, 0.0), 1.0)
-            on = left > _STOPS_AT * band
+            on = left > _STOPS_AT * dead_band[k]
         out[k] = x
     return out
 
@@ -106,9 +128,10 @@ def electric_stem(chain, values, changed):
     n = len(chain.command)
     command = delayed(chain.command, chain.time, values["actuator_delay"])
     command = changed("signal", command, values)
+    speed = values.get("actuator_speed", _SPEED)
     drive = {
-        "up": np.full(n, _FREE),
-        "down": np.full(n, _FREE),
+        "up": np.full(n, speed),
+        "down": np.full(n, speed),
         "dead_band": np.zeros(n),
         "reversal": np.ones(n),
     }

@@ -43,7 +43,7 @@ def free_run(chain, values, through):
     """
     if chain.command is None:
         raise InputError("the opening cannot be simulated without a command; record it, or leave it out")
-    if chain.electric:
+    if chain.electric or "actuator_speed" in values:
         return electric_stem(chain, values, through)
     command = delayed(chain.command, chain.time, values["actuator_delay"])
     command = through("signal", command, values)

@@ -76,7 +76,7 @@ def bench(recording):
     ],
 )
 def test_at_no_size_it_changes_nothing(bench, key, nothing):
-    values = {p.name: p.start for p in bench.calibration(bench.channels)}
+    values = {p.name: p.start for p in bench.calibration(bench.channels)} | {"actuator_speed": 10.0}
     plain = bench.simulate((), values)
     own = {f"{key}.{name}": value for name, value in nothing.items()}
     same = bench.simulate((Member(EFFECTS[key]),), values | own)
@@ -102,8 +102,8 @@ def test_a_word_of_air_makes_it_no_motor(recording):
 
 def test_recording_shows_the_errors_that_its_motor_leaves_alone(recording):
     on, turning = seen_thresholds(recording)
-    assert on == pytest.approx(0.010, abs=0.002)
-    assert turning == pytest.approx(0.025, abs=0.003)
+    assert np.mean(on) == pytest.approx(0.010, abs=0.002)
+    assert np.mean(turning) == pytest.approx(0.025, abs=0.003)
 
 
 def test_without_a_dead_band_there_is_no_threshold():
@@ -119,7 +119,7 @@ def test_all_three_effects_of_a_motor_are_fitted(bench):
     assert values["dead_time.delay"] + values["actuator_delay"] == pytest.approx(0.4, abs=0.1)
     assert values["positioner_deadband_motor.half_width"] == pytest.approx(0.010, abs=0.002)
     left = [np.sqrt(np.nanmean(bench.residuals(m)["opening"] ** 2)) for m in (nominal, fitted)]
-    assert left[1] < 0.1 * left[0]
+    assert left[1] < 0.2 * left[0]
 
 
 def test_a_slow_motor_is_named(recording):

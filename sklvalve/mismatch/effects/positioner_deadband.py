@@ -6,9 +6,6 @@ import numpy as np
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.mismatch.thresholds import seen_thresholds
 
-# a threshold that a recording shows is that right within this factor
-_NEAR = 1.25
-
 
 class PositionerDeadband(Effect):
     r"""Dead band of the positioner, of half width d: errors within it move no air.
@@ -57,19 +54,22 @@ class MotorDeadband(PositionerDeadband):
         seen = seen_thresholds(chain.recording)
         if seen is None:
             return self.parameters
-        # a threshold that some steps exceed and others do not has no slope for a fit to follow: it is looked for
-        # near where it is seen, and only there
+        # a threshold that some steps exceed and others do not has no slope for a fit to follow: it is looked
+        # for between the errors that show it, and only there
         width, factor = self.parameters
-        on, turning = seen
+        (low, high), turning = seen
         if turning is None:
-            return _near(width, on), factor
-        return _near(width, on), _near(factor, turning / on)
+            return _between(width, low, high), factor
+        middle = 0.5 * (low + high)
+        return _between(width, low, high), _between(factor, turning[0] / middle, turning[1] / middle)
 
     def apply(self, value, p, chain):
         changed = super().apply(value, p, chain)
         return changed | {"reversal": np.full_like(value["reversal"], p["reversal"])}
 
 
-def _near(quantity, seen):
-    middle = float(np.clip(seen, quantity.low * _NEAR, quantity.high / _NEAR))
-    return Quantity(quantity.name, quantity.unit, middle / _NEAR, middle * _NEAR, (middle,), log=True)
+def _between(quantity, low, high):
+    low, high = np.clip([0.99 * low, 1.01 * high], 1.01 * quantity.low, 0.99 * quantity.high)
+    return Quantity(
+        quantity.name, quantity.unit, float(low), float(1.001 * high), (float(0.5 * (low + high)),), log=True
+    )
