@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The stem's scan against its differential equation, and what a fit asks of it: smooth, and no ringing."""
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from sklvalve.simulation.stem import FAULTS, columns_of_faults, positioner_and_actuator
+
+AIR, SPRING, SUPPLY = 101.325 / 80.0, (101.325 + 20.0) / 80.0, (101.325 + 340.0) / 80.0
+SOUND = np.empty((0, len(FAULTS)))
+ORDINARY = {"filter_time": 0.15, "gain": 9.0, "reset": 0.5, "rate": 1.2, "coulomb": 0.03, "supply": SUPPLY}
+# what fits of quick positioners come to; explicit steps of 0.1 s would ring
+QUICK = {"filter_time": 0.4, "gain": 34.0, "reset": 5.0, "rate": 3.6, "coulomb": 0.04, "supply": 2.22}
+
+
+def _run(command, valve, *, every=1.0, faults=SOUND):
+    n = len(command)
+    return positioner_and_actuator(
+        command,
+        np.full(n, every),
+        command[0],
+        SPRING,
+        AIR,
+        np.full(n, valve["supply"]),
+        np.full(n, valve["coulomb"]),
+        np.zeros(n),
+        np.zeros(n),
+        faults,
+        valve["filter_time"],
+        valve["gain"],
+        valve["reset"],
+        valve["rate"],
+    )
+
+
+def _program():
+    """Steps up and down, a ramp, small steps around a hold."""
+    steps = np.repeat([0.4, 0.46, 0.43, 0.7, 0.3], 8)
+    small = 0.55 + 0.01 * np.repeat([0.0, 1.0, -1.0, 2.0, 1.5], 5)
+    return np.r_[steps, np.linspace(0.3, 0.55, 30), small]
+
+
+def _solved(command, valve):
+    """The same equations by a stiff solver of high order, sample by sample."""
+
+    def nozzle(ratio):
+        return np.sqrt(1.0 - (min(max(ratio, 0.3), 1.0) / 0.7 - 3.0 / 7.0) ** 2)
+
+    def slopes(t, state, target):
+        wanted, integral, mass, x, bend = state
+        error = wanted - x
+        spool = min(max(valve["gain"] * error + integral, -1.0), 1.0)
+        pressure = mass / (5.0 + x)
+        filling = valve["supply"] * nozzle(pressure / valve["supply"])
+        inlet = filling if spool > 0.0 else pressure * nozzle(AIR / pressure)
+        speed = (pressure - SPRING - x - 60.0 * bend) / 0.005
+        slip = abs(speed) * 60.0 * bend / valve["coulomb"]
+        lag = (target - wanted) / valve["filter_time"]
+        return [lag, valve["reset"] * error, valve["rate"] * spool * inlet, speed, speed - slip]
+
+    state, out = [command[0], 0.0, (command[0] + SPRING) * (5.0 + command[0]), command[0], 0.0], []
+    for target in command:
+        done = solve_ivp(slopes, (0.0, 1.0), state, method="LSODA", args=(target,), rtol=1e-6, atol=1e-8)
+        state = done.y[:, -1]
+        out.append(state[3])
+    return np.array(out)
+
+
+def test_stem_follows_its_differential_equation():
+    command = _program()
+    off = _run(command, ORDINARY) - _solved(command, ORDINARY)
+    assert np.abs(off).max() < 4e-3
+    assert np.sqrt(np.mean(off**2)) < 8e-4
+
+
+def test_finer_samples_of_the_same_command_move_the_stem_alike():
+    command = _program()
+    fine = _run(np.repeat(command, 10), ORDINARY, every=0.1)[9::10]
+    off = _run(command, ORDINARY) - fine
+    assert np.abs(off).max() < 4e-3
+    assert np.sqrt(np.mean(off**2)) < 8e-4
+
+
+@pytest.mark.parametrize("valve", [ORDINARY, QUICK], ids=["ordinary", "quick"])
+@pytest.mark.parametrize("name", ["filter_time", "gain", "reset", "rate", "coulomb", "supply"])
+def test_stem_is_smooth_in_its_parameters(valve, name):
+    command = 0.2 + 0.5 * _program()
+    here = _run(command, valve)
+    up = _run(command, valve | {name: valve[name] * 1.001})
+    down = _run(command, valve | {name: valve[name] * 0.999})
+    bent = up - 2.0 * here + down
+    assert np.sqrt(np.mean(bent**2)) < 1e-5
+    assert np.abs(up - here).max() < 0.02
+
+
+def test_quick_positioner_settles_without_ringing():
+    command = np.r_[np.full(10, 0.5), np.full(60, 0.3)]
+    stem = _run(command, QUICK)
+    assert np.abs(np.diff(stem[30:])).max() < 1e-4
+    assert stem[-1] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_sound_columns_are_none_and_zero_columns_change_nothing():
+    command = _program()
+    drive = dict.fromkeys(FAULTS, 0.0)
+    assert columns_of_faults(drive, len(command)).shape == (0, len(FAULTS))
+    zero = columns_of_faults(drive | {"load": np.zeros(len(command))}, len(command))
+    assert zero.shape == (len(command), len(FAULTS))
+    np.testing.assert_array_equal(_run(command, ORDINARY, faults=zero), _run(command, ORDINARY))
+
+
+def test_fault_acts_from_its_row_on():
+    command = np.full(120, 0.8)
+    strong = np.where(np.arange(120) >= 60, 1.0, 0.0)
+    drive = dict.fromkeys(FAULTS, 0.0) | {"load": strong}
+    stem = _run(command, ORDINARY | {"supply": SPRING + 1.2}, faults=columns_of_faults(drive, 120))
+    sound = _run(command, ORDINARY | {"supply": SPRING + 1.2})
+    np.testing.assert_array_equal(stem[:60], sound[:60])
+    # thrown back at first; all the air then carries it up 1.2 travels, less the load's one and friction
+    assert stem[-1] == pytest.approx(0.2 - ORDINARY["coulomb"], abs=2e-3)
