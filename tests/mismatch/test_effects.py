@@ -26,7 +26,7 @@ DESIGNED = {
 }
 # parameters at which an effect is none
 NOTHING = {
-    "backlash": {"width": 0.0, "overshoot": 0.1},
+    "backlash": {"width": 0.0, "overshoot": 0.1, "first_side": 1.0},
     "backlash_linkage": {"width": 0.0},
     "stiction": {"static_friction": 0.0, "sliding_share": 0.5},
     "positioner_deadband": {"half_width": 0.0},
@@ -186,18 +186,27 @@ def test_nothing_is_within_tolerance_where_there_is_one(effect, plain):
 def test_play_without_overshoot_is_play():
     stem = np.cumsum(0.02 * np.random.default_rng(0).standard_normal(500)) + 0.5
     stem[100:110] = np.nan
-    np.testing.assert_array_equal(play_with_overshoot(stem, np.ones(500), 0.05, 0.0), play(stem, 0.05))
+    np.testing.assert_array_equal(play_with_overshoot(stem, np.ones(500), 0.05, 0.0, 0.0), play(stem, 0.05))
 
 
 def test_plug_stays_where_the_unseen_peak_of_a_stroke_took_it():
     # a stroke of 0.4 swings 0.02 beyond between two samples, and is back when it is seen
     stem = np.r_[np.full(20, 0.3), np.full(40, 0.7), np.full(40, 0.69)]
-    plug = play_with_overshoot(stem, np.ones(100), 0.04, 0.05)
+    plug = play_with_overshoot(stem, np.ones(100), 0.04, 0.05, 0.0)
     np.testing.assert_allclose(plug[20:], 0.7, atol=1e-12)
     assert np.all(np.abs(plug - stem) <= 0.02 + 1e-12)
     np.testing.assert_allclose(play(stem, 0.04)[20:], 0.68, atol=1e-12)
     # what moves slowly does not swing
     ramp = np.linspace(0.2, 0.4, 400)
     np.testing.assert_allclose(
-        play_with_overshoot(ramp, np.ones(400), 0.04, 0.05)[100:], ramp[100:] - 0.02, atol=1e-4
+        play_with_overshoot(ramp, np.ones(400), 0.04, 0.05, 0.0)[100:], ramp[100:] - 0.02, atol=1e-4
     )
+
+
+@pytest.mark.parametrize("side", [-1.0, 0.5, 1.0])
+def test_plug_stands_on_its_first_side_until_it_is_driven(side):
+    stem = np.r_[np.full(10, 0.5), np.full(10, 0.9), np.full(10, 0.5)]
+    plug = play_with_overshoot(stem, np.ones(30), 0.04, 0.0, side)
+    np.testing.assert_allclose(plug[:10], 0.5 + 0.02 * side, atol=1e-12)
+    np.testing.assert_allclose(plug[10:20], 0.88, atol=1e-12)
+    np.testing.assert_allclose(plug[20:], 0.52, atol=1e-12)
