@@ -26,7 +26,7 @@ class DeadTime(Effect):
         (delay,) = self.parameters
         scan = chain.recording.sample_time
         # at a fast sampling shorter ones can be seen
-        starts = delay.starts if scan > 0.5 else (6.0 * scan, *delay.starts)
+        starts = delay.starts if scan > 0.5 else (3.0 * scan, 10.0 * scan, *delay.starts)
         return (Quantity("delay", "s", delay.low if scan < 0.1 else 0.2, delay.high, starts, log=True),)
 
     def apply(self, value, p, chain):
