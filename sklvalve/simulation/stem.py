@@ -166,7 +166,7 @@ def positioner_and_actuator(
     lever = x
     bristle, capacity = _BRISTLE, rate
     integral, bend, speed = 0.0, 0.0, 0.0
-    known, eased, old, drag = -1.0, 0.0, 0.0, 0.0
+    known, eased, old, drag, bent_part = -1.0, 0.0, 0.0, 0.0, 0.0
     for k in range(n):
         if command[k] == command[k]:
             target = command[k]
@@ -231,7 +231,8 @@ def positioner_and_actuator(
                 inlet, slope = _vent_nozzle(pressure, atmosphere) if filling else _supply_nozzle(pressure, ps)
             if faulty:
                 limit = slide + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
-                limit += max(faults[k, 4] * (x - faults[k, 5]), 0.0)
+                bent_part = max(faults[k, 4] * (x - faults[k, 5]), 0.0)
+                limit += bent_part
             stiff = bristle / limit
             tight = 1.0 + air
             force = pressure - pre - x
@@ -270,6 +271,8 @@ def positioner_and_actuator(
                 push = side * left
                 held = limit - side * bristle * bend
                 through = tight + back * volume + drag
+                if bent_part > 0.0:
+                    through += max(side * faults[k, 4], 0.0)
                 if held > 0.0:
                     way, fade = _displacement(push, through, held, stiff)
                     bend = side * (limit - held * fade) / bristle
