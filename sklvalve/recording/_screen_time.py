@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Screens of the course in time: gaps, a historian's straight lines and holds, clocks that differ."""
+"""Screens of the course in time: gaps, a historian's straight lines and holds."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,58 +116,3 @@ def _written_step(values: NDArray[np.float64]) -> float:
         if np.abs(present - np.round(present, -digits)).max() < 1e-6 * 10.0**digits:
             return 10.0**digits
     return 0.0
-
-
-def screen_clocks(recording: Recording) -> list[Finding]:
-    """A signal that moves before its cause: the stem before the command, the flow before the stem."""
-    found = []
-    for cause, consequence in (("command", "opening"), ("opening", "flow"), ("command", "flow")):
-        if cause == "command" and consequence == "flow" and "opening" in recording:
-            continue
-        pair = {cause, consequence}
-        if not pair <= set(recording.signals) or pair & recording.constants:
-            continue
-        lead = _lead(recording[cause], recording[consequence])
-        if lead:
-            detail = (
-                f"moves {lead * recording.sample_time:g} s before {cause}, its cause: "
-                "the clocks of the two differ, or their columns are swapped"
-            )
-            found.append(finding("clock_shift", consequence, detail))
-    return found
-
-
-def _lead(cause: NDArray[np.float64], consequence: NDArray[np.float64]) -> int:
-    """Rows by which a consequence runs ahead of its cause, by the same amount in each third; else 0."""
-    longest = min(60, len(cause) // 12)
-    if longest < 2:
-        return 0
-    leads = []
-    for third in np.array_split(np.arange(len(cause)), 3):
-        like = _likeness(cause[third], consequence[third], longest)
-        if like is None:
-            return 0
-        ahead, behind = like[:longest], like[longest:]
-        # feedback makes weak likeness in either direction: ask for a strong one, and a clearly stronger one
-        if ahead.max() < 0.5 or ahead.max() < behind.max() + 0.1:
-            return 0
-        leads.append(longest - int(ahead.argmax()))
-    return int(np.median(leads)) if min(leads) >= 2 and max(leads) - min(leads) <= 2 else 0
-
-
-def _likeness(
-    cause: NDArray[np.float64], consequence: NDArray[np.float64], longest: int
-) -> NDArray[np.float64] | None:
-    """Correlation of the changes over five rows, for lags from -longest to +longest rows."""
-    changes = []
-    for values in (cause, consequence):
-        change = np.nan_to_num(values[5:] - values[:-5])
-        change = change - change.mean()
-        size = np.sqrt((change**2).sum())
-        if size <= 0.0 or len(change) < 4 * longest:
-            return None
-        changes.append(change / size)
-    first, second = changes
-    full = np.correlate(second, first, mode="full")
-    middle = len(first) - 1
-    return full[middle - longest : middle + longest + 1]

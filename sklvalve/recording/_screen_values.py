@@ -51,10 +51,10 @@ def screen_saturated(recording: Recording) -> list[Finding]:
     for role in measured(recording):
         values = recorded(recording, role)
         for end, limit in (("top", np.nanmax(values)), ("bottom", np.nanmin(values))):
-            if _natural_end(recording, role, values, limit):
+            if _harmless_end(recording, role, values, limit):
                 continue
             at_end = values == limit
-            spans = [span for span in equal_runs(np.where(at_end, values, np.nan)) if span[1] - span[0] >= 5]
+            spans = [span for span in equal_runs(np.where(at_end, values, np.nan)) if span[1] - span[0] >= 3]
             clipped = sum(stop - start for start, stop in spans)
             if clipped < max(_FEW_ROWS, 0.005 * len(values)) or _repeats(values[~at_end]) > 0.5:
                 continue
@@ -119,6 +119,14 @@ def _rows_near(values: NDArray[np.float64], limit: float) -> float:
     distinct, counts = np.unique(values[np.isfinite(values)], return_counts=True)
     order = np.argsort(np.abs(distinct - limit))[1:11]
     return float(counts[order].mean()) if len(order) else float(len(values))
+
+
+def _harmless_end(recording: Recording, role: str, values: NDArray[np.float64], limit: float) -> bool:
+    """Whether a sensor may well stand at a limit: a stop of the stem, or no flow to speak of."""
+    if role in OPENING_ROLES:
+        place = float(recording.signal(role).to_si([limit])[0])
+        return not 0.03 < place < 0.97
+    return role == "flow" and abs(limit) <= 0.03 * np.nanmax(np.abs(values))
 
 
 def _natural_end(recording: Recording, role: str, values: NDArray[np.float64], value: float) -> bool:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is wrong with the data themselves, before any physics is asked."""
 
+from sklvalve.recording._screen_clocks import screen_clocks
 from sklvalve.recording._screen_meaning import screen_swapped, screen_units
-from sklvalve.recording._screen_time import screen_clocks, screen_compressed, screen_gaps
+from sklvalve.recording._screen_time import screen_compressed, screen_gaps
 from sklvalve.recording._screen_tools import Finding
 from sklvalve.recording._screen_values import screen_frozen, screen_quantised, screen_saturated
 from sklvalve.recording.recording import Recording

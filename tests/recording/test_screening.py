@@ -209,11 +209,27 @@ def test_consequence_before_its_cause(late, role, cause):
     assert cause in found["detail"]
 
 
-def test_late_consequence_is_no_clock_shift():
+def test_late_stem_is_no_clock_shift():
+    columns = healthy()
+    columns["CV"] = np.concatenate([columns["CV"][12:], np.full(12, columns["CV"][-1])])
+    assert screened(columns) == []
+
+
+@pytest.mark.parametrize("shift", [6, -6])
+@pytest.mark.parametrize(("column", "role"), [("F", "flow"), ("X", "opening")])
+def test_clock_of_one_channel(column, role, shift):
+    columns = healthy()
+    columns[column] = np.roll(columns[column], shift)
+    found = screened({name: values[10:-10] for name, values in columns.items()})
+    assert names(found) == {("clock_shift", role)}
+    assert f"{'late' if shift > 0 else 'early'}" in found[0]["detail"]
+
+
+def test_flow_and_stem_late_behind_the_pressures():
     columns = healthy()
     moved = {name: values[:-12] if name in ("X", "F") else values[12:] for name, values in columns.items()}
     moved["time"] = columns["time"][12:]
-    assert screened(moved) == []
+    assert names(screened(moved)) == {("clock_shift", "flow")}
 
 
 def test_partly_swapped_pressures():

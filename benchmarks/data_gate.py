@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Defects planted in healthy recordings of the independent plant, and what the screening says of them.
+
+    python benchmarks/data_gate.py [--seed 0] [--records 12] [--clean 100] [--only WORD] [--whole 0]
+
+Prints one line a defect and size: in how many of the records it was found by its own name and channel, in how
+many something else was blamed beside it, and seconds of one core a record. Then how many clean records, and records with
+real physics concealed, were blamed of anything. ``--whole N`` diagnoses N planted records with the whole
+finder, and counts those in which physics was named.
+"""
+
+import argparse
+import time
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+from data_defects import defects
+
+from sklvalve import MissingPhysicsFinder, Recording, Valve
+from sklvalve.datasets import CONCEALABLE, make_valve_recording
+from sklvalve.recording import InputError, screen_recording
+
+ROLES = {"CV": "command", "X": "opening", "P1": "p1", "P2": "p2", "T1": "temperature", "F": "flow"}
+LOOPS = ("wide", "closed", "mixed")
+NOISES = (1.0, 1.0, 2.0, 3.0)
+
+
+@dataclass
+class Tally:
+    """What became of the records with one defect."""
+
+    records: int = 0
+    found: int = 0
+    else_blamed: int = 0
+    seconds: float = 0.0
+    missed: tuple = ()
+    wrong: tuple = ()
+
+
+def healthy(seed, **more):
+    """One recording of the plant, loops and noise levels in turn."""
+    settings = {"loop": LOOPS[seed % 3], "noise": NOISES[(seed // 3) % 4], "n_later": 0} | more
+    return make_valve_recording(random_state=seed, **settings)
+
+
+def screened(made, columns):
+    """Findings (name, role) of a table, and the seconds that they took; an error of the border counts too."""
+    try:
+        recording = Recording.from_frame(columns, Valve.from_dict(made.valve))
+    except InputError:
+        return {("refused", None)}, 0.0
+    began = time.process_time()
+    found = screen_recording(recording)
+    return {(each["finding"], each["role"]) for each in found}, time.process_time() - began
+
+
+def planted(seed, records, only):
+    """Tally of each defect over healthy records."""
+    tallies = {}
+    for number in range(records):
+        made = healthy(seed + number)
+        columns = {name: made.frame[name].to_numpy(dtype=float) for name in ("time", *ROLES)}
+        for defect in defects(made):
+            if only and only not in defect.label:
+                continue
+            spoilt = defect.plant({k: v.copy() for k, v in columns.items()}, np.random.default_rng(number))
+            found, seconds = screened(made, spoilt)
+            roles = {ROLES[name] for name in defect.columns} | {None}
+            hit = {each for each in found if each[0] in defect.findings and each[1] in roles}
+            hit |= found & {("refused", None)}
+            rest = {each for each in found - hit if each[0] not in defect.excused}
+            tally = tallies.setdefault(defect.label, Tally())
+            tally.records += 1
+            tally.found += bool(hit)
+            tally.else_blamed += bool(rest)
+            tally.seconds += seconds
+            if not hit:
+                tally.missed += (f"{made.truth['loop']}{made.truth['noise']:.0f}#{seed + number}",)
+            tally.wrong += tuple(sorted(map(str, rest)))
+    return tallies
+
+
+def blamed(seed, records, effects):
+    """Findings in records without any defect, by what is concealed in them."""
+    tallies = {}
+    for number in range(records):
+        effect = effects[number % len(effects)]
+        more = {} if effect is None else {"onset": None}
+        made = healthy(seed + number, effect=effect, **more)
+        found, seconds = screened(made, made.frame)
+        tally = tallies.setdefault(effect or "nothing", Tally())
+        tally.records += 1
+        tally.else_blamed += bool(found)
+        tally.seconds += seconds
+        tally.wrong += tuple(sorted(f"{each}#{seed + number}" for each in found))
+    return tallies
+
+
+def whole(seed, records, only):
+    """Verdicts of the finder on planted records, one defect each in turn."""
+    for number in range(records):
+        made = healthy(seed + number, n_samples=2880, noise=1.0)
+        choice = [each for each in defects(made) if not only or only in each.label]
+        defect = choice[(7 * number) % len(choice)]
+        columns = {name: made.frame[name].to_numpy(dtype=float) for name in ("time", *ROLES)}
+        spoilt = defect.plant(columns, np.random.default_rng(number))
+        try:
+            recording = Recording.from_frame(spoilt, Valve.from_dict(made.valve))
+            told = MissingPhysicsFinder().fit(recording).diagnosis_.to_dict()
+            names = ["/".join(m["name"] for m in effect["members"]) for effect in told["effects"]]
+            data = sorted({f"{each['finding']} {each['role']}" for each in told["data"]})
+            answer = f"{told['verdict']} | {', '.join(names) or '-'} | {', '.join(data) or '-'}"
+        except InputError as refusal:
+            answer = f"refused | - | {refusal}"
+        print(f"| {defect.label} | {made.truth['loop']} | {answer} |", flush=True)
+
+
+def show(title, tallies):
+    """One table."""
+    print(
+        f"\n| {title} | records | found | else blamed | ms | missed in | else |\n|---|---|---|---|---|---|---|"
+    )
+    for label, tally in tallies.items():
+        wrong = ", ".join(f"{what} x{count}" for what, count in Counter(tally.wrong).most_common(3))
+        speed = 1e3 * tally.seconds / tally.records
+        print(
+            f"| {label} | {tally.records} | {tally.found} | {tally.else_blamed} | {speed:.0f} | "
+            f"{' '.join(tally.missed[:6])} | {wrong} |"
+        )
+
+
+def main():
+    """Print all tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--records", type=int, default=12)
+    parser.add_argument("--clean", type=int, default=100)
+    parser.add_argument("--physics", type=int, default=2 * len(CONCEALABLE))
+    parser.add_argument("--whole", type=int, default=0)
+    parser.add_argument("--only", default="")
+    given = parser.parse_args()
+    if given.records:
+        show("planted", planted(given.seed, given.records, given.only))
+    if given.clean:
+        show("nothing planted", blamed(given.seed + 10_000, given.clean, [None]))
+    if given.physics:
+        show("physics concealed", blamed(given.seed + 20_000, given.physics, CONCEALABLE))
+    if given.whole:
+        print("\n| planted | loop | verdict | physics named | data |\n|---|---|---|---|---|")
+        whole(given.seed + 30_000, given.whole, given.only)
+
+
+if __name__ == "__main__":
+    main()

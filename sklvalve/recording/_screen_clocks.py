@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Clocks that differ: a signal that moves before its cause, or later than any valve lets it."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sklvalve.recording._screen_lags import (
+    Lag,
+    Values,
+    filled,
+    lags_of,
+    longest_lag,
+    quick,
+    rising_curve,
+    slow,
+)
+from sklvalve.recording._screen_tools import Finding, finding
+from sklvalve.recording.recording import Recording
+
+_LEAST_ROWS = 300
+_TOLD = 0.5  # share of a signal's quick moves that its cause must explain before their order is judged
+_CLEAR = 1.6  # a pressure's answer at its peak over the largest elsewhere
+_LATE = 3  # rows; meters and pressure lines may lag by less
+_WATCHED = ("command", "opening", "flow", "p1", "p2")
+
+
+def screen_clocks(recording: Recording) -> list[Finding]:
+    """Signals whose clock is off, by what comes before its cause, or after it like a pure delay.
+
+    The command moves the stem, the stem the flow, the flow the pressures, and the pressures the flow; each
+    answer's delay is estimated by least squares over all lags, forward and back. An opening that is late behind
+    the command is no finding where the flow is late with it: dead time does that too.
+    """
+    signals = {
+        role: filled(recording[role])
+        for role in _WATCHED
+        if role in recording and role not in recording.constants and np.ptp(filled(recording[role])) > 0.0
+    }
+    if len(recording) < _LEAST_ROWS or len(signals) < 2:
+        return []
+    usable = np.all([np.isfinite(recording[role]) for role in signals], axis=0)
+    usable[1:] &= np.diff(recording.time) < 1.5 * recording.sample_time
+    lags = _lags(signals, usable, longest_lag(len(recording)))
+    shift = _told_by_order(lags) or _told_by_pressures(lags)
+    if shift is None:
+        return []
+    role, rows, why = shift
+    seconds = abs(rows) * recording.sample_time
+    way = "late" if rows > 0 else "early"
+    detail = f"about {seconds:g} s too {way}, {why}: the clocks differ, or columns are swapped"
+    return [finding("clock_shift", role, detail)]
+
+
+def _lags(signals: dict[str, Values], usable: NDArray[np.bool_], longest: int) -> dict[str, Lag]:
+    """Lags by name of cause and answer, where the signals are there and the answer is clear."""
+    found: dict[str, Lag] = {}
+    command, opening, flow = (signals.get(role) for role in ("command", "opening", "flow"))
+    if command is not None and opening is not None:
+        found |= _named(("command>opening",), lags_of(quick(opening), [quick(command)], usable, longest))
+    if flow is not None and command is not None:
+        # a controller at work moves the command in nearly every row
+        at_work = usable & (slow((np.diff(command, prepend=command[0]) != 0.0).astype(float)) > 0.8)
+        noise, moves = _jitter(flow, at_work), _jitter(command, at_work)
+        found |= _named(("flow>command",), lags_of(-moves, [noise], at_work, longest))
+    moved = opening if opening is not None else command
+    if flow is None or moved is None:
+        return found
+    name = "opening>flow" if opening is not None else "command>flow"
+    # pressures that change places say nothing of time
+    if not {"p1", "p2"} <= set(signals) or (signals["p1"] < signals["p2"]).mean() > 0.05:
+        return found | _named(
+            (name,), lags_of(quick(flow), [quick(rising_curve(moved, flow))], usable, longest)
+        )
+    drop = np.maximum(signals["p1"] - signals["p2"], 1e-3 * np.ptp(signals["p1"]) + 1.0)
+    root, share = slow(np.sqrt(drop)), slow(flow) / (2.0 * slow(drop))
+    passes = rising_curve(moved, flow / np.sqrt(drop))
+    causes = [root * quick(passes), share * quick(signals["p1"]), -share * quick(signals["p2"])]
+    found |= _named((name, "p1>flow", "p2>flow"), lags_of(quick(flow), causes, usable, longest))
+    through = quick((passes * root) ** 2)
+    found |= _named(("flow>p1",), lags_of(-quick(signals["p1"]), [through], usable, longest))
+    found |= _named(("flow>p2",), lags_of(quick(signals["p2"]), [through], usable, longest))
+    return found
+
+
+def _jitter(values: Values, rows: NDArray[np.bool_]) -> Values:
+    """Second differences, the large ones cut: what sensors and controllers do from row to row."""
+    bend = np.diff(values, 2, prepend=values[:2])
+    most = 6.0 * float(np.median(np.abs(bend[rows]))) if rows.any() else 0.0
+    return np.clip(bend, -most, most)
+
+
+def _named(names: tuple[str, ...], lags: list[Lag]) -> dict[str, Lag]:
+    return dict(zip(names, lags, strict=True)) if lags else {}
+
+
+def _before(lag: Lag | None) -> int:
+    """Rows by which an answer comes before its cause, else 0."""
+    if lag is None or lag.told < _TOLD or lag.prominence < 1.5:
+        return 0
+    return -min(lag.peak, lag.half) if lag.half <= -1 and lag.peak <= 0 else 0
+
+
+def _after(lag: Lag | None) -> int:
+    """Rows by which an answer follows its cause like a pure delay, else 0."""
+    if lag is None or lag.told < _TOLD or lag.prominence < 1.8 or lag.peak < _LATE:
+        return 0
+    # an answer drawn out to both sides is a weak one, not a late one
+    return lag.peak if lag.early < 0.2 else 0
+
+
+def _told_by_order(lags: dict[str, Lag]) -> tuple[str, int, str] | None:
+    """The one of command, opening and flow whose clock is off: role, rows late, and why."""
+    stem, water = lags.get("command>opening"), lags.get("opening>flow")
+    stem_first, water_first, water_after = _before(stem), _before(water), _after(water)
+    if stem_first:
+        both = all(abs(_pressure_late(lags, role)[0] - stem_first) <= 2 for role in ("p1", "p2"))
+        if water is None or water_after or both:
+            return "opening", -stem_first, "it moves before the command, its cause"
+        return "command", stem_first, "the opening moves before it, and the flow with the opening"
+    if water_first:
+        return _opening_or_flow(lags, water_first)
+    if water_after:
+        return "flow", water_after, "it follows the opening only after a pure delay"
+    only = _before(lags.get("command>flow"))
+    if only and lags["command>flow"].prominence >= 3.0:
+        return "flow", -only, "it moves before the command, its cause"
+    noise = lags.get("flow>command")
+    if (
+        stem is not None
+        and noise is not None
+        and noise.told > 0.7
+        and noise.peak <= -2
+        and stem.peak >= _LATE
+    ):
+        return "command", noise.peak - 1, "it answers the flow's noise before that is there"
+    return None
+
+
+def _opening_or_flow(lags: dict[str, Lag], rows: int) -> tuple[str, int, str]:
+    """Which of the two is off where the flow moves before the opening."""
+    late = lags["command>opening"].peak if "command>opening" in lags else 0
+    if late >= max(2, rows - 1):
+        return "opening", rows, "the flow moves before it, its cause"
+    return "flow", -rows, "it moves before the opening, its cause"
+
+
+def _told_by_pressures(lags: dict[str, Lag]) -> tuple[str, int, str] | None:
+    """The pressure whose clock is off; where both are off alike, it is the flow's, and the stem's with it."""
+    late = {role: _pressure_late(lags, role) for role in ("p1", "p2")}
+    (first, first_clear), (second, second_clear) = late["p1"], late["p2"]
+    if first and second and abs(first - second) <= 2:
+        return "flow", -first, "by how both pressures answer it, and it them"
+    why = "by how it answers the flow, and the flow it"
+    if first and (not second or first_clear >= second_clear):
+        return "p1", first, why
+    return ("p2", second, why) if second else None
+
+
+def _pressure_late(lags: dict[str, Lag], role: str) -> tuple[int, float]:
+    """Rows by which a pressure is late, or 0, and how clearly: its answer and its drive taken together."""
+    answer, drive = lags.get(f"flow>{role}"), lags.get(f"{role}>flow")
+    if answer is None or drive is None:
+        return 0, 0.0
+    course = np.array(answer.course)
+    # a pressure drives the flow with a gain of one in these terms, or the answer is chance
+    if 0.4 < drive.gain < 1.7:
+        course = course + np.array(drive.course)[::-1]
+    course = np.convolve(course, np.full(3, 1.0 / 3.0), mode="same")
+    place = int(np.argmax(course[2:-2])) + 2
+    elsewhere = np.abs(np.arange(len(course)) - place) > 5
+    clear = float(course[place] / max(float(np.abs(course[elsewhere]).max(initial=0.0)), 1e-300))
+    rows = place - answer.searched
+    return (rows, clear) if abs(rows) >= _LATE and clear > _CLEAR else (0, clear)
