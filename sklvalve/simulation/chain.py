@@ -158,7 +158,7 @@ class Chain:
             if len(self._remembered) > 40:
                 self._remembered.clear()
             self._remembered[key] = free_run(self, values, self._through)
-        return self._remembered[key]
+        return self._through("stem", self._remembered[key], values)
 
     def free_runs_ahead(self, several):
         """Run the stem for several sets of values side by side, to have the results at hand later."""

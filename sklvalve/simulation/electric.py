@@ -110,7 +110,7 @@ def motor(command, step, x0, up, down, dead_band, reversal, lag):
 
 
 def electric_stem(chain, values, changed):
-    """Opening of the stem of an electric actuator, free run from the command [1].
+    """Opening to which an electric actuator drives its stem, free run from the command [1].
 
     Parameters
     ----------
@@ -148,4 +148,4 @@ def electric_stem(chain, values, changed):
         drive["reversal"],
         values["actuator_filter"],
     )
-    return changed("stem", stem, values)
+    return stem

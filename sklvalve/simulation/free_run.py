@@ -10,18 +10,18 @@ from sklvalve.simulation.stem import FAULTS, columns_of_faults, positioner_and_a
 
 # a quick positioner and a stem that slides: what stands in where no position speaks of them
 _IDEAL = {"actuator_gain": 8.0, "actuator_reset": 1e-3, "actuator_rate": 0.9, "actuator_coulomb": 1e-3}
-_OPENING_STAGES = ("signal", "actuator", "stem", "position_sensor")
+_STAGES = ("signal", "actuator")
 
 
 def key_of_free_run(chain, values):
     """What a free run hangs on: runs of equal keys are the same."""
     names = [name for name in values if name.startswith("actuator_")]
-    names += [f"{e.key}.{p.name}" for e in chain.effects if e.stage in _OPENING_STAGES for p in e.parameters]
+    names += [f"{e.key}.{p.name}" for e in chain.effects if e.stage in _STAGES for p in e.parameters]
     return tuple(values[name] for name in names)
 
 
 def free_run(chain, values, through):
-    """Opening of the stem, from the command.
+    """Opening to which the actuator drives the stem, from the command.
 
     Parameters
     ----------
@@ -49,8 +49,8 @@ def free_run(chain, values, through):
     command = through("signal", command, values)
     if "actuator_gain" not in values and not any(e.stage == "actuator" for e in chain.effects):
         stem = first_order_lag(command, chain.step, values["actuator_filter"], 1.0)
-        return through("stem", np.clip(stem, 0.0, 1.0), values)
-    return through("stem", _driven_by_air(chain, command, _IDEAL | values, through), values)
+        return np.clip(stem, 0.0, 1.0)
+    return _driven_by_air(chain, command, _IDEAL | values, through)
 
 
 def _driven_by_air(chain, command, values, through):

@@ -166,7 +166,7 @@ def positioner_and_actuator(
     lever = x
     bristle, capacity = _BRISTLE, rate
     integral, bend, speed = 0.0, 0.0, 0.0
-    known, eased, old, drag, bent_part = -1.0, 0.0, 0.0, 0.0, 0.0
+    known, eased, old, drag = -1.0, 0.0, 0.0, 0.0
     for k in range(n):
         if command[k] == command[k]:
             target = command[k]
@@ -212,8 +212,13 @@ def positioner_and_actuator(
                 margin = 0.5 * (limit - abs(bristle * bend))
                 if h * busy > margin:
                     h = min(h, max(_STEP_OF_SLIPPING, margin / busy))
+            loose = 0.0
             if play > 0.0:
-                h = min(h, 0.5 * _STEP_OF_SLIPPING)
+                # until the stem has taken up the play nothing checks it: it must not go far on its own
+                gap = play - (x - lever if filling else lever - x)
+                if h * busy > gap:
+                    h = min(h, max(0.5 * _STEP_OF_SLIPPING, gap / busy))
+                loose = min(gap / (h * busy + 1e-9), 1.0)
             if h * busy > _LARGEST_CHANGE:
                 h = _LARGEST_CHANGE / busy
             remaining -= h
@@ -231,8 +236,7 @@ def positioner_and_actuator(
                 inlet, slope = _vent_nozzle(pressure, atmosphere) if filling else _supply_nozzle(pressure, ps)
             if faulty:
                 limit = slide + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
-                bent_part = max(faults[k, 4] * (x - faults[k, 5]), 0.0)
-                limit += bent_part
+                limit += max(faults[k, 4] * (x - faults[k, 5]), 0.0)
             stiff = bristle / limit
             tight = 1.0 + air
             force = pressure - pre - x
@@ -249,7 +253,7 @@ def positioner_and_actuator(
 
             error = near + (1.0 - (1.0 - theta) * old) * moved
             lift = gain + theta * h * reset
-            grip = lift
+            grip = lift * (1.0 - loose)
             if abs(error) > band:
                 error = _beyond(error, band)
                 spool = lift * error + integral
@@ -271,7 +275,7 @@ def positioner_and_actuator(
                 push = side * left
                 held = limit - side * bristle * bend
                 through = tight + back * volume + drag
-                if bent_part > 0.0:
+                if faulty and faults[k, 4] * (x - faults[k, 5]) > 0.0:
                     through += max(side * faults[k, 4], 0.0)
                 if held > 0.0:
                     way, fade = _displacement(push, through, held, stiff)
