@@ -8,6 +8,7 @@ import numpy as np
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, own_values
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.screening import screened
+from sklvalve.mismatch.workbench import ACTUATOR_STAGES
 
 # two explanations are told apart from this profile-likelihood distance on (3 % confusion)
 DISTINGUISHABLE = 14.0
@@ -270,7 +271,9 @@ def _rivals(workbench, model, effects, report):
         others = [e for e in effects if e.key != member.effect.key and not is_in(e, rest)]
         others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
         places = [(member, model)]
-        for k, rough in enumerate(screened(workbench, without, others, onset=member.onset)):
+        # around the calibration of the explanation in place: without it the calibration bends to make up
+        bare = workbench.judged(workbench.simulate(rest, model.values))
+        for k, rough in enumerate(screened(workbench, bare, others, onset=member.onset)):
             fitted = rough
             near = rough.log_likelihood > model.log_likelihood - _WITHIN_REACH
             if k < _FITTED or near:

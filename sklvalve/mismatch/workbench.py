@@ -2,6 +2,7 @@
 """Fits of hypotheses to one recording: a hypothesis is a set of effects, each from its onset on."""
 
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 
@@ -16,13 +17,20 @@ from sklvalve.simulation.calibration import (
     span_of,
 )
 from sklvalve.simulation.chain import Chain
-from sklvalve.simulation.fitting import Misfit, PlainNoise, fit_chain, residual_of, simulate_channels
+from sklvalve.simulation.fitting import (
+    Misfit,
+    PlainNoise,
+    fit_chain,
+    robust_cost,
+    residual_of,
+    simulate_channels,
+)
 
 # a healthy simulation is wrong by about this share of what counts as an effect
 _INADEQUACY = 0.2
 # and no sensor's noise is larger than this many times what counts
 _LARGEST = 2.0
-_OPENING_STAGES = ("signal", "actuator", "stem")
+ACTUATOR_STAGES = ("signal", "actuator", "stem")
 
 
 class Workbench:
@@ -59,6 +67,7 @@ class Workbench:
         self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
         # fits and noises found once are kept: in a search the same question comes up many times
         self._known, self._learnt = {}, {}
+        self._sound: dict = {}
 
     def chain(self, members, recording=None):
         """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
@@ -82,7 +91,7 @@ class Workbench:
         """Channels whose simulation an effect changes."""
         if self.coupled:
             return self.channels
-        if effect.stage in _OPENING_STAGES:
+        if effect.stage in ACTUATOR_STAGES:
             return tuple(c for c in self.channels if c == "opening")
         if effect.stage == "position_sensor":
             return self.channels
@@ -141,7 +150,7 @@ class Workbench:
                 max_steps,
                 None if rows is None else rows.tobytes(),
                 tuple(self.noise[c] for c in channels),
-                None if start is None or not own else _signs(self._touching(start.members, channels)),
+                self._origin(chain, start, own, channels),
             )
             if sign not in self._known:
                 self._known[sign] = self._fit_group(
@@ -153,6 +162,15 @@ class Workbench:
             predictions |= fit.predictions
             likelihood += fit.log_likelihood
         return Model(members, chain, values, predictions, likelihood, spreads)
+
+    def _origin(self, chain, start, own, channels):
+        """What tells where a fit begins: the effects of the start, and its values where it has all effects."""
+        if start is None or not own:
+            return None
+        signs = _signs(self._touching(start.members, channels))
+        if signs != _signs(own):
+            return signs
+        return signs, tuple(start.values.get(p.name) for p in self.parameters(chain, channels, own))
 
     def _touching(self, members, channels):
         return [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
@@ -255,12 +273,43 @@ class Workbench:
 
     def calibrated(self):
         """The simulation without any further effect, calibrated, and the noise learnt from it."""
-        guess = first_guess(self)
+        guess, self._sound = first_guess(self)
         model = self.fit((), start=guess, hold="actuator_" if guess.values and not self.coupled else None)
         for _ in range(2):
             self.learn_noise(model, cautious=True, anew=True)
+            other = self._fitted_from_sound(model)
             model = self.fit((), start=model)
+            if other is not None and other.log_likelihood > model.log_likelihood:
+                model = other
         return model
+
+    def _fitted_from_sound(self, model):
+        """The calibration begun anew from a sound actuator, which may lie in another valley."""
+        if not self._sound:
+            return None
+        self._known.clear()
+        other = self.fit((), start=self.sound(model))
+        self._known.clear()
+        return other
+
+    def sound(self, model):
+        """A hypothesis with the actuator as most rows have it, simulated and not fitted.
+
+        Returns
+        -------
+        sound : Model
+            `model` itself where no position is recorded.
+        """
+        if not self._sound:
+            return model
+        return self.judged(self.simulate(model.members, model.values | self._sound))
+
+    def judged(self, model):
+        """A simulated hypothesis with its log likelihood, the distance from the priors included."""
+        cost = sum(
+            robust_cost(m.errors(m.vector.pack(model.values))) for m in self.misfits(model, self.channels)
+        )
+        return replace(model, log_likelihood=-cost)
 
     def change(self, model, other):
         """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fit of a chain's open parameters to a recording by simulation error."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -113,7 +114,9 @@ class Misfit:
         return np.stack([(self.errors(m) - base) / r for m, r in zip(moved, reach, strict=True)], axis=1)
 
 
-def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, rows=None, max_steps=20):
+def fit_chain(
+    chain, parameters, channels, noise, *, start=None, fixed=None, rows=None, max_steps=20, loss=None
+):
     """Fit parameters to channels, least squares of the whitened simulation error with bounds and priors.
 
     Parameters
@@ -124,6 +127,8 @@ def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, row
         Values to begin with; what it lacks begins at the parameter's own start.
     max_steps : int, default=20
         Bound on the number of optimiser steps.
+    loss : Loss, default=SOFT
+        `MAJORITY` fits most rows well and lets the others go.
 
     Returns
     -------
@@ -142,7 +147,7 @@ def fit_chain(chain, parameters, channels, noise, *, start=None, fixed=None, row
         return ChannelFit(misfit.fixed, left, predictions)
     inside = 1e-6 * np.minimum(vector.scale, vector.high - vector.low)
     z = np.clip(vector.pack(start or {}), vector.low + inside, vector.high - inside)
-    z, cost, hessian = _minimise(misfit.errors, misfit.slopes, z, vector, max_steps)
+    z, cost, hessian = _minimise(misfit.errors, misfit.slopes, z, vector, max_steps, loss or SOFT)
     return ChannelFit(
         misfit.values(z), -cost, misfit.predictions(z), tuple(parameters), _spreads(hessian, vector)
     )
@@ -159,17 +164,37 @@ def robust_weights(left):
     return 1.0 / np.sqrt(1.0 + (left / _ROBUST_FROM) ** 2)
 
 
-def _minimise(stacked, slopes, z, vector, max_steps):
-    """Levenberg-Marquardt steps inside bounds for the soft L1 cost.
+@dataclass(frozen=True)
+class Loss:
+    """Cost of whitened residuals, and the weights of the quadratic that touches it from above."""
+
+    cost: Callable
+    weights: Callable
+
+
+def _majority_cost(left):
+    return float(0.5 * np.sum(np.log1p(left**2)))
+
+
+def _majority_weights(left):
+    return 1.0 / (1.0 + left**2)
+
+
+SOFT = Loss(robust_cost, robust_weights)
+MAJORITY = Loss(_majority_cost, _majority_weights)
+
+
+def _minimise(stacked, slopes, z, vector, max_steps, loss):
+    """Levenberg-Marquardt steps inside bounds.
 
     There are thousands of rows and a score of parameters, so the normal equations cost next to nothing
     beside the simulations. A parameter at its bound that would leave it sits out the step.
     """
     left = stacked(z)
-    cost, damping, hessian, idle = robust_cost(left), 1e-3, np.eye(len(z)), 0
+    cost, damping, hessian, idle = loss.cost(left), 1e-3, np.eye(len(z)), 0
     for _ in range(max_steps):
         columns = slopes(z, left)
-        weights = robust_weights(left)
+        weights = loss.weights(left)
         gradient = columns.T @ (weights * left)
         hessian = columns.T @ (weights[:, None] * columns)
         gained = 0.0
@@ -178,7 +203,7 @@ def _minimise(stacked, slopes, z, vector, max_steps):
             damped = hessian + damping * np.diag(np.diag(hessian) + 1e-6 / vector.scale**2)
             moved = z + step_inside(damped, gradient, vector.low - z, vector.high - z)
             new_left = stacked(moved)
-            new_cost = robust_cost(new_left)
+            new_cost = loss.cost(new_left)
             if new_cost < cost:
                 gained = cost - new_cost
                 z, left, cost = moved, new_left, new_cost

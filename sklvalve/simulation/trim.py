@@ -22,7 +22,8 @@ class SheetTrim:
     kv_scale : float, default=None
         Order of the largest capacity, where the sheet has no rated one [m3/h].
     knots : sequence of float
-        Openings between which the deviation is a natural cubic spline; few, for a trim is smooth.
+        Openings between which the deviation is a natural cubic spline; few, for a trim is smooth. At the last,
+        full travel, there is none: what deviates there is the rated capacity.
     """
 
     known = True
@@ -39,7 +40,8 @@ class SheetTrim:
         )
         spline = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
         self._shapes = spline(np.clip(GRID, knots[0], knots[-1]))
-        phi = np.maximum(np.interp(knots, GRID, self.nominal), 1e-3)
+        self._shapes = self._shapes[:, :-1]
+        phi = np.maximum(np.interp(knots[:-1], GRID, self.nominal), 1e-3)
         reach = tolerance.trim * phi**-0.2
         self.parameters = tuple(
             Parameter(f"trim_{i}", "1", -r, r, 0.0, spread=0.5 * r) for i, r in enumerate(reach)
