@@ -7,6 +7,7 @@ import pytest
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.growing import fit_growing
 from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.preparation import candidates
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.simulation import Tolerance
@@ -128,3 +129,16 @@ def test_an_effect_that_grows_is_dated(onset):
     model = fit_growing(workbench, nominal, BY_KEY["sedimentation"], onset=begin, max_steps=5)
     assert model.members[-1].onset - nominal.chain.clock[0] == pytest.approx(onset, abs=50.0)
     assert model.values["sedimentation.rate"] == pytest.approx(0.2 * 3600.0 / (1200.0 - onset), rel=0.15)
+
+
+def test_an_onset_is_moved_to_its_sample():
+    workbench, nominal = _calibrated("flow_meter_bias", 0.04, 500.0)
+    begin, effect = float(nominal.chain.clock[0]), BY_KEY["flow_meter_bias"]
+    for late in (-2.0, 0.0, 1.0):
+        fitted = workbench.fit((Member(effect, begin + 500.0 + late),), start=nominal)
+        moved = to_the_sample(workbench, fitted)
+        # the meter shows at the first sample after its onset, or at that one
+        assert moved.members[-1].onset - begin == pytest.approx(500.5, abs=0.6)
+        assert moved.log_likelihood >= fitted.log_likelihood
+    throughout = workbench.fit((Member(effect),), start=nominal)
+    assert to_the_sample(workbench, throughout) is throughout

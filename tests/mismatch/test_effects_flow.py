@@ -25,8 +25,6 @@ def test_a_line_takes_the_share_of_the_drop_that_resistances_in_series_take():
     together = 1.0 / np.sqrt(1.0 / kv**2 + loss / rated**2)
     assert apply("line_loss", [kv], {"loss": loss}, chain)[0] == pytest.approx(together, rel=1e-12)
     assert BY_KEY["line_loss"].family == BY_KEY["piping_reducers"].family != ""
-    assert BY_KEY["line_loss"].may_begin
-    assert not BY_KEY["piping_reducers"].may_begin
 
 
 def test_column_of_water_obeys_its_equation_of_motion():

@@ -10,11 +10,9 @@ class LineLoss(PipingReducers):
 
     .. math:: K_v' = K_v / \sqrt{1 + \zeta (K_v / K_{v,rated})^2}
 
-    the equation of reducers, so that no signal of the valve tells the two apart; but a line may lose more
-    from some time on, reducers do not.
+    the equation of reducers, so that no signal of the valve tells the two apart.
     """
 
     name = key = "line_loss"
     parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
-    may_begin = True
     phrase = "the line between the pressure taps costs {loss:.2g} times the valve's own loss when fully open"

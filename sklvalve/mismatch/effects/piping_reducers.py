@@ -11,7 +11,8 @@ class PipingReducers(Effect):
 
     .. math:: K_v' = K_v / \sqrt{1 + \zeta (K_v / K_{v,rated})^2}
 
-    the piping factor F_P of IEC 60534-2-1; it grows with the opening, the same at every pressure drop.
+    the piping factor F_P of IEC 60534-2-1; it grows with the opening, the same at every pressure drop. It
+    begins within a recording where fittings foul.
     """
 
     name = key = "piping_reducers"
@@ -20,7 +21,6 @@ class PipingReducers(Effect):
     needs: tuple = ("flow",)
     family = "series"
     source = "IEC 60534-2-1"
-    may_begin = False
     phrase = "fittings or line in series with the valve cost {loss:.2g} times its own loss when fully open"
     separated_by = (
         "Pressure taps directly at the valve; no signal beyond them tells reducers from a line loss."
