@@ -179,7 +179,7 @@ def _wiring():
     pairs += [("T1", "P1"), ("T1", "F"), ("P1", "X"), ("P2", "X"), ("T1", "X")]
     bad = ("swapped", "unit_suspect")
     return [
-        Defect(f"swapped {a}<->{b}", ("swapped",), (a, b), partial(_swap, a, b), bad + ("clock_shift",))
+        Defect(f"swapped {a}<->{b}", bad, (a, b), partial(_swap, a, b), (*bad, "clock_shift"))
         for a, b in pairs
     ]
 

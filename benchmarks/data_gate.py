@@ -4,9 +4,9 @@
     python benchmarks/data_gate.py [--seed 0] [--records 12] [--clean 100] [--only WORD] [--whole 0]
 
 Prints one line a defect and size: in how many of the records it was found by its own name and channel, in how
-many something else was blamed beside it, and seconds of one core a record. Then how many clean records, and records with
-real physics concealed, were blamed of anything. ``--whole N`` diagnoses N planted records with the whole
-finder, and counts those in which physics was named.
+many something else was blamed beside it, and seconds of one core a record. Then how many clean records,
+and records with real physics concealed, were blamed of anything. ``--whole N`` diagnoses N planted records
+with the whole finder, and shows what was named.
 """
 
 import argparse
@@ -118,9 +118,7 @@ def whole(seed, records, only):
 
 def show(title, tallies):
     """One table."""
-    print(
-        f"\n| {title} | records | found | else blamed | ms | missed in | else |\n|---|---|---|---|---|---|---|"
-    )
+    print(f"\n| {title} | records | found | else blamed | ms | missed in | else |\n" + 7 * "|---" + "|")
     for label, tally in tallies.items():
         wrong = ", ".join(f"{what} x{count}" for what, count in Counter(tally.wrong).most_common(3))
         speed = 1e3 * tally.seconds / tally.records

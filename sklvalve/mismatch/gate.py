@@ -1,17 +1,97 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Findings about the data switch off the effects that they mimic."""
+"""The data gate: what is wrong with the data switches off, blanks or blocks before physics is asked."""
 
-# finding -> role it concerns (None: any) -> effects that it imitates
-_MIMICS = {
-    "compressed": {
-        "opening": ("stiction", "backlash", "positioner_deadband", "dead_time"),
-        "command": ("dead_time",),
-        "flow": ("backlash",),
-    },
-    "frozen": {"opening": ("stiction", "positioner_deadband", "position_sensor_bias")},
-    "clock_shift": {None: ("dead_time",)},
-    "saturated": {"flow": ("clogging", "choked_flow"), "opening": ("supply_pressure_drop",)},
+from dataclasses import replace
+
+import numpy as np
+
+# moves of the stem that stick, lose motion or come late: all that a record redrawn in time cannot show
+_STICKING = ("stiction", "friction", "backlash", "presliding", "positioner_deadband", "rod_bend")
+_LATE = ("dead_time", "actuator_lag", "slew_limit", "transducer_fault")
+_STILL = ("stuck_valve",)
+_WET_DYNAMICS = ("flow_inertia", "sensor_lag")
+_UNSTEADY = ("cavitation", "two_phase", "flashing")  # told by the variance of flow and pressures
+_TOP_OF_FLOW = ("clogging", "choked_flow", "piping_reducers", "line_loss", "wrong_characteristic")
+_NEAR_SEAT = ("seat_leakage", "bypass_open", "erosion", "tight_shutoff", "viscous_flow", "flow_meter_bias")
+_SLOW = ("sedimentation", "flow_meter_drift", "density_change", "viscosity_change")
+_LIMITED = ("supply_pressure_drop", "actuator_leak", "spring_fault", "stem_load", "positioner_characteriser")
+_SENSOR_OF_STEM = ("position_sensor_bias", "position_sensor_gain", "positioner_feedback_fault")
+_BY_PRESSURE = (
+    "choked_flow",
+    "gas_expansion",
+    "external_leakage",
+    "stem_load",
+    "inlet_pressure_bias",
+    "outlet_pressure_bias",
+)
+_SIZE_OF_FLOW = ("capacity_error", "flow_meter_gain")
+
+#: Every name of the design's table.
+NAMES = tuple(
+    sorted(
+        {
+            *_STICKING,
+            *_LATE,
+            *_STILL,
+            *_WET_DYNAMICS,
+            *_UNSTEADY,
+            *_TOP_OF_FLOW,
+            *_NEAR_SEAT,
+            *_SLOW,
+            *_LIMITED,
+            *_SENSOR_OF_STEM,
+            *_BY_PRESSURE,
+            *_SIZE_OF_FLOW,
+        }
+    )
+)
+
+_REDRAWN = {
+    "command": (*_STICKING, *_LATE, *_STILL),
+    "opening": (*_STICKING, *_LATE, *_STILL, *_WET_DYNAMICS),
+    "flow": ("backlash", *_WET_DYNAMICS, *_UNSTEADY),
+    "p1": (*_WET_DYNAMICS, *_UNSTEADY),
+    "p2": (*_WET_DYNAMICS, *_UNSTEADY),
+    "temperature": ("density_change", "viscosity_change"),
 }
+# finding -> role (None: any) -> effects that it imitates, or that cannot be seen for it
+_MIMICS = {
+    "compressed": _REDRAWN,
+    "quantised": {
+        "opening": ("stiction", "backlash", "presliding", "positioner_deadband"),
+        "flow": ("backlash", *_UNSTEADY),
+        "p1": _UNSTEADY,
+        "p2": _UNSTEADY,
+    },
+    "frozen": {
+        "command": ("dead_time", *_STILL),
+        "opening": ("stiction", "friction", "positioner_deadband", "presliding", *_STILL),
+        "flow": ("sensor_lag",),
+        "temperature": ("density_change", "viscosity_change"),
+    },
+    "saturated": {
+        "opening": (*_LIMITED, *_STILL, "tight_shutoff", "rod_bend", *_SENSOR_OF_STEM),
+        "flow": (*_TOP_OF_FLOW, "two_phase", "flashing", "seat_leakage", "bypass_open", "erosion"),
+        "p1": ("inlet_pressure_bias", "external_leakage", "gas_expansion"),
+        "p2": ("choked_flow", "flashing", "outlet_pressure_bias", "gas_expansion"),
+        "temperature": ("density_change", "viscosity_change"),
+    },
+    "clock_shift": {None: (*_STICKING, *_LATE, *_WET_DYNAMICS)},
+    "swapped": {None: NAMES},
+    "unit_suspect": {None: NAMES},
+}
+# where a channel is frozen from first to last row it was not measured at all
+_UNMEASURED = {
+    "command": (*_STICKING, *_LATE, *_STILL, *_LIMITED, "positioner_feedback_fault"),
+    "opening": (*_STICKING, *_LATE, *_STILL, *_LIMITED, *_SENSOR_OF_STEM),
+    "flow": NAMES,
+    "p1": (*_BY_PRESSURE, *_UNSTEADY),
+    "p2": (*_BY_PRESSURE, *_UNSTEADY),
+    "temperature": ("density_change", "viscosity_change", "viscous_flow", "flashing"),
+}
+_BLANKED = ("frozen", "saturated")
+_MOST_BLANK = 0.6  # of a channel; what is left would say nothing of the whole
+_COUNTS = 0.005  # of the span; steps below this cannot pass for an effect that counts
 
 
 def effects_switched_off(data):
@@ -29,7 +109,88 @@ def effects_switched_off(data):
     """
     off = {}
     for finding in data:
-        by_role = _MIMICS.get(finding["finding"], {})
-        for effect in (*by_role.get(finding["role"], ()), *by_role.get(None, ())):
-            off.setdefault(effect, f"a recording whose {finding['role']} is not {finding['finding']}")
+        name, role = finding["finding"], finding["role"]
+        if name == "quantised" and finding.get("size", 1.0) < _COUNTS:
+            continue
+        by_role = _UNMEASURED if _never_moves(finding) else _MIMICS.get(name, {})
+        needs = _needs(name, role)
+        for effect in (*by_role.get(role, ()), *by_role.get(None, ())):
+            off.setdefault(effect, needs)
     return off
+
+
+def _never_moves(finding):
+    return finding["finding"] == "frozen" and finding["rows"] is None
+
+
+def _needs(name, role):
+    if name == "swapped":
+        return "columns in their places"
+    if name == "unit_suspect":
+        return f"the right unit and sense of {role}"
+    if name == "clock_shift":
+        return f"one clock for {role} and the others"
+    return f"a recording whose {role} is not {name}"
+
+
+def blocking(data):
+    """Say why no physics may be named from a recording before its data are mended; None where it may.
+
+    Parameters
+    ----------
+    data : list of dict
+        Findings of `screen_recording`.
+
+    Returns
+    -------
+    sentence : str or None
+        For people, with what was seen and what to do.
+    """
+    grave = [each for each in data if each["finding"] in ("swapped", "unit_suspect")]
+    if not grave:
+        return None
+    seen = "; ".join(f"{each['role']} {each['detail']}" for each in grave)
+    return f"The data must be mended before physics is asked: {seen}. Correct the columns in the valve.toml."
+
+
+def without_findings(recording, data):
+    """Recording without the rows that a sensor did not measure, and with clocks set right.
+
+    Frozen and saturated stretches become NaN in their channel, so that no fit sees them; a channel that would
+    lose more than six tenths of its rows is left as it is, as is a command, which drives the simulation. A
+    channel whose clock is off is moved back by the rows that the screening found; rows that it then lacks are
+    NaN, in a command the nearest known value.
+
+    Parameters
+    ----------
+    recording : Recording
+    data : list of dict
+        Findings of `screen_recording` of this recording.
+
+    Returns
+    -------
+    recording : Recording
+        The one given where there is nothing to be left out.
+    """
+    signals = dict(recording.signals)
+    for role in {each["role"] for each in data if each["finding"] in _BLANKED} - {None, "command"}:
+        spans = [each["rows"] or [] for each in data if each["finding"] in _BLANKED and each["role"] == role]
+        hidden = np.zeros(len(recording), dtype=bool)
+        for start, stop in (span for each in spans for span in each):
+            hidden[start:stop] = True
+        if 0.0 < hidden.mean() <= _MOST_BLANK:
+            signals[role] = np.where(hidden, np.nan, signals[role])
+    for each in data:
+        if each["finding"] == "clock_shift" and each["role"] in signals and each.get("size"):
+            rows = round(each["size"] / recording.sample_time)
+            signals[each["role"]] = _moved_back(signals[each["role"]], rows, hold=each["role"] == "command")
+    if all(signals[role] is recording.signals[role] for role in signals):
+        return recording
+    return replace(recording, signals=signals)
+
+
+def _moved_back(values, rows, *, hold):
+    places = np.arange(len(values)) + rows
+    inside = (places >= 0) & (places < len(values))
+    moved = values[np.clip(places, 0, len(values) - 1)]
+    return moved if hold else np.where(inside, moved, np.nan)

@@ -15,6 +15,7 @@ from sklvalve.recording._screen_lags import (
     slow,
 )
 from sklvalve.recording._screen_tools import Finding, finding
+from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
 
 _LEAST_ROWS = 300
@@ -28,8 +29,8 @@ def screen_clocks(recording: Recording) -> list[Finding]:
     """Signals whose clock is off, by what comes before its cause, or after it like a pure delay.
 
     The command moves the stem, the stem the flow, the flow the pressures, and the pressures the flow; each
-    answer's delay is estimated by least squares over all lags, forward and back. An opening that is late behind
-    the command is no finding where the flow is late with it: dead time does that too.
+    answer's delay is estimated by least squares over all lags, forward and back. An opening that is late
+    behind the command is no finding where the flow is late with it: dead time does that too.
     """
     signals = {
         role: filled(recording[role])
@@ -41,6 +42,9 @@ def screen_clocks(recording: Recording) -> list[Finding]:
     usable = np.all([np.isfinite(recording[role]) for role in signals], axis=0)
     usable[1:] &= np.diff(recording.time) < 1.5 * recording.sample_time
     lags = _lags(signals, usable, longest_lag(len(recording)))
+    if _exchanged(signals, lags):
+        detail = "moves before the command, and jitters less: the columns of the two have changed places"
+        return [finding("swapped", "opening", detail)]
     shift = _told_by_order(lags) or _told_by_pressures(lags)
     if shift is None:
         return []
@@ -48,7 +52,7 @@ def screen_clocks(recording: Recording) -> list[Finding]:
     seconds = abs(rows) * recording.sample_time
     way = "late" if rows > 0 else "early"
     detail = f"about {seconds:g} s too {way}, {why}: the clocks differ, or columns are swapped"
-    return [finding("clock_shift", role, detail)]
+    return [finding("clock_shift", role, detail, size=rows * recording.sample_time)]
 
 
 def _lags(signals: dict[str, Values], usable: NDArray[np.bool_], longest: int) -> dict[str, Lag]:
@@ -91,6 +95,15 @@ def _jitter(values: Values, rows: NDArray[np.bool_]) -> Values:
 
 def _named(names: tuple[str, ...], lags: list[Lag]) -> dict[str, Lag]:
     return dict(zip(names, lags, strict=True)) if lags else {}
+
+
+def _exchanged(signals: dict[str, Values], lags: dict[str, Lag]) -> bool:
+    """Whether the command is a sensor's, and the opening what drives it by the lag of a positioner."""
+    stem = lags.get("command>opening")
+    if stem is None or not 1 <= _before(stem) <= 4:
+        return False
+    sensor, driver = (signals[role][signals[role] > 0.03] for role in ("command", "opening"))
+    return noise_floor(sensor) > 1.2 * noise_floor(driver)
 
 
 def _before(lag: Lag | None) -> int:

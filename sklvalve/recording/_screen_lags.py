@@ -55,9 +55,9 @@ def longest_lag(rows: int) -> int:
 
 
 def lags_of(answer: Values, causes: list[Values], usable: NDArray[np.bool_], longest: int) -> list[Lag]:
-    """Lags at which an answer follows each of its causes, jointly by least squares; [] where they tell nothing.
+    """Lags at which an answer follows each of its causes, by least squares; [] where they tell nothing.
 
-    ``answer[t] = sum over causes and k from -longest to longest of h[k] cause[t - k]``, on high-passed signals.
+    ``answer[t] = sum over causes and k from -longest to longest of h[k] cause[t - k]``, of quick signals.
     Sums over rows are correlations, so the cost is that of their Fourier transforms.
     """
     width = 2 * longest + 1

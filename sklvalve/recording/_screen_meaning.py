@@ -3,11 +3,10 @@
 
 import numpy as np
 
-from sklvalve.recording._screen_tools import Finding, finding, measured, runs
+from sklvalve.recording._screen_capacity import screen_capacity
+from sklvalve.recording._screen_tools import Finding, boiling_point, finding, measured, runs
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.signal import OPENING_ROLES
-
-_WATER = 1000.0  # kg/m3; the order of magnitude is all that is asked of it
 
 
 def screen_swapped(recording: Recording) -> list[Finding]:
@@ -32,7 +31,7 @@ def screen_units(recording: Recording) -> list[Finding]:
         *_sense(recording),
         *_temperature(recording),
         *_vacuum(recording),
-        *_flow(recording),
+        *screen_capacity(recording),
     ]
 
 
@@ -80,11 +79,22 @@ def _temperature(recording: Recording) -> list[Finding]:
     if "temperature" not in recording:
         return []
     middle = float(np.nanmedian(recording["temperature"]))
-    if 150.0 <= middle <= 1100.0:
+    if 150.0 <= middle <= _boiling(recording):
         return []
     written = float(recording.in_recorded_units("temperature", [middle])[0])
     detail = f"around {written:g} {recording.unit('temperature')}, {middle:.0f} K: hardly the right unit"
     return [finding("unit_suspect", "temperature", detail)]
+
+
+def _boiling(recording: Recording) -> float:
+    """Temperature [K] beyond which the fluid is no liquid: for water, 15 K above boiling at p1."""
+    water = (
+        recording.valve.fluid.get("name", "water") == "water"
+        and "vapour_pressure" not in recording.valve.fluid
+    )
+    if not water or "p1" not in recording:
+        return 1100.0
+    return min(1100.0, boiling_point(float(np.nanmedian(recording["p1"]))) + 15.0)
 
 
 def _vacuum(recording: Recording) -> list[Finding]:
@@ -97,33 +107,3 @@ def _vacuum(recording: Recording) -> list[Finding]:
             detail = f"at or below absolute vacuum in {100.0 * below.mean():.2g} % of the rows: is it gauge?"
             found.append(finding("unit_suspect", role, detail, runs(below)))
     return found
-
-
-def _flow(recording: Recording) -> list[Finding]:
-    """Flow far beyond what the rated capacity passes, or far below it with the valve wide open (liquids)."""
-    valve = recording.valve
-    liquid = valve.fluid.get("name", "water") == "water" or float(valve.fluid.get("density", 0.0)) > 300.0
-    if valve.kv_rated is None or not liquid or not {"flow", "p1", "p2"} <= set(recording.signals):
-        return []
-    density = float(valve.fluid.get("density", _WATER))
-    drop = np.maximum(recording["p1"] - recording["p2"], 0.0)
-    volume = recording["flow"] / density if recording.mass_flow else recording["flow"]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        used = 3600.0 * volume / (valve.kv_rated * np.sqrt(drop / 1e5 * _WATER / density))
-    used = np.where(drop > 1e3, used, np.nan)
-    if np.isfinite(used).sum() < 10:
-        return []
-    most = float(np.nanquantile(used, 0.99))
-    opening = recording.get("opening", recording.get("command"))
-    wide = opening is not None and float(np.nanquantile(opening, 0.99)) > 0.8
-    check = "check the units of flow and pressures, and kv_rated"
-    if most > 3.0:
-        detail = f"would take {most:.3g} times the rated capacity: {check}"
-    elif wide and most < 0.01:
-        detail = (
-            f"never takes more than {100.0 * most:.2g} % of the rated capacity, "
-            f"although the valve opens wide: {check}"
-        )
-    else:
-        return []
-    return [finding("unit_suspect", "flow", detail)]

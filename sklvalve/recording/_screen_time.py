@@ -70,7 +70,7 @@ def _straight_lines(time: NDArray[np.float64], values: NDArray[np.float64]) -> s
     if len(kept) < _LEAST_LINES or inside < 0.6 * moving:
         return None
     sizes = np.array([slopes[place] for place in kept])
-    different = len(np.unique(np.round(sizes / np.abs(sizes).max(), 2)))
+    different = len(np.unique(np.round(np.log(np.abs(sizes)) / 0.02)))
     if different < 0.3 * min(len(kept), 100):
         return None
     rows = float(np.median([lines[place][1] - lines[place][0] for place in kept]))
@@ -86,7 +86,7 @@ def _held(values: NDArray[np.float64], unit: str) -> str | None:
     changes = np.flatnonzero(step > 0.0)
     moves = step[changes]
     written = max(_written_step(values), quantum(values), resting_quantum(values))
-    if len(changes) < 30 or len(changes) > 0.5 * len(step):
+    if len(changes) < 12 or len(changes) > 0.5 * len(step):
         return None
     apart = np.bincount(np.diff(changes))
     scan = int(apart.argmax())
@@ -98,7 +98,7 @@ def _held(values: NDArray[np.float64], unit: str) -> str | None:
         np.abs(small - np.round(small)) < 0.15
     ).mean() > 0.8:  # a coarse reading, whose steps only vary a little
         return None
-    if written and band > 10.0 * written and len(np.unique(moves)) > 20:
+    if written and band > 10.0 * written and len(np.unique(moves)) > min(20, 0.6 * len(moves)):
         return (
             f"changes of less than {band:.3g} {unit} are missing, although its step is {written:.3g} {unit}: "
             f"a historian kept larger ones only, so lags and friction cannot be judged"

@@ -22,18 +22,28 @@ MEASURED = (
     "process_value",
 )
 
-_MOST_ROWS = 100
+_MOST_ROWS = 1000
 
 
 def finding(
-    name: str, role: str | None, detail: str, rows: Iterable[tuple[int, int]] | None = None
+    name: str,
+    role: str | None,
+    detail: str,
+    rows: Iterable[tuple[int, int]] | None = None,
+    size: float | None = None,
 ) -> Finding:
-    """One finding as plain data; `rows` are the longest 100 [start, stop) spans, None for all rows."""
+    """One finding as plain data; `rows` are the longest 1000 [start, stop) spans, None for all rows."""
     spans = None
     if rows is not None:
         longest = sorted(rows, key=lambda span: span[0] - span[1])[:_MOST_ROWS]
         spans = [[int(start), int(stop)] for start, stop in sorted(longest)]
-    return {"finding": name, "role": role, "detail": detail, "rows": spans}
+    told: Finding = {"finding": name, "role": role, "detail": detail, "rows": spans}
+    return told if size is None else told | {"size": float(size)}
+
+
+def boiling_point(pressure: float) -> float:
+    """Temperature [K] at which water boils under a pressure [Pa] (Antoine, 99 to 374 degC)."""
+    return 1810.94 / (8.14019 - np.log10(max(pressure, 1.0) / 133.322)) - 244.485 + 273.15
 
 
 def measured(recording: Recording) -> list[str]:

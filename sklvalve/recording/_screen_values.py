@@ -17,7 +17,7 @@ from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.signal import OPENING_ROLES
 
-_COARSE, _FINE = 1.0 / 300.0, 1e-3  # of the span; an effect counts from 0.5 % of it
+_COARSE, _FINE = 1.0 / 500.0, 1e-3  # of the span; an effect counts from 0.5 % of it
 _FEW_ROWS = 20
 
 
@@ -33,7 +33,7 @@ def screen_quantised(recording: Recording) -> list[Finding]:
         if resting > 2.0 * step:
             step, between = resting, ", redrawn between them"
         if not step or not (
-            (step >= noise and step >= _FINE * span) or (step >= noise / 2.0 and step >= _COARSE * span)
+            (step >= noise and step >= _FINE * span) or (step >= 0.6 * noise and step >= _COARSE * span)
         ):
             continue
         unit = recording.unit(role)
@@ -41,7 +41,7 @@ def screen_quantised(recording: Recording) -> list[Finding]:
             f"read in steps of {step:.4g} {unit}{between}, {100.0 * step / span:.2g} % of its span; "
             f"its noise is {noise:.2g} {unit} between samples"
         )
-        found.append(finding("quantised", role, detail))
+        found.append(finding("quantised", role, detail, size=step / span))
     return found
 
 

@@ -3,6 +3,7 @@
 
 from sklvalve.recording._screen_clocks import screen_clocks
 from sklvalve.recording._screen_meaning import screen_swapped, screen_units
+from sklvalve.recording._screen_swaps import screen_readings
 from sklvalve.recording._screen_time import screen_compressed, screen_gaps
 from sklvalve.recording._screen_tools import Finding
 from sklvalve.recording._screen_values import screen_frozen, screen_quantised, screen_saturated
@@ -10,6 +11,7 @@ from sklvalve.recording.recording import Recording
 
 _SCREENS = (
     screen_swapped,
+    screen_readings,
     screen_units,
     screen_gaps,
     screen_clocks,
@@ -30,16 +32,18 @@ def screen_recording(recording: Recording) -> list[Finding]:
     ============  ===========================================================================================
     finding       what was seen
     ============  ===========================================================================================
-    swapped       p2 above p1 in a fifth of the rows or more
+    swapped       p2 above p1 in a fifth of the rows or more; two columns that fit far better exchanged; an
+                  opening that moves before the command and jitters less
     unit_suspect  opening of at most 1 in %, opening against the command, a temperature or a pressure that no
-                  plant has, flow far from what the rated capacity passes
+                  plant has, flow far from what the rated capacity or the sheet's trim passes, a pressure
+                  that fits far better in another unit
     gap           values missing in a signal, or rows missing between the times (role None)
-    clock_shift   opening moves before the command, or flow before the opening, alike in all thirds of the
-                  recording
+    clock_shift   a signal moves before its cause; or flow, or a pressure, comes late like a pure delay.
+                  An opening late behind the command is none: dead time looks the same
     compressed    course made of straight lines of new slope, of jumps above a dead band, or of held scans
     frozen        a sensor that repeats one value far longer than its own jitter allows
     saturated     values piled up at an end of the range that is neither a stop of the stem nor no flow
-    quantised     steps coarser than the noise, or than 1/300 of the signal's span; the step is stated
+    quantised     steps coarser than the noise, or than 1/500 of the signal's span; the step is stated
     ============  ===========================================================================================
 
     Parameters
@@ -51,7 +55,8 @@ def screen_recording(recording: Recording) -> list[Finding]:
     findings : list of dict
         Each with ``finding`` (a name above), ``role`` (None for the times), ``detail`` (a sentence for
         people, in the recording's own units) and ``rows`` (list of [start, stop) row spans, None where it
-        concerns all rows). Plain data, fit for JSON.
+        concerns all rows). Some have ``size``: seconds that a clock is late (negative: early), or the
+        share of the span that a step takes. Plain data, fit for JSON.
 
     Examples
     --------
@@ -64,6 +69,24 @@ def screen_recording(recording: Recording) -> list[Finding]:
     [('gap', [[100, 110]])]
     """
     found = [each for screen in _SCREENS for each in screen(recording)]
-    # a course redrawn from few points, or cut at an end of the range, stands still without being frozen
-    explained = {each["role"] for each in found if each["finding"] in ("compressed", "saturated")}
-    return [each for each in found if each["finding"] != "frozen" or each["role"] not in explained]
+    return [each for each in _once(found) if not _explained(each, found)]
+
+
+def _once(found: list[Finding]) -> list[Finding]:
+    """One finding of a name in a channel: that of the screen that speaks first."""
+    first: dict[tuple[object, object], Finding] = {}
+    for each in found:
+        first.setdefault((each["finding"], each["role"]), each)
+    return list(first.values())
+
+
+def _explained(told: Finding, found: list[Finding]) -> bool:
+    """Whether another finding is the reason of this one, so that it would only mislead."""
+    name, beside = told["finding"], {each["finding"] for each in found if each["role"] == told["role"]}
+    everywhere = {each["finding"] for each in found}
+    if name == "frozen":
+        # a course redrawn from few points, or cut at an end of the range, stands still without being frozen
+        return bool(beside & {"compressed", "saturated"}) or "swapped" in everywhere
+    if name == "compressed":
+        return "swapped" in everywhere
+    return name == "clock_shift" and bool(everywhere & {"swapped", "unit_suspect"})

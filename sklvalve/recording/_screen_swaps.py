@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Channels exchanged, or read in another unit: which reading makes the flow agree absurdly better."""
+
+from itertools import combinations
+
+import numpy as np
+
+from sklvalve.recording._screen_lags import Values, rising_curve
+from sklvalve.recording._screen_tools import Finding, boiling_point, finding
+from sklvalve.recording.recording import Recording
+
+_ROLES = ("command", "opening", "p1", "p2", "temperature", "flow")
+_ROWS = 4000
+_BETTER = (
+    8.0  # times less unexplained variance; the physics that a simulation leaves out gives no such factor
+)
+_RESCALED = 4.0  # the same for the unit of one pressure
+_WORST = 4.0  # unexplained share given to readings that no plant can have
+_FACTORS = {1e3: "MPa", 1e2: "bar", 6.894757: "psi", 1e-1: "mbar", 1e-3: "Pa"}  # kPa per unit
+
+
+def screen_readings(recording: Recording) -> list[Finding]:
+    """Two columns exchanged, or one pressure in another unit, where that mends what does not fit as it is.
+
+    Each reading is judged by the share of the flow that a rising curve of the opening times sqrt(p1 - p2)
+    leaves open, and the share of the opening that the command leaves open.
+    """
+    roles = [role for role in _ROLES if role in recording and role not in recording.constants]
+    if not {"flow", "opening"} <= set(roles) or len(recording) < 300:
+        return []
+    rows = np.linspace(0, len(recording) - 1, min(_ROWS, len(recording))).astype(int)
+    signals = {role: recording[role][rows] for role in recording.signals}
+    known = np.all([np.isfinite(signals[role]) for role in roles], axis=0)
+    if known.sum() < 200:
+        return []
+    signals = {role: values[known] for role, values in signals.items()}
+    written = {role: recording.in_recorded_units(role, signals[role]) for role in roles}
+    water = recording.valve.fluid.get("name", "water") == "water"
+    if _reversed(signals):
+        return []  # pressures exchanged, or against each other: said already
+    # a temperature that no liquid has is another screen's
+    now = _open_share({role: signals[role] for role in signals if role != "temperature"}, water)
+    best, told = now / _BETTER, []
+    rescaled = now / _RESCALED
+    for first, second in combinations(roles, 2):
+        if {first, second} == {"command", "opening"}:  # told by their order in time
+            continue
+        to_first, to_second = recording.signal(first).to_si, recording.signal(second).to_si
+        other = signals | {first: to_first(written[second]), second: to_second(written[first])}
+        share = _open_share(other, water)
+        if share < best:
+            detail = f"{second} and {first} fit {_times(now, share)} better if their columns change places"
+            best, told = share, [finding("swapped", second, detail)]
+    for role in sorted({"p1", "p2"} & set(roles)):
+        for factor, unit in _FACTORS.items():
+            # a tie between readings goes to the exchange, which needs no factor
+            share = _open_share(signals | {role: signals[role] * factor}, water)
+            if share < (0.7 * best if told else rescaled):
+                detail = f"fits {_times(now, share)} better if its numbers are {factor:g} times larger"
+                best, rescaled = share, share
+                told = [finding("unit_suspect", role, f"{detail} ({unit} read as kPa?)")]
+    return told
+
+
+def _reversed(signals: dict[str, Values]) -> bool:
+    return {"p1", "p2"} <= set(signals) and 0.2 < (signals["p1"] < signals["p2"]).mean() < 0.9
+
+
+def _times(now: float, then: float) -> str:
+    return f"{now / then:.0f} times"
+
+
+def _open_share(signals: dict[str, Values], water: bool) -> float:
+    """Product of the shares of flow and opening that stay unexplained; large for what no plant can be."""
+    opening, flow = signals["opening"], signals["flow"]
+    share = 1.0
+    if "command" in signals and np.ptp(signals["command"]) > 0.0:
+        share *= _unexplained(opening, signals["command"])
+    for role in ("command", "opening"):
+        if role in signals and ((signals[role] < -0.06) | (signals[role] > 1.06)).mean() > 0.02:
+            return _WORST
+    if "temperature" in signals:
+        hottest = (
+            boiling_point(float(np.median(signals["p1"]))) + 15.0 if water and "p1" in signals else 1100.0
+        )
+        if not 230.0 < np.median(signals["temperature"]) < hottest:
+            return _WORST
+    if not {"p1", "p2"} <= set(signals):
+        return share * _unexplained(flow, rising_curve(opening, flow))
+    drop = signals["p1"] - signals["p2"]
+    if (drop < 0.0).mean() > 0.02 or min(np.median(signals["p1"]), np.median(signals["p2"])) < 0.0:
+        return _WORST
+    root = np.sqrt(np.maximum(drop, 1e-3 * max(float(np.median(drop)), 1e-9)))
+    return share * _unexplained(flow, root * rising_curve(opening, flow / root))
+
+
+def _unexplained(values: Values, by: Values) -> float:
+    """Share of the variance left, with a floor: below a thousandth nothing is told apart."""
+    spread = float(np.var(values))
+    return min(1.0, float(np.var(values - by)) / spread) + 1e-3 if spread > 0.0 else 1.0

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Findings about the data switch effects off, blank rows, set clocks right, or block the diagnosis."""
+
+import numpy as np
+import pytest
+
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.gate import NAMES, blocking, effects_switched_off, without_findings
+from sklvalve.recording import Recording
+
+
+def found(name, role, rows=None, **more):
+    return {"finding": name, "role": role, "detail": "d", "rows": rows, **more}
+
+
+def recording():
+    time = np.arange(100.0)
+    return Recording.from_frame(
+        {"time": time, "command": time / 100, "opening": time / 100, "flow": 1.0 + time}
+    )
+
+
+def test_every_effect_of_the_catalogue_is_in_the_table():
+    assert {effect.name for effect in CATALOGUE} <= set(NAMES)
+    assert len(NAMES) == 45
+
+
+@pytest.mark.parametrize(
+    ("finding", "off", "on"),
+    [
+        (found("compressed", "opening"), ("stiction", "backlash", "dead_time"), ("seat_leakage", "clogging")),
+        (found("compressed", "flow"), ("flow_inertia", "backlash"), ("stiction", "slew_limit")),
+        (found("frozen", "opening", [[5, 40]]), ("stuck_valve", "stiction"), ("clogging", "slew_limit")),
+        (found("saturated", "flow", [[5, 40]]), ("clogging", "choked_flow"), ("stiction", "dead_time")),
+        (found("clock_shift", "flow", size=5.0), ("dead_time", "sensor_lag"), ("clogging", "seat_leakage")),
+        (found("quantised", "opening", size=0.02), ("stiction", "backlash"), ("dead_time", "clogging")),
+    ],
+)
+def test_what_a_finding_imitates_is_not_testable(finding, off, on):
+    told = effects_switched_off([finding])
+    assert set(off) <= set(told)
+    assert not set(on) & set(told)
+    assert all(finding["role"] in told[name] for name in off)
+
+
+def test_steps_too_small_to_count_switch_nothing_off():
+    assert effects_switched_off([found("quantised", "opening", size=0.002)]) == {}
+
+
+def test_gap_switches_nothing_off():
+    assert effects_switched_off([found("gap", "flow", [[3, 9]]), found("gap", None)]) == {}
+
+
+def test_flow_that_never_moves_leaves_nothing():
+    assert set(effects_switched_off([found("frozen", "flow")])) == set(NAMES)
+
+
+@pytest.mark.parametrize("name", ["swapped", "unit_suspect"])
+def test_columns_that_are_not_what_they_are_called_block_everything(name):
+    data = [found(name, "p2")]
+    assert set(effects_switched_off(data)) == set(NAMES)
+    assert "p2 d" in blocking(data)
+
+
+def test_other_findings_do_not_block():
+    assert blocking([found("frozen", "flow", [[1, 30]]), found("clock_shift", "flow", size=3.0)]) is None
+
+
+def test_frozen_and_saturated_rows_are_left_out():
+    whole = recording()
+    left = without_findings(
+        whole, [found("frozen", "flow", [[10, 20]]), found("saturated", "opening", [[90, 100]])]
+    )
+    assert np.flatnonzero(np.isnan(left["flow"])).tolist() == list(range(10, 20))
+    assert np.flatnonzero(np.isnan(left["opening"])).tolist() == list(range(90, 100))
+    assert np.isfinite(whole["flow"]).all()
+    assert left["command"] is whole["command"]
+
+
+def test_nothing_to_leave_out_gives_the_recording_itself():
+    whole = recording()
+    kept = [
+        found("frozen", "flow"),
+        found("frozen", "opening", [[0, 90]]),
+        found("frozen", "command", [[1, 9]]),
+    ]
+    assert without_findings(whole, kept) is whole
+
+
+@pytest.mark.parametrize("late", [4, -4])
+@pytest.mark.parametrize("role", ["flow", "command"])
+def test_clock_is_set_right(role, late):
+    whole = recording()
+    places = np.clip(np.arange(100) - late, 0, 99)
+    off = Recording.from_frame(
+        {"time": whole.time, **{r: whole[r][places] if r == role else whole[r] for r in whole}}
+    )
+    mended = without_findings(off, [found("clock_shift", role, size=float(late))])[role]
+    np.testing.assert_allclose(mended[8:-8], whole[role][8:-8], rtol=1e-12)
+    assert np.isnan(mended).sum() == (0 if role == "command" else 4)
