@@ -1,0 +1,8 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Loops known by command and flow only, or by command and another process value."""
+
+from sklvalve.mismatch.loop.diagnose import diagnose_loop
+from sklvalve.mismatch.loop.finding import LoopFinding
+from sklvalve.mismatch.loop.operators import stick_slip
+
+__all__ = ["LoopFinding", "diagnose_loop", "stick_slip"]

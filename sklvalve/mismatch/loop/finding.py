@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What was found in a loop."""
+
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class LoopFinding:
+    """What a loop's command and value say of its valve.
+
+    Parameters
+    ----------
+    verdict : {"named", "no_mismatch", "cannot_tell"}
+        ``named``: the stem sticks or has play; ``no_mismatch``: sticking of a size that matters is excluded;
+        ``cannot_tell``: neither.
+    p_value : float
+        How often a healthy loop gives as much evidence, an outside oscillation included.
+    alpha : float
+        Level of the test.
+    evidence : float
+        Difference of log likelihood between the best sticking stem and the command itself.
+    band : float
+        Band of that stem, as a share of the command's movement; below 0.2 it is no finding.
+    effects : tuple of dict
+        As `effects` in diagnosis.json: members with probabilities, parameters with intervals, a sentence,
+        what would separate the members.
+    fit : dict
+        Held-out errors of the value: `held_out_rows`, `rmse` of `nominal` and `corrected`.
+    predictions : dict of ndarray
+        `time`, `stem`, `nominal`, `corrected`; values as recorded (SI), free runs from the command but for a
+        constant level in each quarter of the recording.
+    reasons : tuple of str
+        Plain sentences: what the verdict rests on.
+    """
+
+    verdict: str
+    p_value: float
+    alpha: float
+    evidence: float
+    band: float
+    effects: tuple[dict, ...] = ()
+    fit: dict = field(default_factory=dict)
+    predictions: dict[str, np.ndarray] = field(default_factory=dict)
+    reasons: tuple[str, ...] = ()
+
+    def to_dict(self):
+        """Plain dict without the predictions, as it may stand in diagnosis.json."""
+        content = asdict(self)
+        content.pop("predictions")
+        return content

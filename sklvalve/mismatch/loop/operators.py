@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What friction and play make of a command: positions of a stem, for many sizes at once."""
+
+from dataclasses import dataclass
+
+import numba as nb
+import numpy as np
+
+#: Shares of the command's span tried for the band in which a turning command moves nothing.
+SHARES = np.geomspace(0.05, 1.25, 14)
+#: Shares of the band tried for the jump that ends it; none of it is play.
+JUMPS = (0.0, 0.3, 0.7, 1.0)
+
+
+@nb.njit(cache=True)
+def _stems(command, bands, rests, start):
+    out = np.empty((len(bands), len(command)))
+    for g in range(len(bands)):
+        stem = start[g]
+        for k in range(len(command)):
+            gap = command[k] - stem
+            if gap > bands[g]:
+                stem = command[k] - rests[g]
+            elif gap < -bands[g]:
+                stem = command[k] + rests[g]
+            out[g, k] = stem
+    return out
+
+
+def stick_slip(command, stick, slip, start=None):
+    """Position of a stem that sticks, and slips when the command has left it far enough behind.
+
+    The stem rests while the command is within a band of it and then jumps:
+
+        |u - x| <= (stick + slip) / 2 : x stays;  else  x = u -+ (stick - slip) / 2
+
+    so a command that turns moves the stem after `stick`, and the first movement is a jump of `slip`.
+    ``slip = 0`` is play (backlash); ``slip = stick`` leaves no offset behind. This is the two-parameter form
+    of He, Wang, Pottmann and Qin (2007, doi 10.1021/ie061219a); it holds for slow commands, sampled more
+    slowly than the stem moves.
+
+    Parameters
+    ----------
+    command : array-like of shape (n,)
+        Command [fraction of travel].
+    stick, slip : float or array-like of shape (m,)
+        Band in which a turning command moves nothing, and first jump after it [fraction of travel];
+        0 <= slip <= stick.
+    start : float or array-like of shape (m,), optional
+        Position before the first row; the first command unless given.
+
+    Returns
+    -------
+    stem : ndarray of shape (n,) or (m, n)
+        Position [fraction of travel].
+
+    Raises
+    ------
+    ValueError
+        If a slip is negative or above its stick.
+
+    Examples
+    --------
+    >>> from sklvalve.mismatch.loop.operators import stick_slip
+    >>> stick_slip([0.0, 0.1, 0.25, 0.3, 0.2, 0.1], stick=0.2, slip=0.2).round(2)
+    array([0.  , 0.  , 0.25, 0.25, 0.25, 0.25])
+    """
+    command = np.ascontiguousarray(command, dtype=float)
+    single = np.ndim(stick) == 0 and np.ndim(slip) == 0
+    stick, slip = np.broadcast_arrays(np.atleast_1d(stick), np.atleast_1d(slip))
+    if (slip < 0.0).any() or (slip > stick).any():
+        raise ValueError("expected 0 <= slip <= stick, and got another; give the jump as part of the band")
+    first = np.full(len(stick), command[0]) if start is None else np.broadcast_to(start, stick.shape)
+    stems = _stems(command, 0.5 * (stick + slip), 0.5 * (stick - slip), np.ascontiguousarray(first, float))
+    return stems[0] if single else stems
+
+
+@dataclass(frozen=True, eq=False)
+class Candidates:
+    """Stems to try: the command itself first, then every size of sticking.
+
+    Parameters
+    ----------
+    stick, slip : ndarray of shape (m,)
+        Sizes [fraction of travel]; zero for the first.
+    stem : ndarray of shape (m, n)
+        Position in each row [fraction of travel].
+    ahead : ndarray of shape (m, n)
+        Position in each row as foreseen from the rows before it [fraction of travel].
+    """
+
+    stick: np.ndarray
+    slip: np.ndarray
+    stem: np.ndarray
+    ahead: np.ndarray
+
+
+def candidates(command, foreseen, span):
+    """Stems of all sizes, each from up to three places in its band at the beginning.
+
+    Where the stem stood before the first row is not recorded: behind a command that rose, behind one that
+    fell, or level with it.
+
+    Parameters
+    ----------
+    command, foreseen : ndarray of shape (n,)
+        Command, and what the rows before foresee of it [fraction of travel].
+    span : float
+        Span of the command [fraction of travel].
+
+    Returns
+    -------
+    tried : Candidates
+    """
+    sizes = [
+        (share * span, jump * share * span, side * 0.5 * (1.0 - jump) * share * span)
+        for share in SHARES
+        for jump in JUMPS
+        for side in ((-1.0, 0.0, 1.0) if jump < 1.0 else (0.0,))
+    ]
+    stick, slip, offset = np.array([(0.0, 0.0, 0.0), *sizes]).T
+    stem = stick_slip(command, stick, slip, command[0] + offset)
+    before = np.hstack([command[0] + offset[:, None], stem[:, :-1]])
+    band, rest = 0.5 * (stick + slip)[:, None], 0.5 * (stick - slip)[:, None]
+    gap = foreseen - before
+    ahead = np.where(gap > band, foreseen - rest, np.where(gap < -band, foreseen + rest, before))
+    return Candidates(stick, slip, stem, ahead)

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whole diagnoses: drawn loops, records that are refused, the plant's own verdicts."""
+
+import json
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from benchmarks.loop_alarms import recording_of
+from benchmarks.loop_plant import draw_loop
+from sklvalve.mismatch.loop import diagnose_loop, stick_slip
+from sklvalve.recording import InputError, Recording
+
+TIME = 10.0 * np.arange(400)
+
+
+def _open_loop(stick, slip, seed=0, gain=0.01):
+    rng = np.random.default_rng(seed)
+    swings = 0.02 * np.sin(TIME / 300.0) + 0.015 * np.sin(TIME / 127.0 + 1.0)
+    command = 0.5 + swings + 0.0005 * rng.standard_normal(len(TIME))
+    flow = gain * stick_slip(command, stick, slip) + 2e-5 * rng.standard_normal(len(TIME))
+    return command, flow
+
+
+def _recording(**columns):
+    return Recording.from_frame({"time": TIME, **columns})
+
+
+def test_sticking_is_named_with_its_size_and_helps_on_held_out_rows():
+    command, flow = _open_loop(0.02, 0.014)
+    found = diagnose_loop(_recording(command=command, flow=flow))
+    assert found.verdict == "named"
+    assert found.p_value <= found.alpha
+    names = {member["name"] for member in found.effects[0]["members"]}
+    assert "stiction" in names
+    low, high = found.effects[0]["parameters"]["stick"]["ci95"]
+    assert low <= 0.02 <= high
+    assert found.fit["rmse"]["corrected"] < 0.75 * found.fit["rmse"]["nominal"]
+
+
+def test_play_is_in_the_class_where_there_is_no_jump():
+    command, flow = _open_loop(0.02, 0.0)
+    found = diagnose_loop(_recording(command=command, flow=flow))
+    assert found.effects[0]["members"][0]["name"] == "backlash"
+
+
+def test_a_valve_that_follows_is_not_blamed_and_wide_bands_are_excluded():
+    command, flow = _open_loop(0.0, 0.0)
+    found = diagnose_loop(_recording(command=command, flow=flow))
+    assert found.verdict == "no_mismatch"
+    assert not found.effects
+
+
+def test_a_flow_that_the_command_does_not_move_tells_nothing():
+    command, _ = _open_loop(0.0, 0.0)
+    flow = 0.01 + 1e-4 * np.random.default_rng(7).standard_normal(len(TIME))
+    found = diagnose_loop(_recording(command=command, flow=flow))
+    assert found.verdict == "cannot_tell"
+    assert "does not visibly follow" in found.reasons[0]
+
+
+def test_the_unit_of_the_value_changes_nothing():
+    command, flow = _open_loop(0.02, 0.01)
+    one = diagnose_loop(_recording(command=command, flow=flow))
+    other = diagnose_loop(_recording(command=command, flow=3600.0 * flow))
+    assert one.evidence == pytest.approx(other.evidence, rel=1e-6)
+    assert one.band == other.band
+
+
+def test_healthy_drawn_loops_are_not_called_sticking():
+    called = 0
+    for seed in range(500, 503):
+        for kind in ("flow", "level"):
+            for scene in ("quiet", "setpoint", "upsets"):
+                called += diagnose_loop(recording_of(draw_loop(seed, kind, scene))).verdict == "named"
+    assert called <= 1
+
+
+def test_flow_loops_that_cycle_because_they_stick_are_mostly_found():
+    found = [
+        diagnose_loop(recording_of(draw_loop(seed, "flow", "bad_tuning", sticking=True))).verdict == "named"
+        for seed in range(600, 606)
+    ]
+    assert sum(found) >= 4
+
+
+def test_held_rows_count_for_nothing():
+    command, flow = _open_loop(0.02, 0.01)
+    for begin in range(20, 380, 40):
+        command[begin : begin + 12] = command[begin]
+        flow[begin : begin + 12] = flow[begin]
+    found = diagnose_loop(_recording(command=command, flow=flow))
+    assert found.fit["held_out_rows"] == len(TIME) - 9 * 12
+
+
+def test_the_finding_is_plain_data_and_repeats_itself():
+    command, flow = _open_loop(0.02, 0.01)
+    one = diagnose_loop(_recording(command=command, flow=flow))
+    other = diagnose_loop(_recording(command=command, flow=flow), random_state=1)
+    assert json.dumps(one.to_dict()) == json.dumps(other.to_dict())
+    assert one.predictions["corrected"].shape == TIME.shape
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"flow": np.full(400, 1e-3)}, "one value"),
+        ({"flow": np.where(np.arange(400) < 20, 1e-3, 1e-9 * np.arange(400))}, "near zero"),
+        ({"command": np.where(np.arange(400) < 200, 1.0, 0.5)}, "at its limit"),
+        ({"command": np.where(np.arange(400) == 7, 0.6, 0.5)}, "at rest"),
+        ({"command": np.linspace(3.0, 4.0, 400)}, "its unit|no command"),
+    ],
+)
+def test_what_cannot_be_judged_is_refused_in_a_sentence(change, message):
+    command, flow = _open_loop(0.0, 0.0)
+    with pytest.raises(InputError, match=message):
+        diagnose_loop(_recording(**({"command": command, "flow": flow} | change)))
+
+
+def test_a_missing_role_is_named():
+    with pytest.raises(InputError, match="there is no "):
+        diagnose_loop(_recording(command=_open_loop(0.0, 0.0)[0]))
+
+
+def test_a_senseless_level_is_refused():
+    command, flow = _open_loop(0.0, 0.0)
+    with pytest.raises(ValueError, match="between 0 and 1"):
+        diagnose_loop(_recording(command=command, flow=flow), alpha=1.0)
+
+
+@pytest.mark.slow
+def test_the_plants_own_verdicts_by_tag():
+    folder = Path(os.environ.get("SKLVALVE_DATA", "")) / "refinery_loops"
+    if not os.environ.get("SKLVALVE_DATA") or not (folder / "index.csv").exists():
+        pytest.skip("SKLVALVE_DATA names no folder with refinery_loops")
+    pytest.importorskip("pandas")
+    from benchmarks.refinery import judged
+
+    table = judged(folder)
+    named = table.verdict == "named"
+    for tag in ("2411FIC20102", "2111FIC46005", "FIC31102"):
+        assert named[table.tag == tag].mean() >= 0.8
+    healthy = table.sticking == 0
+    flows = table.loop == "FIC"
+    assert table.tag[named & healthy & flows].nunique() <= 1
+    assert (named & healthy & ~flows).sum() <= 2
+    assert (table.verdict[table.tag.isin(["2411FIC10104", "FIC10112"])] == "refused").all()

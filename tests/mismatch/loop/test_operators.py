@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The stem's law, against play computed another way, and by its properties."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose
+
+from sklvalve.mismatch.loop.operators import candidates, stick_slip
+
+
+def _walk(seed, n=300):
+    return np.cumsum(np.random.default_rng(seed).standard_normal(n)) * 0.01
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10_000), stick=st.floats(0.001, 0.2), jump=st.floats(0.0, 1.0))
+def test_the_stem_is_never_further_behind_than_its_band(seed, stick, jump):
+    command = _walk(seed)
+    stem = stick_slip(command, stick, jump * stick)
+    assert np.abs(command - stem).max() <= 0.5 * stick * (1.0 + jump) + 1e-12
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10_000), stick=st.floats(0.001, 0.2))
+def test_without_a_jump_it_is_play(seed, stick):
+    command = _walk(seed)
+    expected, stem = [], command[0]
+    for value in command:
+        stem = min(max(stem, value - 0.5 * stick), value + 0.5 * stick)
+        expected.append(stem)
+    assert_allclose(stick_slip(command, stick, 0.0), expected, rtol=0, atol=1e-12)
+
+
+def test_a_turn_moves_the_stem_after_the_band_and_by_the_jump():
+    rise = np.linspace(0.0, 0.5, 501)
+    command = np.concatenate([rise, rise[::-1]])
+    stem = stick_slip(command, 0.1, 0.04, start=command[0])
+    moved = np.flatnonzero(np.diff(stem[500:]) < 0.0)[0]
+    assert command[500] - command[501 + moved] == pytest.approx(0.1, abs=0.041)
+    assert stem[500 + moved] - stem[501 + moved] == pytest.approx(0.04, abs=0.0011)
+
+
+def test_no_band_is_the_command_itself():
+    command = _walk(0)
+    assert_allclose(stick_slip(command, 0.0, 0.0), command, rtol=0, atol=0)
+
+
+def test_a_jump_larger_than_the_band_is_refused():
+    with pytest.raises(ValueError, match="0 <= slip <= stick"):
+        stick_slip([0.0, 1.0], 0.1, 0.2)
+
+
+def test_the_first_candidate_is_the_command_and_foreseeing_it_well_foresees_the_stems():
+    command = _walk(1)
+    tried = candidates(command, command, 0.5)
+    assert tried.stick[0] == 0.0
+    assert_allclose(tried.stem[0], command)
+    assert_allclose(tried.ahead, tried.stem, rtol=0, atol=1e-12)
