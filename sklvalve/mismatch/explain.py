@@ -7,6 +7,7 @@ import numpy as np
 
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, own_values
 from sklvalve.mismatch.onset import fit_with_onset
+from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.workbench import ACTUATOR_STAGES
 
@@ -187,7 +188,7 @@ def _refine(workbench, before, model, other_onset):
     rest = Model(before.members, before.chain, model.values, before.predictions, before.log_likelihood, {})
     onsets = {last.onset, last.onset if other_onset is None else other_onset}
     fits = [fit_with_onset(workbench, rest, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
-    return max(fits, key=lambda m: m.log_likelihood)
+    return to_the_sample(workbench, max(fits, key=lambda m: m.log_likelihood))
 
 
 def _touch_the_same(workbench, effect, other):
@@ -277,8 +278,8 @@ def _rivals(workbench, model, effects, report):
             fitted = rough
             near = rough.log_likelihood > model.log_likelihood - _WITHIN_REACH
             if k < _FITTED or near:
-                fitted = workbench.fit(rough.members, start=rough)
-            places.append((rough.members[-1], fitted))
+                fitted = to_the_sample(workbench, workbench.fit(rough.members, start=rough))
+            places.append((fitted.members[-1], fitted))
         worths = np.array([worth(workbench, m) for _, m in places])
         weights = np.exp(worths - worths.max())
         weights /= weights.sum()

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from sklvalve.mismatch.growing import fit_growing
 from sklvalve.mismatch.hypothesis import Member
 
 # an onset is looked for between these shares of the record: before and after there is too little to compare
@@ -66,6 +67,8 @@ def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None
     clock = workbench.plain.clock
     onset = float(clock[len(clock) // 2]) if onset is None else onset
     options = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
+    if effect.grows:
+        return fit_growing(workbench, model, effect, onset=onset, **options)
     fitted = workbench.fit((*model.members, Member(effect, onset)), start=model, **options)
     for _ in range(4):
         throughout = workbench.simulate((*model.members, Member(effect)), fitted.values)

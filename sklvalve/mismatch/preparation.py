@@ -108,8 +108,8 @@ def candidates(workbench, wanted, data):
     Parameters
     ----------
     workbench : Workbench
-    wanted : "all", str or sequence of str
-        Names to be considered.
+    wanted : "all", str or sequence of str and Effect
+        Names to be considered, and effects of the caller's own.
     data : list of dict
         Findings of `screen_recording`.
 
@@ -124,9 +124,11 @@ def candidates(workbench, wanted, data):
     InputError
         If a name is no effect.
     """
-    names = {wanted} if isinstance(wanted, str) else set(wanted)
-    if wanted == "all":
-        names = set(_NAMES)
+    wanted = [wanted] if isinstance(wanted, str) else list(wanted)
+    own = tuple(w for w in wanted if isinstance(w, Effect))
+    names = {w for w in wanted if not isinstance(w, Effect)}
+    if "all" in names:
+        names = names - {"all"} | set(_NAMES)
     strange = sorted(map(str, names - set(_NAMES)))
     if strange:
         raise InputError(
@@ -134,7 +136,8 @@ def candidates(workbench, wanted, data):
         )
     off = effects_switched_off(data)
     found, untestable = [], {}
-    for effect in CATALOGUE:
+    names |= {e.name for e in own}
+    for effect in (*CATALOGUE, *(e for e in own if e not in CATALOGUE)):
         # what the simulation holds already is calibrated, so it cannot be missing
         if effect.name not in names or is_in(effect, workbench.held):
             continue
@@ -148,6 +151,6 @@ def candidates(workbench, wanted, data):
         elif effect.possible(workbench.plain) and workbench.channels_touched(effect):
             found.append(effect)
         else:
-            untestable.setdefault(effect.name, "a data sheet with the characteristic and the fluid")
+            untestable.setdefault(effect.name, effect.requires)
     tested = {e.name for e in found}
     return found, [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]

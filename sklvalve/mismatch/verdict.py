@@ -82,12 +82,12 @@ def _with_interval(quantity, key, fitted, recording):
     )
     low, high = (float(np.clip(e, quantity.low, quantity.high)) for e in ends)
     unit = quantity.unit
-    if unit in ("m3/s", "kg/s"):
+    if unit.startswith(("m3/s", "kg/s")):
         # a flow is told in the recording's own unit
         zero = recording.in_recorded_units("flow", np.zeros(1))[0]
         value, low, high = (
             float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in (value, low, high)
         )
-        unit = recording.unit("flow")
+        unit = recording.unit("flow") + ("/h" if unit.endswith("/s/h") else "")
     interval = sorted((low, high)) if np.isfinite(spread) else None
     return {"value": float(value), "unit": unit, "ci95": interval}
