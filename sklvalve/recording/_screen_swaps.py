@@ -4,23 +4,24 @@
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from sklvalve.recording._screen_lags import Values, rising_curve
-from sklvalve.recording._screen_tools import Finding, boiling_point, finding
+from sklvalve.recording._screen_tools import Finding, boiling_point, equal_runs, finding
+from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
 
 _ROLES = ("command", "opening", "p1", "p2", "temperature", "flow")
 _ROWS = 4000
-_BETTER = (
-    8.0  # times less unexplained variance; the physics that a simulation leaves out gives no such factor
-)
+_BETTER = 20.0  # times less unexplained variance; no physics that a simulation leaves out gives that
+_GOOD = 1e-3  # unexplained share of a reading that is right
 _RESCALED = 4.0  # the same for the unit of one pressure
 _WORST = 4.0  # unexplained share given to readings that no plant can have
-_FACTORS = {1e3: "MPa", 1e2: "bar", 6.894757: "psi", 1e-1: "mbar", 1e-3: "Pa"}  # kPa per unit
+_FACTORS = {1e3: "MPa", 1e2: "bar", 6.894757: "psi"}  # kPa per unit
 
 
 def screen_readings(recording: Recording) -> list[Finding]:
-    """Two columns exchanged, or one pressure in another unit, where that mends what does not fit as it is.
+    """Two columns exchanged, or the outlet pressure in another unit, where that mends what does not fit as it is.
 
     Each reading is judged by the share of the flow that a rising curve of the opening times sqrt(p1 - p2)
     leaves open, and the share of the opening that the command leaves open.
@@ -28,7 +29,10 @@ def screen_readings(recording: Recording) -> list[Finding]:
     roles = [role for role in _ROLES if role in recording and role not in recording.constants]
     if not {"flow", "opening"} <= set(roles) or len(recording) < 300:
         return []
-    rows = np.linspace(0, len(recording) - 1, min(_ROWS, len(recording))).astype(int)
+    rows = _steady_rows({role: recording[role] for role in roles})
+    if len(rows) < 200:
+        return []
+    rows = rows[np.linspace(0, len(rows) - 1, min(_ROWS, len(rows))).astype(int)]
     signals = {role: recording[role][rows] for role in recording.signals}
     known = np.all([np.isfinite(signals[role]) for role in roles], axis=0)
     if known.sum() < 200:
@@ -40,8 +44,8 @@ def screen_readings(recording: Recording) -> list[Finding]:
         return []  # pressures exchanged, or against each other: said already
     # a temperature that no liquid has is another screen's
     now = _open_share({role: signals[role] for role in signals if role != "temperature"}, water)
-    best, told = now / _BETTER, []
-    rescaled = now / _RESCALED
+    best, told = min(now / _BETTER, _GOOD), []
+    rescaled, mended = now / _RESCALED, []
     for first, second in combinations(roles, 2):
         if {first, second} == {"command", "opening"}:  # told by their order in time
             continue
@@ -51,15 +55,26 @@ def screen_readings(recording: Recording) -> list[Finding]:
         if share < best:
             detail = f"{second} and {first} fit {_times(now, share)} better if their columns change places"
             best, told = share, [finding("swapped", second, detail)]
-    for role in sorted({"p1", "p2"} & set(roles)):
-        for factor, unit in _FACTORS.items():
-            # a tie between readings goes to the exchange, which needs no factor
-            share = _open_share(signals | {role: signals[role] * factor}, water)
-            if share < (0.7 * best if told else rescaled):
-                detail = f"fits {_times(now, share)} better if its numbers are {factor:g} times larger"
-                best, rescaled = share, share
-                told = [finding("unit_suspect", role, f"{detail} ({unit} read as kPa?)")]
-    return told
+    # an inlet pressure made larger, or an outlet pressure made smaller, would only imitate choking
+    for factor, unit in _FACTORS.items() if "p2" in roles else ():
+        share = _open_share(signals | {"p2": signals["p2"] * factor}, water)
+        if not told and share < rescaled:
+            detail = f"fits {_times(now, share)} better if its numbers are {factor:g} times larger"
+            rescaled, mended = share, [finding("unit_suspect", "p2", f"{detail} ({unit} read as kPa?)")]
+    return told or mended
+
+
+def _steady_rows(signals: dict[str, Values]) -> NDArray[np.intp]:
+    """Rows about which nothing moves far, so that lags do not matter, and where no sensor stands still."""
+    keep = np.ones(len(signals["flow"]), dtype=bool)
+    for role, values in signals.items():
+        if role != "command":
+            for start, stop in equal_runs(values):
+                keep[start:stop] &= stop - start < 20
+        move = np.abs(values[8:] - values[:-8])
+        far = 0.02 * np.nanquantile(np.abs(values - np.nanmedian(values)), 0.95) + 4.0 * noise_floor(values)
+        keep[4:-4] &= ~(move > far)
+    return np.flatnonzero(keep[4:-4]) + 4
 
 
 def _reversed(signals: dict[str, Values]) -> bool:

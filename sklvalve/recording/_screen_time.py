@@ -94,10 +94,10 @@ def _held(values: NDArray[np.float64], unit: str) -> str | None:
         return f"each value is held for {scan} rows: it was scanned more slowly than the rows were written"
     band = float(np.quantile(moves, 0.02))
     small = moves[moves < 5.0 * band] / band
-    if (
-        np.abs(small - np.round(small)) < 0.15
-    ).mean() > 0.8:  # a coarse reading, whose steps only vary a little
-        return None
+    places = np.exp(2j * np.pi * values[changes] / band)
+    near = (np.abs(small - np.round(small)) < 0.15).mean() > 0.8
+    if near and (np.abs(places.mean()) > 0.5 or len(changes) > 0.2 * len(step)):
+        return None  # a coarse reading, whose steps only vary a little
     if written and band > 10.0 * written and len(np.unique(moves)) > min(20, 0.6 * len(moves)):
         return (
             f"changes of less than {band:.3g} {unit} are missing, although its step is {written:.3g} {unit}: "

@@ -87,6 +87,8 @@ def _explained(told: Finding, found: list[Finding]) -> bool:
     if name == "frozen":
         # a course redrawn from few points, or cut at an end of the range, stands still without being frozen
         return bool(beside & {"compressed", "saturated"}) or "swapped" in everywhere
+    if name == "swapped":
+        return ("unit_suspect", "opening") in {(each["finding"], each["role"]) for each in found}
     if name == "compressed":
         return "swapped" in everywhere
-    return name == "clock_shift" and bool(everywhere & {"swapped", "unit_suspect"})
+    return name == "clock_shift" and bool(everywhere & {"swapped", "unit_suspect", "compressed"})
