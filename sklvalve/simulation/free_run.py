@@ -5,8 +5,9 @@ import numpy as np
 
 from sklvalve.recording import InputError
 from sklvalve.simulation.electric import electric_stem
+from sklvalve.simulation.faults import FAULTS, columns_of_faults
 from sklvalve.simulation.stages import delayed, first_order_lag
-from sklvalve.simulation.stem import FAULTS, columns_of_faults, positioner_and_actuator
+from sklvalve.simulation.stem import positioner_and_actuator
 
 # a quick positioner and a stem that slides: what stands in where no position speaks of them
 _IDEAL = {"actuator_gain": 8.0, "actuator_reset": 1e-3, "actuator_rate": 0.9, "actuator_coulomb": 1e-3}

@@ -6,35 +6,11 @@ from math import exp, sqrt
 import numba as nb
 import numpy as np
 
-# what else may be wrong in an actuator, in the order of the columns of `faults`; all are zero in a sound one
-FAULTS = (
-    "preload",  # added to the pressure at which the spring begins to give way [travels of spring]
-    "stiffness",  # added to the spring's stiffness [travels of spring over a travel]
-    "hardening",  # its force with the cube of the travel [travels of spring]
-    "leak",  # nozzle from the chamber to the air, share of the spool's capacity [1]
-    "rod",  # friction that grows along the travel [travels of spring over a travel] ...
-    "rod_from",  # ... from here on, measured as air drives the stem [1]
-    "load",  # force on the stem, against the air [travels of spring]
-    "feedback_play",  # whole play between the stem and the positioner's lever [1]
-    "bristle",  # stiffness of the friction's bristles in place of the ordinary one [travels of spring]
-    "capacity",  # added to the spool's capacity, share of it [1]
-)
 # of the pressure's change, and in time: what a step may leave to the straight lines drawn through it
-_LARGEST_CHANGE = 0.01
-_LONGEST = 2.0
-_STEP_OF_SLIPPING = 0.1
-_BRISTLE = 60.0
-_STRIBECK = 0.03
-_VISCOUS = 0.005
-_DEAD_VOLUME = 5.0
-
-
-def columns_of_faults(drive, rows):
-    """Faults of a drive (a number or an array under each name of `FAULTS`) as the scan takes them."""
-    columns = [drive[name] for name in FAULTS]
-    if all(np.ndim(column) == 0 and column == 0.0 for column in columns):
-        return np.empty((0, len(FAULTS)))
-    return np.column_stack([np.broadcast_to(column, rows) for column in columns])
+_LARGEST_CHANGE, _LONGEST, _STEP_OF_SLIPPING = 0.01, 2.0, 0.04
+# what a stem has gone beyond a share of its bristles' bend is a slip, over in milliseconds
+_FREED, _SLIP_TIME = 0.3, 0.005
+_BRISTLE, _STRIBECK, _VISCOUS, _DEAD_VOLUME = 60.0, 0.03, 0.005, 5.0
 
 
 @nb.njit(cache=True, inline="always")
@@ -134,7 +110,7 @@ def positioner_and_actuator(
         Absolute supply pressure; sliding friction; how far friction at rest exceeds it [all in travels of
         spring]; half width of the positioner's dead band [1].
     faults : ndarray of shape (n, 10), or (0, 10) in a sound actuator
-        Columns as `FAULTS` has them.
+        Columns as `sklvalve.simulation.faults.FAULTS` has them.
     filter_time, gain, reset, rate : float
         Time constant of the positioner's input [s], spool opening for an error [1], share of the spool for
         the error's integral [1/s], and capacity of the spool [1/s].
@@ -146,16 +122,15 @@ def positioner_and_actuator(
 
     Notes
     -----
-    One equation a step for how far the stem goes, implicit in pressure and error, and weighted between
-    trapezoid (short steps) and backward Euler (long ones), so that a fast positioner settles and does not
-    ring. Steps are as long as the pressure's rate allows, down to milliseconds. Their length follows the
-    state without jumps, so the opening is smooth in every parameter; where a stem hunts it is not, for
-    hunting is chaotic.
+    One equation a step for how far the stem goes, implicit in pressure and error, weighted between trapezoid
+    (short steps) and backward Euler (long ones), so that a fast positioner settles and does not ring. Steps
+    are as long as the pressure's rate allows; their length follows the state without jumps, so the opening
+    is smooth in every parameter. Where a stem hunts it is not, for hunting is chaotic.
     """
     n = len(command)
     out = np.empty(n)
     faulty = len(faults) > 0
-    filter_time = max(filter_time, 1e-6)
+    per_filter_time = 1.0 / max(filter_time, 1e-6)
     x = min(max(x0, 0.0), 1.0)
     wanted = command[0]
     if wanted != wanted:
@@ -174,7 +149,7 @@ def positioner_and_actuator(
         remaining = min(step[k], 40.0)
         ps, stick, band = supply[k], extra_stick[k], dead_band[k]
         slide = max(coulomb[k], 1e-4)
-        limit = slide + stick
+        limit, ground = slide + stick, slide
         softening, hardening, pre, leak, play = 0.0, 0.0, spring, 0.0, 0.0
         if faulty:
             pre = spring + faults[k, 0] + faults[k, 6]
@@ -192,12 +167,11 @@ def positioner_and_actuator(
                 seen = lever
             far, near = target - seen, wanted - seen
 
-            # how wide the spool may open in this step decides on its length
-            wish = gain * _beyond(far if abs(far) > abs(near) else near, band) + integral
+            # how fast the pressure may change in this step decides on its length
+            wish = gain * _beyond(near, band) + integral
             filling = wish >= 0.0
             inlet, slope = _supply_nozzle(pressure, ps) if filling else _vent_nozzle(pressure, atmosphere)
-            bar = inlet if far * near >= 0.0 else ps
-            busy = capacity * min(max(wish, -1.0), 1.0) * bar
+            busy = capacity * min(max(wish, -1.0), 1.0) * inlet
             lost, lost_slope = 0.0, 0.0
             if leak > 0.0:
                 lost, lost_slope = _vent_nozzle(pressure, atmosphere)
@@ -205,9 +179,15 @@ def positioner_and_actuator(
                 lost_slope *= leak * capacity
                 busy -= lost
             busy = abs(busy) * volume
+            if target != wanted:
+                # it will not outrun the filter, which carries pressure and spring along
+                wish = gain * _beyond(far, band) + integral
+                wide = capacity * min(abs(wish), 1.0) * (inlet if (wish >= 0.0) == filling else ps)
+                busy = max(busy, min(wide * volume, 2.0 * abs(target - wanted) * per_filter_time))
             h = min(_LONGEST, remaining)
             if stick > 0.0:
-                # a stem about to slip, or slipping, is watched closely
+                # a stem about to slip is watched closely; it goes on sliding no faster than air drives it
+                speed = min(speed, busy)
                 limit = slide + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
                 margin = 0.5 * (limit - abs(bristle * bend))
                 if h * busy > margin:
@@ -217,7 +197,7 @@ def positioner_and_actuator(
                 # until the stem has taken up the play nothing checks it: it must not go far on its own
                 gap = play - (x - lever if filling else lever - x)
                 if h * busy > gap:
-                    h = min(h, max(0.5 * _STEP_OF_SLIPPING, gap / busy))
+                    h = min(h, max(0.05, gap / busy))
                 loose = min(gap / (h * busy + 1e-9), 1.0)
             if h * busy > _LARGEST_CHANGE:
                 h = _LARGEST_CHANGE / busy
@@ -225,7 +205,7 @@ def positioner_and_actuator(
             if h != known:
                 known = h
                 drag = _VISCOUS / h
-                q = h / filter_time
+                q = h * per_filter_time
                 eased = 1.0 - exp(-q) if q > 1e-3 else q * (1.0 - 0.5 * q)
                 # twice the weight that the filter's beginning has in the step's mean
                 old = 2.0 * (1.0 - 1.0 / eased + 1.0 / q) if q > 1e-3 else 1.0
@@ -235,8 +215,8 @@ def positioner_and_actuator(
             if (spool >= 0.0) != filling:
                 inlet, slope = _vent_nozzle(pressure, atmosphere) if filling else _supply_nozzle(pressure, ps)
             if faulty:
-                limit = slide + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
-                limit += max(faults[k, 4] * (x - faults[k, 5]), 0.0)
+                ground = slide + max(faults[k, 4] * (x - faults[k, 5]), 0.0)
+                limit = ground + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
             stiff = bristle / limit
             tight = 1.0 + air
             force = pressure - pre - x
@@ -273,20 +253,38 @@ def positioner_and_actuator(
             speed = 0.0
             if (x < 1.0) if side > 0.0 else (x > 0.0):
                 push = side * left
-                held = limit - side * bristle * bend
                 through = tight + back * volume + drag
                 if faulty and faults[k, 4] * (x - faults[k, 5]) > 0.0:
                     through += max(side * faults[k, 4], 0.0)
-                if held > 0.0:
-                    way, fade = _displacement(push, through, held, stiff)
+                before, first = side * bend, np.inf
+                for _slip in range(8):
+                    held = limit - bristle * before
+                    if held > 0.0:
+                        way, fade = _displacement(push, through, held, stiff)
+                    elif push > held:
+                        # friction has fallen below what the bristles hold
+                        way = (push - held) / through
+                        fade = exp(-stiff * way)
+                    else:
+                        break
                     bend = side * (limit - held * fade) / bristle
-                elif push > held:
-                    # friction has fallen below what the bristles hold
-                    way = (push - held) / through
-                    bend = side * (limit - held * exp(-stiff * way)) / bristle
+                    if stick <= 0.0:
+                        break
+                    # friction falls under way: by the speed at which air drives what bristles hold no more,
+                    # and where that frees a way beyond the bristles' own, before the positioner knows
+                    fast = max(inflow * volume * side, 0.0) / (h * (through + stiff * max(held, 0.0) * fade))
+                    if (way - first) * bristle > _FREED * limit:
+                        fast = (way - first) * (1.0 / _SLIP_TIME)
+                    first = min(first, way)
+                    falling = ground + stick * exp(-((fast * (1.0 / _STRIBECK)) ** 2))
+                    if falling > 0.99 * limit:
+                        break
+                    limit, stiff = falling, bristle / falling
+                    through -= back * volume
+                    back = 0.0
                 x += side * way
                 if 0.0 <= x <= 1.0:
-                    speed = side * way / h
+                    speed = way / h
                 else:
                     end = 1.0 if x > 1.0 else 0.0
                     way -= abs(x - end)
