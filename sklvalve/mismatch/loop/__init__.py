@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Loops known by command and flow only, or by command and another process value."""
 
+from sklvalve.mismatch.loop.content import is_loop, loop_content
 from sklvalve.mismatch.loop.diagnose import diagnose_loop
 from sklvalve.mismatch.loop.finding import LoopFinding
 from sklvalve.mismatch.loop.operators import stick_slip
 
-__all__ = ["LoopFinding", "diagnose_loop", "stick_slip"]
+__all__ = ["LoopFinding", "diagnose_loop", "is_loop", "loop_content", "stick_slip"]

@@ -61,8 +61,9 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     >>> from sklvalve.recording import Recording
     >>> rng = np.random.default_rng(0)
     >>> time = 10.0 * np.arange(400)
-    >>> command = 0.5 + 0.02 * np.sin(time / 300.0) + 0.001 * rng.standard_normal(400)
-    >>> flow = 0.01 * stick_slip(command, 0.02, 0.01) + 2e-5 * rng.standard_normal(400)
+    >>> swings = 0.02 * np.sin(time / 300.0) + 0.015 * np.sin(time / 127.0)
+    >>> command = 0.5 + swings + 0.0005 * rng.standard_normal(400)
+    >>> flow = 0.01 * stick_slip(command, stick=0.02, slip=0.0) + 2e-5 * rng.standard_normal(400)
     >>> found = diagnose_loop(Recording.from_frame({"time": time, "command": command, "flow": flow}))
     >>> found.verdict
     'named'
@@ -97,6 +98,7 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     }
     fit = {
         "held_out_rows": int(loop.used.sum()),
+        "noise_floor": float(np.sqrt(np.mean(stem.innovations**2))),
         "rmse": {
             "nominal": _rmse(nominal - loop.value, loop.used),
             "corrected": _rmse(corrected - loop.value, loop.used),
@@ -157,8 +159,8 @@ def _effect(tried, likelihoods, best, span, p):
         "blocks": ["actuator"],
         "parameters": parameters,
         "sentence": (
-            f"The stem stays until the command has turned by {stick:.2%} of the travel{at_least}, "
-            f"and then jumps by {slip:.2%}."
+            f"The stem stays until the command has turned by {stick:.2%} of the travel{at_least}, and then "
+            + (f"jumps by {slip:.2%}." if slip > 0.0 else "follows without a jump.")
         ),
         "separated_by": (
             "Ramp the command slowly through a reversal with the stem's position recorded: a jump is "

@@ -27,7 +27,8 @@ class LoopFinding:
         As `effects` in diagnosis.json: members with probabilities, parameters with intervals, a sentence,
         what would separate the members.
     fit : dict
-        Held-out errors of the value: `held_out_rows`, `rmse` of `nominal` and `corrected`.
+        Held-out errors of the value (SI): `held_out_rows`, `rmse` of `nominal` and `corrected`, and
+        `noise_floor`, what no row foresees.
     predictions : dict of ndarray
         `time`, `stem`, `nominal`, `corrected`; values as recorded (SI), free runs from the command but for a
         constant level in each quarter of the recording.

@@ -76,14 +76,14 @@ def loop_signals(recording):
     setpoint = recording.get("setpoint")
     if setpoint is not None:
         setpoint = _filled(setpoint[::every])[0]
+    _require_command(recording.source, command)
+    _require_value(recording.source, role, value, setpoint, command)
     used = ~(gaps | missing | _held(command, value))
     if used.sum() < _FEWEST:
         raise InputError(
             f"{recording.source}: only {used.sum()} rows hold a fresh command and {role}; give at least "
             f"{_FEWEST} rows, exported as they were sampled"
         )
-    _require_command(recording.source, command)
-    _require_value(recording.source, role, value, setpoint, command)
     span = float(np.ptp(np.quantile(command, [0.01, 0.99])))
     if span <= 0.0:
         raise InputError(

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A loop's finding laid out as diagnosis.json has it."""
+
+import numpy as np
+
+import sklvalve
+from sklvalve.recording.signal import ROLES
+
+
+def is_loop(recording):
+    """Whether a recording is a loop known by command and value only.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    loop : bool
+        True with a command and a set-point or a process value, and neither opening, nor pressures at the
+        valve, nor a simulation's columns.
+    """
+    more = {"opening", "p1", "p2", "actuator_pressure", "simulated_flow", "simulated_opening"}
+    held = set(recording.signals)
+    loop = "command" in held and ("process_value" in held or {"flow", "setpoint"} <= held)
+    return loop and not held & more
+
+
+def loop_content(finding, recording, *, data=(), random_state=0):
+    """Plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``.
+
+    Parameters
+    ----------
+    finding : LoopFinding
+    recording : Recording
+        That the finding was made on.
+    data : sequence of dict
+        Findings about the data themselves: `finding`, `role`, `detail`.
+    random_state : int
+
+    Returns
+    -------
+    content : dict
+        Errors in the recording's own unit. There is no black box among them, and no interval of the skill.
+    """
+    role = "flow" if "flow" in recording else "process_value"
+    unit = np.ptp(recording.in_recorded_units(role, np.array([0.0, 1.0])))
+    nominal, corrected = (finding.fit["rmse"][kind] for kind in ("nominal", "corrected"))
+    floor = finding.fit["noise_floor"]
+    room = nominal**2 - floor**2
+    named = finding.verdict == "named"
+    return {
+        "schema": "sklvalve.diagnosis/1",
+        "verdict": finding.verdict,
+        "mismatch": {"detected": named, "p_value": finding.p_value, "alpha": finding.alpha},
+        "location": {
+            "blocks": ["actuator"] if named else [],
+            "regions": [],
+            "onset": None,
+            "intervals": [[0.0, float(recording.time[-1] - recording.time[0])]] if named else [],
+        },
+        "effects": [dict(effect) for effect in finding.effects],
+        "fit": {
+            role: {
+                "unit": recording.unit(role),
+                "held_out_rows": finding.fit["held_out_rows"],
+                "noise_floor": float(floor * unit),
+                "rmse": {"nominal": float(nominal * unit), "corrected": float(corrected * unit)},
+                "skill": float((nominal**2 - corrected**2) / room) if room > 0.0 else None,
+            }
+        },
+        "not_testable": [{"name": name, "needs": needs} for name, needs in _not_testable(recording)],
+        "next_test": _next_test(finding),
+        "data": list(data),
+        "reasons": list(finding.reasons),
+        "provenance": {
+            "sklvalve": sklvalve.__version__,
+            "recording_sha256": recording.sha256,
+            "rows": len(recording),
+            "random_state": random_state,
+        },
+    }
+
+
+def _next_test(finding):
+    if finding.effects:
+        return finding.effects[0]["separated_by"]
+    if finding.verdict == "cannot_tell":
+        return (
+            "Put the loop in manual and ramp the command slowly through both directions, wider than it "
+            "moves now."
+        )
+    return None
+
+
+def _not_testable(recording):
+    """Everything in the valve itself, because nothing says what drives the flow."""
+    from sklvalve.mismatch.effects import CATALOGUE
+
+    seen = ("stiction", "backlash")
+    others = [role for role in ("opening", "p1", "p2") if role in ROLES and role not in recording]
+    return [(effect.name, " and ".join(others)) for effect in CATALOGUE if effect.name not in seen]
