@@ -21,7 +21,7 @@ _FACTORS = {1e3: "MPa", 1e2: "bar", 6.894757: "psi"}  # kPa per unit
 
 
 def screen_readings(recording: Recording) -> list[Finding]:
-    """Two columns exchanged, or the outlet pressure in another unit, where that mends what does not fit as it is.
+    """Two columns exchanged, or the outlet pressure in another unit, where that mends what does not fit.
 
     Each reading is judged by the share of the flow that a rising curve of the opening times sqrt(p1 - p2)
     leaves open, and the share of the opening that the command leaves open.
