@@ -128,10 +128,15 @@ def test_load_needs_a_drop_that_varies_and_lag_an_actuator_of_air():
         ("positioner_feedback_play", {"width": 0.009}, {"width": 0.011}),
         ("positioner_characteriser", {"curvature": 0.07}, {"curvature": -0.09}),
         ("tight_shutoff", {"cut_off": 0.009}, {"cut_off": 0.011}),
+        # 340 kPa are 4.25 travels of 80 kPa: the spring asks for 0.25 + 1 of them
+        ("spring_fault", {"strength": 2.5, "hardening": 0.0}, {"strength": 3.4, "hardening": 0.0}),
+        ("spring_fault", {"strength": 0.2, "hardening": 0.0}, {"strength": 0.1, "hardening": 0.0}),
+        ("actuator_leak", {"leak": 0.1}, {"leak": 0.2}),
+        ("actuator_leak_diaphragm", {"leak": 0.1, "lost_area": 0.65}, {"leak": 0.1, "lost_area": 0.72}),
     ],
 )
 def test_tolerance_of_a_data_sheet(key, within, beyond):
-    chain = chain_of(np.linspace(0.1, 0.9, 50))
+    chain = chain_of(np.linspace(0.1, 0.9, 50), actuator=WEAK_AIR | {"supply_pressure": 340.0})
     assert not EFFECTS[key].beyond_tolerance(within, chain, Tolerance(), False)
     assert EFFECTS[key].beyond_tolerance(beyond, chain, Tolerance(), False)
 

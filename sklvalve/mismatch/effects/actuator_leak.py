@@ -33,6 +33,11 @@ class ActuatorLeak(Effect):
     def apply(self, value, p, chain):
         return value | {"leak": p["leak"]}
 
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        # the spool stands open by the leak's share of its flow, and a gain of ten turns that into an error
+        droop = 0.1 * p["leak"] * (chain.spring + 0.5) / chain.supply
+        return late or droop > 0.5 * tolerance.static_error
+
     def possible(self, chain):
         return knows_air(chain)
 
@@ -55,6 +60,11 @@ class DiaphragmLeak(ActuatorLeak):
         "{lost_area:.0%} of the area carry no pressure)"
     )
     damadics = "f10"
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        # what still carries the whole travel changes the response only
+        reach = (1.0 - p["lost_area"]) * (chain.supply - chain.atmosphere) - (chain.spring - chain.atmosphere)
+        return reach < 1.05 or super().beyond_tolerance(p, chain, tolerance, late)
 
     def apply(self, value, p, chain):
         more = p["lost_area"] / (1.0 - p["lost_area"])

@@ -2,6 +2,7 @@
 """An actuator's spring that is not the sheet's."""
 
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.friction import most_friction
 
 
 class SpringFault(Effect):
@@ -37,6 +38,14 @@ class SpringFault(Effect):
             "stiffness": more,
             "hardening": p["hardening"],
         }
+
+    def beyond_tolerance(self, p, chain, tolerance, late):
+        # a spring that the air still carries through, and that still brings the stem home, changes the
+        # response only
+        left = chain.supply - chain.spring
+        more = (p["strength"] - 1.0) * (chain.spring - chain.atmosphere + 1.0) + p["hardening"]
+        home = p["strength"] * (chain.spring - chain.atmosphere)
+        return late or left - more < 1.05 or home < most_friction(tolerance)
 
     def possible(self, chain):
         return knows_air(chain)
