@@ -60,7 +60,7 @@ def planted(seed, records, only):
     tallies = {}
     for number in range(records):
         made = healthy(seed + number)
-        columns = {name: made.frame[name].to_numpy(dtype=float) for name in ("time", *ROLES)}
+        columns = {name: made.frame[name].to_numpy(dtype=float, copy=True) for name in ("time", *ROLES)}
         for defect in defects(made):
             if only and only not in defect.label:
                 continue
@@ -103,7 +103,7 @@ def whole(seed, records, only):
         made = healthy(seed + number, n_samples=2880, noise=1.0)
         choice = [each for each in defects(made) if not only or only in each.label]
         defect = choice[(7 * number) % len(choice)]
-        columns = {name: made.frame[name].to_numpy(dtype=float) for name in ("time", *ROLES)}
+        columns = {name: made.frame[name].to_numpy(dtype=float, copy=True) for name in ("time", *ROLES)}
         spoilt = defect.plant(columns, np.random.default_rng(number))
         try:
             recording = Recording.from_frame(spoilt, Valve.from_dict(made.valve))
