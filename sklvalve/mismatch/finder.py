@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from sklearn.base import BaseEstimator, _fit_context
 from sklearn.utils import check_random_state
-from sklearn.utils._param_validation import Interval
+from sklearn.utils._param_validation import HasMethods, Interval
 from threadpoolctl import threadpool_limits
 
 from sklvalve.mismatch.contents import Judgement, content_of, flagged_rows, traces_of
@@ -25,6 +25,7 @@ from sklvalve.mismatch.unknown import find_unknown
 from sklvalve.mismatch.verdict import verdict_of
 from sklvalve.recording import require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
+from sklvalve.simulation.given_columns import with_given
 from sklvalve.simulation.simulation import as_recording
 
 
@@ -33,10 +34,13 @@ class MissingPhysicsFinder(BaseEstimator):
 
     Parameters
     ----------
-    simulation : ValveSimulation, default=None
-        The simulation to be held against the recording. Its sheet takes the place of the recording's own,
-        its tolerance that of the default; its effects, with their onsets, count as physics already held:
-        they are calibrated with the rest and are no candidates. It is calibrated anew, fitted or not.
+    simulation : ValveSimulation, fitted regressor or callable, default=None
+        The simulation to be held against the recording. The sheet of a `ValveSimulation` takes the place of
+        the recording's own, its tolerance that of the default; its effects, with their onsets, count as
+        physics already held: they are calibrated with the rest and are no candidates. It is calibrated anew,
+        fitted or not. Of a regressor, or a function of the recording, only what it predicts counts, as if
+        the recording held it as ``simulated_flow``, or ``simulated_opening`` where no flow is recorded:
+        effects then change that, and only gain, zeros and response are calibrated.
     effects : "all", str or sequence of str, default="all"
         Names of the effects to be considered.
     alpha : float, default=0.01
@@ -71,7 +75,7 @@ class MissingPhysicsFinder(BaseEstimator):
     """
 
     _parameter_constraints: ClassVar[dict] = {
-        "simulation": [ValveSimulation, None],
+        "simulation": [ValveSimulation, HasMethods("predict"), callable, None],
         "effects": [str, list, tuple, set, frozenset],
         "alpha": [Interval(Real, 0, 1, closed="neither")],
         "tolerance": [Tolerance, None],
@@ -129,14 +133,16 @@ class MissingPhysicsFinder(BaseEstimator):
             return self._fit(X, y, until)
 
     def _fit(self, X, y, until):
-        whole = as_recording(X, y, None if self.simulation is None else self.simulation.valve)
+        ours = self.simulation if isinstance(self.simulation, ValveSimulation) else None
+        given = self.simulation if ours is None else None
+        whole = with_given(as_recording(X, y, None if ours is None else ours.valve), given)
         used = rows_to_use(whole, until)
         seed = self._seed()
         self._say("reading", 0.0)
         recording = whole.slice(0, used)
         require_diagnosable(recording)
         data = screen_recording(recording)
-        workbench = prepared_workbench(recording, self.simulation, self.tolerance)
+        workbench = prepared_workbench(recording, ours, self.tolerance)
         effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
         nominal = workbench.calibrated()
@@ -150,8 +156,8 @@ class MissingPhysicsFinder(BaseEstimator):
         )
         self._say("looking for the unknown", 0.8)
         judged = self._judge(workbench, explanation, len(effects), seed)
-        self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None)
-        self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction)
+        self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
+        self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
         self._say("proving on held-out rows", 0.85)
         made, held = held_out_predictions(
             workbench, whole, judged.nominal, judged.model, judged.correction, judged.tried
@@ -219,7 +225,7 @@ class MissingPhysicsFinder(BaseEstimator):
         return int(check_random_state(self.random_state).randint(2**31 - 1))
 
 
-def _simulation_of(workbench, fitted, correction):
+def _simulation_of(workbench, fitted, correction, given):
     effects, onsets = workbench.physics_of(fitted.members)
     return ValveSimulation.from_parts(
         workbench.valve,
@@ -229,4 +235,5 @@ def _simulation_of(workbench, fitted, correction):
         effects=effects,
         onsets=onsets,
         correction=correction,
+        given=given,
     )

@@ -28,8 +28,11 @@ def regions(chain, values, flagged):
     if flagged.all() or not flagged.any():
         return []
     signals = {}
+    # beside a flow that the user simulated the command stands for an opening that was not recorded
+    given = "simulated_flow" in chain.recording
     if chain.measured is not None or chain.command is not None:
-        signals["opening"] = chain.drive(values) if chain.measured is not None else chain.opening(values)
+        driven = chain.measured is not None or given
+        signals["opening"] = chain.drive(values) if driven else chain.opening(values)
     if chain.pressure_ratio is not None:
         signals["pressure_ratio"] = chain.pressure_ratio
     if chain.has_pressures:

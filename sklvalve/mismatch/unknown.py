@@ -8,12 +8,16 @@ import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.lssvm.held_out import BlockedErrors
-from sklvalve.simulation.simulation import rest_inputs
+from sklvalve.simulation.rest import rest_inputs
 
 _BLOCKS = 8
 _MOST_POINTS = 700
 _MOST_SHIFTS = 100
 _FEWEST_POINTS = 60
+_GAP = 3
+_MOST_REMEMBERED = 1000
+# samples for which a rest of the user's own simulation remembers
+_MEMORY = (10, 40)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +49,13 @@ class Unknown:
 
 def static_inputs(chain, model_values, channel):
     """Signals that a rest may hang on: name -> values."""
+    recording, given = chain.recording, f"simulated_{channel}"
     names = ["command"] if channel == "opening" else ["opening"]
+    if given in recording:
+        # what the user simulated may hold a slow process: a rest of it remembers
+        driver = "opening" if "opening" in recording and channel == "flow" else "command"
+        names = [given, *([driver] if driver in recording else [])]
+        names += [f"{name} {many * recording.sample_time:.6g} s" for name in names for many in _MEMORY]
     if channel == "flow" and chain.has_pressures:
         names += ["dp"] + (["pressure_ratio"] if chain.pressure_ratio is not None else [])
     if "temperature" in chain.recording:
@@ -116,11 +126,22 @@ def learn_rest(workbench, model, channel, rows=None):
         As `learnt_rest` takes it; None where the rows are too few.
     """
     slow = _slow(workbench, model, channel, rows)
-    return None if slow is None else _tuned(*slow).correction(channel, workbench.spans[channel])
+    return None if slow is None else _tuned(slow).correction(channel, workbench.spans[channel])
+
+
+@dataclass(frozen=True, eq=False)
+class _Slow:
+    """Slow part of a rest, share of span, what it may hang on, and how far apart it is held out."""
+
+    X: np.ndarray
+    y: np.ndarray
+    names: tuple
+    gap: int
+    remembers: bool
 
 
 def _slow(workbench, model, channel, rows=None):
-    """Slow part of the rest, share of span, and of what it may hang on; None if there is little of it."""
+    """The rest and its inputs, thinned to stretches in which nothing moves fast; None if there are few."""
     inputs = static_inputs(model.chain, model.values, channel)
     if not inputs:
         return None
@@ -128,24 +149,32 @@ def _slow(workbench, model, channel, rows=None):
     shown = model.predictions[channel] / workbench.spans[channel]
     quiet = np.abs(np.gradient(np.nan_to_num(shown))) < 0.01
     width = max(int(np.ceil(len(rest) / _MOST_POINTS)), 3)
+    gap, remembers = _GAP, f"simulated_{channel}" in workbench.recording
+    if remembers:
+        # inputs that remember know of movement, and are held out with their past
+        quiet, width = np.ones(len(rest), dtype=bool), max(len(rest) // _MOST_REMEMBERED, 1)
+        gap = int(np.ceil(0.25 * max(_MEMORY) / width))
     if rows is not None:
         quiet &= rows
     y = _thinned(rest, quiet, width)
     X = np.column_stack([_thinned(v, quiet, width) for v in inputs.values()])
     keep = np.isfinite(y) & np.isfinite(X).all(axis=1)
-    return (X[keep], y[keep], tuple(inputs)) if keep.sum() >= _FEWEST_POINTS else None
+    if keep.sum() < _FEWEST_POINTS:
+        return None
+    return _Slow(X[keep], y[keep], tuple(inputs), gap, remembers)
 
 
 def _in_channel(workbench, model, channel, alpha, rng):
     slow = _slow(workbench, model, channel)
     if slow is None:
         return None
-    y, best = slow[1], _tuned(*slow)
+    y, best = slow.y, _tuned(slow)
     size = _acting_rms(best.predicted)
     if size < workbench.least(channel) or best.skill < 0.1:
         return None
     # the rest shifted against its inputs: the inputs, and all that is dear about them, stay
-    shifts = np.unique(rng.integers(len(y) // 8, len(y) - len(y) // 8, size=_MOST_SHIFTS))
+    possible = np.arange(len(y) // 8, len(y) - len(y) // 8)
+    shifts = rng.choice(possible, size=min(_MOST_SHIFTS, len(possible)), replace=False)
     chance = _skills(best.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
     p_value = (1.0 + np.sum(chance >= best.skill)) / (1.0 + len(chance))
     # no number of shifts that is cheap can show less than one in their number
@@ -164,7 +193,7 @@ class _Tuned:
     centre: np.ndarray
     scale: np.ndarray
     Z: np.ndarray
-    y: np.ndarray
+    slow: _Slow
     regressor: LSSVMRegressor
     held_out: BlockedErrors
     skill: float
@@ -172,7 +201,7 @@ class _Tuned:
 
     def correction(self, channel, span):
         """Fitted to every row, as plain data."""
-        self.regressor.fit(self.Z, self.y)
+        self.regressor.fit(self.Z, self.slow.y)
         return {
             "channel": channel,
             "inputs": self.names,
@@ -186,20 +215,32 @@ class _Tuned:
         }
 
 
-def _tuned(X, y, names):
-    """Inputs and LS-SVM that predict held-out blocks best: each input alone, finely, or all, smoothly."""
+def _trials(slow):
+    """Inputs, width of the kernel and weight of the errors to be tried."""
+    every = list(range(slow.X.shape[1]))
+    if slow.remembers:
+        # the simulated signal with its own past, and what drives it now; smoothly, and without a choice that
+        # a few long stretches could not support: a block that is held out may lie beyond all others
+        own = [i for i in every if slow.names[i].startswith("simulated_")]
+        now = [i for i in every if not slow.names[i].endswith(" s")]
+        return [(sorted({*own, *now}), 0.03, 100.0)]
+    # each alone, finely, or all, smoothly
+    trials = [([i], gamma, 10.0) for i in every for gamma in (1.0, 8.0)]
+    return trials + [(every, gamma, 10.0) for gamma in (0.1, 0.5, 2.0) if len(every) > 1]
+
+
+def _tuned(slow):
+    """Inputs and LS-SVM that predict held-out blocks best."""
+    X, y, names = slow.X, slow.y, slow.names
     centre, scale = X.mean(axis=0), X.std(axis=0) + 1e-12
-    Z, d = (X - centre) / scale, X.shape[1]
-    trials = [([i], gamma) for i in range(d) for gamma in (1.0, 8.0)]
-    trials += [(list(range(d)), gamma) for gamma in (0.1, 0.5, 2.0) if d > 1]
-    best = None
-    for chosen, gamma in trials:
-        regressor = LSSVMRegressor(gamma=gamma, C=10.0)
-        held_out = _held_out(regressor, Z[:, chosen])
+    Z, best = (X - centre) / scale, None
+    for chosen, gamma, C in _trials(slow):
+        regressor = LSSVMRegressor(gamma=gamma, C=C)
+        held_out = _held_out(regressor, Z[:, chosen], slow)
         (skill,), predicted = _skills(held_out, y[:, None])
         if best is None or skill > best.skill:
             kept, own = tuple(names[i] for i in chosen), (centre[chosen], scale[chosen], Z[:, chosen])
-            best = _Tuned(kept, *own, y, regressor, held_out, float(skill), predicted[:, 0])
+            best = _Tuned(kept, *own, slow, regressor, held_out, float(skill), predicted[:, 0])
     return best
 
 
@@ -209,10 +250,10 @@ def _acting_rms(predicted):
     return float(np.sqrt(np.mean(predicted[acting] ** 2))) if acting.any() else 0.0
 
 
-def _held_out(regressor, Z):
+def _held_out(regressor, Z, slow):
     edges = np.linspace(0, len(Z), _BLOCKS + 1).astype(int)
     blocks = [slice(low, high) for low, high in pairwise(edges)]
-    return BlockedErrors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=3)
+    return BlockedErrors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=slow.gap)
 
 
 def _skills(held_out, Y):
@@ -230,7 +271,9 @@ def _inputs_that_matter(tuned):
     for i in range(len(names)):
         without = tuned.Z.copy()
         without[:, i] = 0.0
-        lost.append(skill - _skills(_held_out(tuned.regressor, without), tuned.y[:, None])[0][0])
+        lost.append(
+            skill - _skills(_held_out(tuned.regressor, without, tuned.slow), tuned.slow.y[:, None])[0][0]
+        )
     return tuple(n for n, gone in zip(names, lost, strict=True) if gone > 0.2 * skill) or (
         names[int(np.argmax(lost))],
     )

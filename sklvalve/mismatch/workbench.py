@@ -16,15 +16,15 @@ from sklvalve.simulation.calibration import (
     opening_parameters,
     span_of,
 )
-from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.fitting import (
     Misfit,
     PlainNoise,
     fit_chain,
-    robust_cost,
     residual_of,
+    robust_cost,
     simulate_channels,
 )
+from sklvalve.simulation.given import chain_for
 
 # a healthy simulation is wrong by about this share of what counts as an effect
 _INADEQUACY = 0.2
@@ -73,7 +73,7 @@ class Workbench:
         """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
         recording = self.recording if recording is None else recording
         effects, onsets = self.physics_of(members)
-        return Chain(
+        return chain_for(
             recording,
             self.valve,
             self.trim,
@@ -164,7 +164,7 @@ class Workbench:
         return Model(members, chain, values, predictions, likelihood, spreads)
 
     def _origin(self, chain, start, own, channels):
-        """What tells where a fit begins: the effects of the start, and its values where it has all effects."""
+        """What tells where a fit begins: effects of the start, and its values where it has all effects."""
         if start is None or not own:
             return None
         signs = _signs(self._touching(start.members, channels))

@@ -31,12 +31,6 @@ def require_supported(valve: Valve) -> None:
                 f"{valve.source}: [simulation] physics names {name!r}, which the simulation cannot hold yet; "
                 f"only {', '.join(HELD_PHYSICS)} can stand there, so take {name!r} out"
             )
-    for role in ("simulated_flow", "simulated_opening"):
-        if role in valve.roles:
-            raise InputError(
-                f"{valve.source}: [recording.{role}] gives a simulation of your own, which a diagnosis "
-                "cannot use yet; take the section out to compare the recording with the package's simulation"
-            )
 
 
 def _require_liquid(valve: Valve) -> None:

@@ -47,13 +47,26 @@ def require_diagnosable(recording: Recording) -> None:
     require_supported(recording.valve)
     _require_values(recording)
     require_likely_signals(recording)
-    if {"command", "opening"} <= set(recording.signals):
-        _require_channel(recording, "opening", "command")
+    _require_target(recording)
+    for driver in ("simulated_opening", "command"):
+        if driver in recording and "opening" in recording:
+            _require_channel(recording, "opening", driver)
+            break
     if "flow" in recording:
         _require_pressure_drop(recording)
-        driver = "opening" if "opening" in recording else "command"
-        if driver in recording:
-            _require_channel(recording, "flow", driver)
+        for driver in ("simulated_flow", "opening", "command"):
+            if driver in recording:
+                _require_channel(recording, "flow", driver)
+                break
+
+
+def _require_target(recording: Recording) -> None:
+    for role in ("flow", "opening"):
+        if f"simulated_{role}" in recording and role not in recording:
+            raise InputError(
+                f"{column_of(recording, f'simulated_{role}')} is a simulation of the {role}, which is not "
+                f"recorded; name the column of the recorded {role}, or leave the role out"
+            )
 
 
 def _require_values(recording: Recording) -> None:

@@ -11,6 +11,8 @@ import numpy as np
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.recording import InputError
 from sklvalve.simulation.electric import is_electric, motor_parameters
+from sklvalve.simulation.given import given_flow_parameters, given_opening_parameters
+from sklvalve.simulation.given_trim import GivenTrim
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.trim import LearntTrim, SheetTrim
 
@@ -20,9 +22,9 @@ def channels_of(recording):
     found = tuple(
         role
         for role in ("opening", "flow")
-        if role in recording and (role == "flow" or "command" in recording)
+        if role in recording and (role == "flow" or {"command", "simulated_opening"} & set(recording))
     )
-    if "flow" in found and "opening" not in recording and "command" not in recording:
+    if "flow" in found and not {"opening", "command", "simulated_flow"} & set(recording):
         found = ()
     if not found:
         raise InputError(
@@ -37,6 +39,8 @@ def choose_trim(recording, valve, tolerance):
     """Trim of the sheet within its tolerance, or one to be learnt where the sheet has none."""
     if "flow" not in recording:
         return LearntTrim(np.array([0.0, 1.0]), 1.0, knots=(0.0, 1.0))
+    if "simulated_flow" in recording:
+        return GivenTrim.of(recording, valve)
     if valve.characteristic in (None, "unknown"):
         opening = recording.get("opening")
         opening = recording["command"] if opening is None else opening
@@ -79,6 +83,10 @@ def span_of(values):
 
 def opening_parameters(recording, valve, tolerance):
     """Parameters of positioner, actuator and position sensor that stay open."""
+    if "simulated_opening" in recording:
+        return given_opening_parameters(recording, tolerance)
+    if "simulated_flow" in recording and "opening" not in recording:
+        return ()
     found = list(motor_parameters(tolerance))
     if not is_electric(valve, recording):
         found = _air_parameters(recording, tolerance)
@@ -111,6 +119,8 @@ def _air_parameters(recording, tolerance):
 
 def flow_parameters(recording, valve, tolerance, trim, *, choking):
     """Parameters of trim, choking, pressures and meter that stay open."""
+    if "simulated_flow" in recording:
+        return given_flow_parameters(recording, tolerance, span_of(recording["flow"]))
     zero = tolerance.flow_zero * span_of(recording["flow"])
     found = [
         *trim.all_parameters(),

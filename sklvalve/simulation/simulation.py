@@ -8,7 +8,6 @@ import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
-from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation.calibration import (
     channels_of,
@@ -17,8 +16,11 @@ from sklvalve.simulation.calibration import (
     opening_parameters,
     span_of,
 )
-from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.fitting import PlainNoise, fit_chain
+from sklvalve.simulation.given import chain_for, require_given
+from sklvalve.simulation.given_columns import with_given
+from sklvalve.simulation.given_trim import GivenTrim
+from sklvalve.simulation.rest import learnt_rest
 from sklvalve.simulation.tolerance import Tolerance
 from sklvalve.simulation.trim import LearntTrim, SheetTrim
 
@@ -91,7 +93,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         self.valve_ = self.valve or recording.valve
         self.trim_ = choose_trim(recording, self.valve_, tolerance)
         self.choking_ = "choked_flow" in self.valve_.physics
-        self.correction_ = None
+        self.correction_ = self.given_ = None
         chain = self.chain_of(recording)
         parameters = []
         if "command" in recording:
@@ -107,11 +109,16 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         return self
 
     @classmethod
-    def from_parts(cls, valve, trim, values, *, choking, effects=(), onsets=None, correction=None):
-        """Fitted simulation from its parts; no recording is touched."""
+    def from_parts(
+        cls, valve, trim, values, *, choking, effects=(), onsets=None, correction=None, given=None
+    ):
+        """Fitted simulation from its parts; no recording is touched.
+
+        With `given`, a regressor or callable, what it predicts stands for a recorded simulation.
+        """
         made = cls(valve, None, tuple(effects), dict(onsets or {}))
         made.valve_, made.trim_, made.values_ = valve, trim, dict(values)
-        made.choking_, made.correction_ = choking, correction
+        made.choking_, made.correction_, made.given_ = choking, correction, given
         return made
 
     def to_state(self):
@@ -123,7 +130,12 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             "choking": bool(self.choking_),
             "effects": [e.key for e in self.effects],
             "onsets": dict(self.onsets or {}),
-            "trim": {"knots": self.trim_.knots if learnt else None, "rated": float(self.trim_.rated)},
+            "trim": {
+                "knots": self.trim_.knots if learnt else None,
+                "rated": float(self.trim_.rated),
+                "given": isinstance(self.trim_, GivenTrim),
+                "curve": getattr(self.trim_, "curve", None),
+            },
             "correction": self.correction_,
         }
 
@@ -133,6 +145,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         rated, knots = state["trim"]["rated"], state["trim"]["knots"]
         known = knots is None
         trim = SheetTrim(valve, Tolerance(), rated) if known else LearntTrim(None, rated, knots=knots)
+        if state["trim"].get("given"):
+            trim = GivenTrim(rated, state["trim"]["curve"])
         return cls.from_parts(
             valve,
             trim,
@@ -160,8 +174,12 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         recording = as_recording(X, valve=self.valve)
         chain, made = self.chain_of(recording), {}
         drives = "actuator_filter" in self.values_
-        if "command" in recording and drives:
+        if drives and {"command", "simulated_opening"} & set(recording):
             made["opening"] = chain.opening(self.values_)
+            made["opening"] = made["opening"] + self.learnt(chain, "opening")
+        if "given_gain" in self.values_:
+            made["flow"] = chain.flow(self.values_) + self.learnt(chain, "flow")
+            return made
         if "capacity" not in self.values_ and "rise_0" not in self.values_:
             return made
         if "meter_lag" not in self.values_:
@@ -171,7 +189,6 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         if "opening" in made:
             stem = chain.drive_of_free_run(self.values_)
             made["flow_from_command"] = chain.flow(self.values_, stem) + self.learnt(chain, "flow", stem)
-            made["opening"] = made["opening"] + self.learnt(chain, "opening")
         return made
 
     def predict(self, X):
@@ -200,7 +217,10 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
 
     def chain_of(self, recording):
         """Stages of the simulation bound to the signals of a recording."""
-        return Chain(
+        values = getattr(self, "values_", {})
+        recording = with_given(recording, self.given_, "flow" if "given_gain" in values else "opening")
+        require_given(values, recording)
+        return chain_for(
             recording,
             self.valve_,
             self.trim_,
@@ -239,52 +259,3 @@ def as_recording(X, y=None, valve=None):
     # the signals are in SI already, so the sheet's own columns and units do not count
     bare = Recording.from_frame(columns, None)
     return replace(bare, valve=replace(valve or Valve(), roles={}, time="time"))
-
-
-def rest_inputs(chain, values, names, stem=None):
-    """Signals on which a learnt rest hangs, one column for each name (opening, command, dp [bar], ...)."""
-    columns = {"command": chain.command, "temperature": chain.temperature, "dp": chain.dp / 1e5}
-    columns["pressure_ratio"] = chain.pressure_ratio
-    if "opening" in names:
-        columns["opening"] = chain.drive(values) if stem is None else stem
-    return np.column_stack([columns[name] for name in names])
-
-
-def learnt_rest(correction, chain, values, stem=None):
-    """Rest that a stored LS-SVM predicts for the signals of a chain; zero where one of them is a gap.
-
-    Parameters
-    ----------
-    correction : dict
-        Plain data: names of the inputs, their centre and scale; support, coefficients, intercept and gamma
-        of the LS-SVM; span, the unit of what it predicts.
-    chain : Chain
-    values : dict
-        Values of the simulation's parameters.
-    stem : ndarray of shape (n,), default=None
-        Opening that drives the flow [1]; that of the chain unless given.
-
-    Returns
-    -------
-    rest : ndarray of shape (n,)
-        To be added to the simulated signal.
-    """
-    X = rest_inputs(chain, values, correction["inputs"], stem)
-    support = correction["support"]
-    # beyond what it was trained on it must not guess: the nearest edge holds
-    Z = np.clip((X - correction["centre"]) / correction["scale"], support.min(axis=0), support.max(axis=0))
-    known = np.isfinite(Z).all(axis=1)
-    rest = np.zeros(len(Z))
-    if known.any():
-        rest[known] = _lssvm_of(correction).predict(Z[known])
-    return rest * correction["span"]
-
-
-def _lssvm_of(correction):
-    """The fitted estimator whose numbers a model file holds: plain data in, nothing executed."""
-    regressor = LSSVMRegressor(gamma=float(correction["gamma"]))
-    regressor.X_fit_ = np.asarray(correction["support"], dtype=float)
-    regressor.dual_coef_ = np.asarray(correction["coefficients"], dtype=float)
-    regressor.intercept_ = float(correction["intercept"])
-    regressor.n_features_in_ = regressor.X_fit_.shape[1]
-    return regressor

@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The user's own simulation, given as columns of the recording: effects change what it makes.
+
+A given flow tells, by the plain turbulent equation, the capacity that it stands for in each row; effects of
+plug, capacity, line and pressures change that capacity or the drop, and the flow changes by the difference.
+"""
+
+import numpy as np
+
+from sklvalve.mechanism.liquid import FLOW_CONSTANT
+from sklvalve.recording import InputError
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.given_trim import NoOpening
+from sklvalve.simulation.parameters import Parameter
+from sklvalve.simulation.stages import delayed, first_order_lag
+
+ROLES = ("simulated_flow", "simulated_opening")
+_ACTUATOR_STAGES = ("signal", "actuator", "stem")
+_CAPACITY_STAGES = ("position_sensor", "plug", "capacity", "line", "pressures", "choking")
+
+
+def chain_for(recording, valve, trim, **options):
+    """Stages of a simulation bound to a recording: `GivenChain` where it holds the user's own simulation."""
+    made = GivenChain if set(ROLES) & set(recording) else Chain
+    return made(recording, valve, trim, **options)
+
+
+def given_flow_parameters(recording, tolerance, span):
+    """Parameters that stay open beside a given flow: gain, zero and response of the meter."""
+    zero, gain = tolerance.flow_zero * span, tolerance.capacity
+    return (
+        Parameter("given_gain", "1", 1.0 - gain, 1.0 + gain, 1.0, spread=0.5 * gain),
+        Parameter("meter_lag", "s", 0.02, tolerance.response, 0.1, spread=1.5, log=True),
+        Parameter("meter_ahead", "1", 0.0, 1.0, 0.5, spread=0.3),
+        Parameter("flow_zero", "m3/s", -zero, zero, 0.0, spread=0.5 * zero),
+    )
+
+
+def given_opening_parameters(recording, tolerance):
+    """Parameters that stay open beside a given opening: response, delay of some scans, zero."""
+    scan = min(2.0 * recording.sample_time, tolerance.response)
+    zero = tolerance.position_zero
+    return (
+        Parameter("actuator_filter", "s", 0.02, tolerance.response, 0.1, spread=1.5, log=True),
+        Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan),
+        Parameter("position_zero", "1", -zero, zero, 0.0, spread=0.5 * zero),
+    )
+
+
+class GivenChain(Chain):
+    """Stages of one valve around a simulation that the recording holds; what it lacks is simulated as ever.
+
+    Parameters
+    ----------
+    recording : Recording
+        With ``simulated_flow``, ``simulated_opening`` or both.
+    valve : Valve
+    trim : GivenTrim, SheetTrim or LearntTrim
+        A `GivenTrim` beside a given flow.
+    effects, onsets, choking
+        As in `Chain`; whether a given flow chokes is the user's matter.
+    """
+
+    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False):
+        self.given_flow = recording.get("simulated_flow")
+        self.given_opening = recording.get("simulated_opening")
+        choking = choking and self.given_flow is None
+        super().__init__(recording, valve, trim, effects=effects, onsets=onsets, choking=choking)
+        self.electric = self.electric and self.given_opening is None
+        self._given_capacity()
+
+    def _given_capacity(self):
+        """Capacity [m3/h] that the given flow stands for, where there is a drop that drives it."""
+        if self.given_flow is None:
+            return
+        volume = self.given_flow / self.density if self.recording.mass_flow else self.given_flow
+        root = self._root_of_drop(self.dp, np.full(len(volume), np.inf), None)
+        driven = np.abs(self.dp) > 1e-3 * np.nanmax(np.abs(self.dp))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            self._kv = np.where(driven, volume / (FLOW_CONSTANT * root), 0.0)
+        self._root = root
+
+    def lacks(self, effect):
+        """What an effect would need of the user's simulation that it has not; empty where it can act."""
+        if effect.stage in _ACTUATOR_STAGES:
+            return self._lacks_in_actuator(effect)
+        if self.given_flow is None or effect.stage == "position_sensor":
+            return super().lacks(effect)
+        if effect.stage == "choking" and effect.name in self.valve.physics:
+            return "the F_L that the simulation given holds"
+        trial = GivenChain(self.recording, self.valve, self.trim, effects=(effect,))
+        try:
+            values = {f"{effect.key}.{q.name}": q.starts[0] for q in effect.quantities(self)}
+            trial.flow(values | {"given_gain": 1.0, "meter_lag": 0.1, "meter_ahead": 0.5})
+            own = {q.name: q.starts[0] for q in effect.quantities(trial)}
+            effect.beyond_tolerance(own, trial, _Loose(), False)
+            effect.possible(trial)
+        except NoOpening:
+            return "a recorded opening that the simulated flow follows"
+        return ""
+
+    def _lacks_in_actuator(self, effect):
+        if self.given_opening is None and self.measured is not None:
+            return super().lacks(effect)
+        if effect.stage == "actuator":
+            return "the package's own simulation of the actuator"
+        # shifted in time a flow is what a late command would make of it; of a limited stem it shows nothing
+        late = effect.name == "dead_time"
+        return "" if late or self.given_opening is not None else "a recorded opening"
+
+    def stem_of_free_run(self, values):
+        """Opening of the stem [1]: the given one, or the free run from the command where none is given."""
+        if self.given_opening is None:
+            return super().stem_of_free_run(values)
+        stem = delayed(self.given_opening, self.time, values["actuator_delay"])
+        stem = first_order_lag(stem, self.step, values["actuator_filter"], 1.0)
+        return self._through("stem", self._through("signal", stem, values), values)
+
+    def free_runs_ahead(self, several):
+        """As in `Chain`; a given opening needs no runs."""
+        if self.given_opening is None and self.given_flow is None:
+            super().free_runs_ahead(several)
+
+    def drive(self, values):
+        """Opening that drives the flow side [1]; the command where none is recorded beside a given flow."""
+        if self.given_flow is None or self.measured is not None:
+            return super().drive(values)
+        if self.command is None:
+            raise NoOpening
+        return self.command
+
+    def flow(self, values, stem=None):
+        """Flow as the meter would show it [m3/s, or kg/s where recorded by mass]."""
+        if self.given_flow is None:
+            return super().flow(values, stem)
+        flow = values["given_gain"] * self.given_flow
+        if self.measured is None:
+            flow = self._through("signal", flow, values)
+        flow = flow + self._added(values)
+        flow = self._through("flow", flow, values)
+        flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
+        return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
+
+    def _added(self, values):
+        """What effects on plug, capacity, line and pressures add to the given flow."""
+        self._find_plug(values)
+        if not any(e.stage in _CAPACITY_STAGES for e in self.effects):
+            return 0.0
+        own = values["given_gain"] * self._kv
+        kv = own + self._shift
+        kv = self._through("line", self._through("capacity", kv, values), values)
+        drop = self._through("pressures", self.dp, values)
+        choking = {"fl": np.full(len(drop), np.inf), "knee": np.full(len(drop), 16.0)}
+        choking = self._through("choking", choking, values)
+        added = FLOW_CONSTANT * (kv * self._root_of_drop(drop, **choking) - own * self._root)
+        return added * self.density if self.recording.mass_flow else added
+
+    def _find_plug(self, values):
+        """Opening of the plug, and by how much the trim's capacity there differs from that simulated."""
+        self._shift, self._plug = 0.0, None
+        if self.measured is None or self.trim.curve is None:
+            if any(e.stage == "plug" for e in self.effects):
+                raise NoOpening
+            return
+        self._plug = np.clip(self._through("plug", self.drive(values), values), 0.0, 1.0)
+        if any(e.stage in ("plug", "position_sensor") for e in self.effects):
+            seen = np.clip(self.measured, 0.0, 1.0)
+            self._shift = self.capacity_at(self._plug) - self.capacity_at(seen)
+
+    @property
+    def plug(self):
+        """Opening of the plug [1]."""
+        if self.given_flow is not None and self._plug is None:
+            raise NoOpening
+        return self._plug
+
+    @plug.setter
+    def plug(self, value):
+        self._plug = value
+
+    def capacity_at(self, plug):
+        """Capacity of the given simulation, or of the trim, at an opening of the plug [m3/h]."""
+        if self.given_flow is None:
+            return super().capacity_at(plug)
+        return self.trim.at(plug)
+
+
+class _Loose:
+    """Any tolerance: asked only whether an effect can be weighed at all."""
+
+    def __getattr__(self, name):
+        return 1.0
+
+
+def require_given(values, recording):
+    """Refuse a recording that lacks the simulation which the values correct.
+
+    Raises
+    ------
+    InputError
+        Naming the role.
+    """
+    if "given_gain" in values and "simulated_flow" not in recording:
+        raise InputError(
+            f"{recording.source}: the model corrects a simulation of your own, and the recording has no "
+            "simulated_flow; add the column and its section [recording.simulated_flow]"
+        )
