@@ -4,7 +4,7 @@
     python -m benchmarks.loop_alarms FIRST LAST [OUT.csv]
 
 Seeds from FIRST up to, not including, LAST, for each process and each scene, healthy and sticking. The tail
-of the evidence of the healthy ones is what `sklvalve/mismatch/loop/evidence.py` holds (seeds 10000 to 10040);
+of the evidence of the healthy ones is what `sklvalve/mismatch/loop/evidence.py` holds (seeds 10000 to 10029);
 rates are measured on other seeds. Sticking loops count where the band is 25 % or more of the command's span.
 """
 

@@ -3,14 +3,15 @@
 
 import numpy as np
 
-#: Share of healthy drawn loops, and the evidence that it exceeds: flow, other values. From the one but last
-#: row to the last the tail is taken as exponential.
+#: Share of healthy drawn loops, and the evidence that it exceeds: flow, other values. From 240 and 477 loops;
+#: below 0.01 the tail goes on as it falls from 0.05 to 0.01.
 TAIL = np.array(
     [
         [1.0, 0.0, 0.0],
         [0.1, 3.0, 3.5],
-        [0.01, 13.0, 13.0],
-        [0.0001, 33.0, 32.0],
+        [0.05, 7.0, 6.0],
+        [0.01, 14.0, 12.5],
+        [0.0001, 34.0, 31.0],
     ]
 )
 
