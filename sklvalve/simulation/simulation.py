@@ -143,10 +143,12 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
     def from_state(cls, valve, state, effects):
         """Simulation from `to_state`; `effects` are the ones that its keys name."""
         rated, knots = state["trim"]["rated"], state["trim"]["knots"]
-        known = knots is None
-        trim = SheetTrim(valve, Tolerance(), rated) if known else LearntTrim(None, rated, knots=knots)
         if state["trim"].get("given"):
             trim = GivenTrim(rated, state["trim"]["curve"])
+        elif knots is None:
+            trim = SheetTrim(valve, Tolerance(), rated)
+        else:
+            trim = LearntTrim(None, rated, knots=knots)
         return cls.from_parts(
             valve,
             trim,
