@@ -5,44 +5,20 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Member, Model, is_in, own_values
+from sklvalve.mismatch.distance import SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.hypothesis import Member, Model, is_in, own_values, worth
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
+from sklvalve.mismatch.rivals import find_rivals
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.workbench import ACTUATOR_STAGES
 
-# two explanations are told apart from this profile-likelihood distance on (3 % confusion)
-DISTINGUISHABLE = 14.0
-# what a model of a strong effect gets wrong passes for weak further ones: these must reach this share of it
-_SHARE_OF_STRONGEST = 0.15
-# of the effects screened, so many are fitted with the whole calibration free; of rivals also those that
-# come this near to the one in place
+# of the effects screened, so many are fitted with the whole calibration free
 _FITTED = 4
-_WITHIN_REACH = 100.0
-# what an onset must gain: it is one of as many as there are rows
-_ONSET_PRICE = 10.0
-
-
-@dataclass(frozen=True, eq=False)
-class Finding:
-    """One thing found: an effect, and those the recording cannot tell from it.
-
-    Attributes
-    ----------
-    member : Member
-        The most likely explanation.
-    rivals : list of (Member, Model, float)
-        Explanations in its place, with their models and probabilities, the best first.
-    gain : float
-        Log likelihood that the explanation adds to the rest of the hypothesis.
-    sizes : dict
-        Channel -> change that it makes, share of span [1].
-    """
-
-    member: Member
-    rivals: list
-    gain: float
-    sizes: dict
+# a further effect must be a fair share of the strongest, or without it this many times as much is left over
+_LEFT_WITHOUT = 2.0
+# what an effect gains it must gain in more than one or two events, in standard deviations of the scatter
+_SPREADS = 2.0
 
 
 @dataclass(eq=False)
@@ -64,18 +40,6 @@ class Explanation:
     model: object
     findings: list
     tried: dict = field(default_factory=dict)
-
-
-def price(workbench, member):
-    """Log likelihood that the parameters of an effect must earn (half a log of the rows for each)."""
-    rows = max(len(workbench.recording), 50)
-    cost = 0.5 * len(member.effect.parameters) * np.log(rows)
-    return cost + (_ONSET_PRICE if member.onset is not None else 0.0)
-
-
-def worth(workbench, model):
-    """Log likelihood of a hypothesis less the price of its effects."""
-    return model.log_likelihood - sum(price(workbench, m) for m in model.members)
 
 
 def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
@@ -100,9 +64,11 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
     -------
     explanation : Explanation
     """
-    model, tried = nominal, {}
+    model, tried, seen = nominal, {}, {}
     for step in range(most):
         found = _step(workbench, model, effects, report, step / (most + 1))
+        for m in found[:_FITTED]:
+            seen.setdefault(m.members[-1].effect.key, m)
         if step == 0:
             tried = {
                 m.members[-1].effect.key: (
@@ -129,7 +95,7 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
         workbench.learn_noise(model)
         model = workbench.fit(model.members, start=model)
         model = _drop_what_no_longer_counts(workbench, model, threshold, last_too=True)
-        findings = _rivals(workbench, model, effects, report)
+        findings = find_rivals(workbench, model, effects, report, seen)
         better = _better_in_place(findings)
         if better is None:
             break
@@ -150,11 +116,12 @@ def _under_its_own_noise(workbench, chosen, before, threshold):
 def _better_in_place(findings):
     """A hypothesis with a rival in the place of an effect, where the recording prefers it; else None."""
     for finding in findings:
-        who, fitted, probability = finding.rivals[0]
-        own = next(p for other, _, p in finding.rivals if other is finding.member)
+        first = finding.rivals[0]
+        own = next(r for r in finding.rivals if r.member is finding.member)
         # of two that cannot be told apart either may stand in front: no reason to fit all again
-        if who.effect.name != finding.member.effect.name and probability > 2.0 * own:
-            return fitted
+        same = first.member.effect.name == finding.member.effect.name
+        if not same and first.probability > 2.0 * own.probability:
+            return first.model
     return None
 
 
@@ -162,6 +129,10 @@ def _step(workbench, model, effects, report, done):
     """Hypotheses with one effect more, best first: all screened, the most promising fitted."""
     usable = [e for e in effects if not is_in(e, model.members)]
     tried = screened(workbench, model, usable, report=report and (lambda share: report(done + 0.1 * share)))
+    bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
+    if bent and not any(m.effect.stage in ACTUATOR_STAGES for m in model.members):
+        # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
+        tried += screened(workbench, workbench.sound(model), bent)
     rough = _best_of_each(workbench, tried)
     onset = rough[0].members[-1].onset if rough else None
     refined = []
@@ -191,22 +162,28 @@ def _refine(workbench, before, model, other_onset):
     return to_the_sample(workbench, max(fits, key=lambda m: m.log_likelihood))
 
 
-def _touch_the_same(workbench, effect, other):
-    return bool(set(workbench.channels_touched(effect)) & set(workbench.channels_touched(other)))
-
-
 def _matters(workbench, model, without, threshold):
     member = model.members[-1]
     gain = worth(workbench, model) - worth(workbench, without)
     sizes = workbench.change(model, without)
     if not (gain > threshold and _beyond(workbench, model, member) and workbench.counts(sizes)):
         return False
+    if gain_in_spreads(workbench, model, without) < _SPREADS:
+        return False
     if not without.members:
         return True
     strongest = workbench.change(without, workbench.fit((), start=without))
     return any(
-        sizes[c] > _SHARE_OF_STRONGEST * strongest[c] and workbench.counts({c: sizes[c]}) for c in sizes
+        workbench.counts({c: sizes[c]})
+        and (sizes[c] > SHARE_MISTAKEN * strongest[c] or _leaves_most(workbench, model, without, c))
+        for c in sizes
     )
+
+
+def _leaves_most(workbench, model, without, channel):
+    """Whether without its last effect at least twice as much (mean square) is left over in a channel."""
+    left = [np.nanmean(workbench.residuals(m)[channel] ** 2) for m in (model, without)]
+    return bool(left[1] > _LEFT_WITHOUT * left[0])
 
 
 def _settle(workbench, model):
@@ -261,32 +238,3 @@ def _beyond(workbench, model, member):
     """Whether an effect, as a model has it, lies beyond what a data sheet leaves open."""
     late = member.onset is not None
     return member.effect.beyond_tolerance(own_values(member, model), model.chain, workbench.tolerance, late)
-
-
-def _rivals(workbench, model, effects, report):
-    """For each effect found, what else could stand in its place."""
-    findings = []
-    for i, member in enumerate(model.members):
-        rest = tuple(m for m in model.members if m is not member)
-        without = workbench.fit(rest, start=model)
-        others = [e for e in effects if e.key != member.effect.key and not is_in(e, rest)]
-        others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
-        places = [(member, model)]
-        # around the calibration of the explanation in place: without it the calibration bends to make up
-        bare = workbench.judged(workbench.simulate(rest, model.values))
-        for k, rough in enumerate(screened(workbench, bare, others, onset=member.onset)):
-            fitted = rough
-            near = rough.log_likelihood > model.log_likelihood - _WITHIN_REACH
-            if k < _FITTED or near:
-                fitted = to_the_sample(workbench, workbench.fit(rough.members, start=rough))
-            places.append((fitted.members[-1], fitted))
-        worths = np.array([worth(workbench, m) for _, m in places])
-        weights = np.exp(worths - worths.max())
-        weights /= weights.sum()
-        rivals = [(who, fitted, float(w)) for (who, fitted), w in zip(places, weights, strict=True)]
-        rivals.sort(key=lambda r: r[2], reverse=True)
-        gain = model.log_likelihood - without.log_likelihood
-        findings.append(Finding(member, rivals, gain, workbench.change(model, without)))
-        if report:
-            report(0.8 + 0.2 * (i + 1) / len(model.members))
-    return sorted(findings, key=lambda f: f.gain, reverse=True)

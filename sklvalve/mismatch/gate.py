@@ -120,7 +120,7 @@ def effects_switched_off(data):
 
 
 def _never_moves(finding):
-    return finding["finding"] == "frozen" and finding["rows"] is None
+    return finding["finding"] == "frozen" and finding.get("rows", ()) is None
 
 
 def _needs(name, role):

@@ -3,7 +3,12 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from sklvalve.simulation.chain import Chain
+
+# what an onset must gain: it is one of as many as there are rows
+_ONSET_PRICE = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,3 +71,15 @@ def is_in(effect, members):
 def own_values(member, model):
     """Parameters of one effect in a fitted model, by their short names."""
     return {q.name: model.values[f"{member.effect.key}.{q.name}"] for q in member.effect.parameters}
+
+
+def price(workbench, member):
+    """Log likelihood that the parameters of an effect must earn (half a log of the rows for each)."""
+    rows = max(len(workbench.recording), 50)
+    cost = 0.5 * len(member.effect.parameters) * np.log(rows)
+    return cost + (_ONSET_PRICE if member.onset is not None else 0.0)
+
+
+def worth(workbench, model):
+    """Log likelihood of a hypothesis less the price of its effects."""
+    return model.log_likelihood - sum(price(workbench, m) for m in model.members)

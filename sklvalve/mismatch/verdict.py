@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from sklvalve.mismatch.explain import DISTINGUISHABLE
+from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.hypothesis import own_values
 
 # a class is named from this probability on
@@ -14,17 +14,16 @@ _DOUBTFUL = 0.5
 
 def class_of(finding):
     """Members of the class of the best explanation: effect name -> (probability, Member, Model)."""
-    best = max(m.log_likelihood for _, m, _ in finding.rivals)
     found = {}
-    for who, fitted, probability in finding.rivals:
-        if 2.0 * (best - fitted.log_likelihood) >= DISTINGUISHABLE:
+    for rival in finding.rivals:
+        if rival.distance >= DISTINGUISHABLE:
             continue
-        name = who.effect.name
+        name = rival.member.effect.name
         before = found.get(name)
         if before is None:
-            found[name] = (probability, who, fitted)
+            found[name] = (rival.probability, rival.member, rival.model)
         else:
-            found[name] = (before[0] + probability, before[1], before[2])
+            found[name] = (before[0] + rival.probability, before[1], before[2])
     return dict(sorted(found.items(), key=lambda item: -item[1][0]))
 
 

@@ -112,8 +112,9 @@ def _air_parameters(recording, tolerance):
         Parameter("actuator_reset", "1/s", 1e-3, 10.0, 0.3, spread=3.0, log=True),
         # at the lowest the chamber fills for a whole stroke in about the response time
         Parameter("actuator_rate", "1/s", 0.9 / tolerance.response, 10.0, 1.0, spread=1.5, log=True),
-        # friction that keeps the static error of a loop of ordinary gain within its tolerance
-        Parameter("actuator_coulomb", "1", 1e-3, 4.0 * tolerance.static_error, 0.01, spread=1.0, log=True),
+        # friction and pressure feedback that keep the static error within its tolerance
+        Parameter("actuator_coulomb", "1", 1e-3, 2.5 * tolerance.static_error, 0.008, spread=1.0, log=True),
+        Parameter("actuator_feedback", "1", 0.0, 0.25, 0.1, spread=0.1),
     ]
 
 

@@ -10,7 +10,13 @@ from sklvalve.simulation.stages import delayed, first_order_lag
 from sklvalve.simulation.stem import positioner_and_actuator
 
 # a quick positioner and a stem that slides: what stands in where no position speaks of them
-_IDEAL = {"actuator_gain": 8.0, "actuator_reset": 1e-3, "actuator_rate": 0.9, "actuator_coulomb": 1e-3}
+_IDEAL = {
+    "actuator_gain": 8.0,
+    "actuator_reset": 1e-3,
+    "actuator_rate": 0.9,
+    "actuator_coulomb": 1e-3,
+    "actuator_feedback": 0.0,
+}
 _STAGES = ("signal", "actuator")
 
 
@@ -82,5 +88,6 @@ def _driven_by_air(chain, command, values, through):
         values["actuator_gain"],
         values["actuator_reset"],
         values["actuator_rate"],
+        values["actuator_feedback"],
     )
     return 1.0 - stem if chain.air_closes else stem

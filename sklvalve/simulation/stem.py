@@ -82,11 +82,14 @@ def positioner_and_actuator(
     gain,
     reset,
     rate,
+    feedback,
 ):
     r"""Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
 
     All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool in
-    proportion to the error (and, by `reset`, to its integral); the spool fills the chamber from the supply or
+    proportion to the error (and, by `reset`, to its integral), and, by `feedback`, to how far the pressure is
+    from the one that carries the spring to the command: such a positioner holds a stuck stem with a pressure
+    in proportion to its error, one without builds it up until the stem comes loose. The spool fills the chamber from the supply or
     vents it, by nozzles that choke; the stem moves where pressure, spring and bristle friction with a
     Stribeck fall balance. Mass is left out: a stem answers in milliseconds.
 
@@ -111,9 +114,10 @@ def positioner_and_actuator(
         spring]; half width of the positioner's dead band [1].
     faults : ndarray of shape (n, 10), or (0, 10) in a sound actuator
         Columns as `sklvalve.simulation.faults.FAULTS` has them.
-    filter_time, gain, reset, rate : float
+    filter_time, gain, reset, rate, feedback : float
         Time constant of the positioner's input [s], spool opening for an error [1], share of the spool for
-        the error's integral [1/s], and capacity of the spool [1/s].
+        the error's integral [1/s], capacity of the spool [1/s], and what a pressure of one counts as an error
+        [1].
 
     Returns
     -------
@@ -166,9 +170,11 @@ def positioner_and_actuator(
                 lever = min(max(lever, x - play), x + play)
                 seen = lever
             far, near = target - seen, wanted - seen
+            # the air that the positioner's aim asks for, less the air that its gauge shows
+            short = feedback * (spring + wanted - pressure)
 
             # how fast the pressure may change in this step decides on its length
-            wish = gain * _beyond(near, band) + integral
+            wish = gain * _beyond(near + short, band) + integral
             filling = wish >= 0.0
             inlet, slope = _supply_nozzle(pressure, ps) if filling else _vent_nozzle(pressure, atmosphere)
             busy = capacity * min(max(wish, -1.0), 1.0) * inlet
@@ -181,7 +187,7 @@ def positioner_and_actuator(
             busy = abs(busy) * volume
             if target != wanted:
                 # it will not outrun the filter, which carries pressure and spring along
-                wish = gain * _beyond(far, band) + integral
+                wish = gain * _beyond(far + feedback * (spring + target - pressure), band) + integral
                 wide = capacity * min(abs(wish), 1.0) * (inlet if (wish >= 0.0) == filling else ps)
                 busy = max(busy, min(wide * volume, 2.0 * abs(target - wanted) * per_filter_time))
             h = min(_LONGEST, remaining)
@@ -211,7 +217,7 @@ def positioner_and_actuator(
                 old = 2.0 * (1.0 - 1.0 / eased + 1.0 / q) if q > 1e-3 else 1.0
 
             moved = eased * (target - wanted)
-            spool = gain * _beyond(near + 0.6 * moved, band) + integral
+            spool = gain * _beyond(near + short + 0.6 * (1.0 + feedback) * moved, band) + integral
             if (spool >= 0.0) != filling:
                 inlet, slope = _vent_nozzle(pressure, atmosphere) if filling else _supply_nozzle(pressure, ps)
             if faulty:
@@ -231,18 +237,21 @@ def positioner_and_actuator(
             y = h * volume * capacity * (inlet * gain + abs(slope * spool) * hold)
             theta = (hold + y) / (2.0 * hold + y)
 
-            error = near + (1.0 - (1.0 - theta) * old) * moved
-            lift = gain + theta * h * reset
-            grip = lift * (1.0 - loose)
-            if abs(error) > band:
-                error = _beyond(error, band)
-                spool = lift * error + integral
+            there = (1.0 - (1.0 - theta) * old) * moved
+            asked = near + short + (1.0 + feedback) * there
+            error = _beyond(near + there, band)
+            grip, gauge = (gain + theta * h * reset) * (1.0 - loose), 0.0
+            if abs(asked) > band:
+                spool = gain * _beyond(asked, band) + theta * h * reset * error + integral
                 if abs(spool) > 1.0:
                     spool = 1.0 if spool > 0.0 else -1.0
                     grip = 0.0
+                else:
+                    gauge = capacity * inlet * gain * feedback
             else:
-                error, grip, spool = 0.0, 0.0, integral
-            fall = capacity * abs(slope * spool) + lost_slope
+                # within its dead band a positioner leaves the air as it is
+                grip, spool = 0.0, 0.0
+            fall = capacity * abs(slope * spool) + lost_slope + gauge
             share = h / (1.0 + h * theta * fall * volume)
             inflow = (capacity * inlet * spool - lost) * share
             back = theta * (capacity * grip * inlet - fall * air) * share

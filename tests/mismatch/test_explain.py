@@ -10,6 +10,7 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder, explain, onset
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.rivals import Rival
 from sklvalve.recording import Recording, Valve
 
 CLOGGING, LEAK = (next(e for e in CATALOGUE if e.key == key) for key in ("clogging", "seat_leakage"))
@@ -75,7 +76,8 @@ def test_a_rival_takes_the_place_only_where_it_is_preferred():
     member, other = Member(CLOGGING), Member(LEAK)
     for own, rival, swapped in ((0.45, 0.55, False), (0.1, 0.9, True)):
         finding = SimpleNamespace(
-            member=member, rivals=[(other, "the rival's fit", rival), (member, "its own fit", own)]
+            member=member,
+            rivals=[Rival(other, "the rival's fit", rival, 0.0), Rival(member, "its own fit", own, 0.0)],
         )
         assert explain._better_in_place([finding]) == ("the rival's fit" if swapped else None)
 

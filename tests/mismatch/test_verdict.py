@@ -10,13 +10,14 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from sklvalve.mismatch.detect import mismatch_p_value
+from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.explain import DISTINGUISHABLE
 from sklvalve.mismatch.gate import effects_switched_off
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.locate import regions
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.onset import best_onset
+from sklvalve.mismatch.rivals import Rival
 from sklvalve.mismatch.verdict import class_of, verdict_of
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.fitting import PlainNoise
@@ -27,8 +28,12 @@ BENCH = SimpleNamespace(tolerance=Tolerance(), recording=range(1024))
 
 def _finding(*rivals, gain=100.0, sizes=None):
     """A finding of rivals (key, log likelihood, probability), the first one the best."""
-    made = [(Member(EFFECTS[k]), SimpleNamespace(log_likelihood=ll), p) for k, ll, p in rivals]
-    return SimpleNamespace(member=made[0][0], rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
+    best = max(ll for _, ll, _ in rivals)
+    made = [
+        Rival(Member(EFFECTS[k]), SimpleNamespace(log_likelihood=ll), p, 2.0 * (best - ll))
+        for k, ll, p in rivals
+    ]
+    return SimpleNamespace(member=made[0].member, rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
 
 
 def _p(findings=(), tried=None, unknown=None, candidates=20):

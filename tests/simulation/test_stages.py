@@ -41,6 +41,7 @@ def _stem(
         gain,
         reset,
         1.0,
+        0.0,
     )
 
 
@@ -246,6 +247,7 @@ def test_a_night_without_samples_settles_the_stem_and_keeps_it_finite(gap):
         20.0,
         0.3,
         1.0,
+        0.0,
     )
     assert np.all(np.isfinite(stem))
     np.testing.assert_allclose(stem[50:], 0.7, atol=0.01)

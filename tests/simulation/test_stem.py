@@ -32,6 +32,7 @@ def _run(command, valve, *, every=1.0, faults=SOUND):
         valve["gain"],
         valve["reset"],
         valve["rate"],
+        valve.get("feedback", 0.0),
     )
 
 
@@ -120,3 +121,14 @@ def test_fault_acts_from_its_row_on():
     np.testing.assert_array_equal(stem[:60], sound[:60])
     # thrown back at first; all the air then carries it up 1.2 travels, less the load's one and friction
     assert stem[-1] == pytest.approx(0.2 - ORDINARY["coulomb"], abs=2e-3)
+
+
+@pytest.mark.parametrize("feedback", [0.1, 0.25])
+def test_pressure_feedback_leaves_a_stem_with_friction_behind_by_its_share(feedback):
+    # at rest e + k (p_0 + u - p) = 0 and p = p_0 + x -+ F, so that e = +-k F / (1 + k)
+    slow = np.r_[np.linspace(0.3, 0.7, 2000), np.linspace(0.7, 0.3, 2000)]
+    valve = ORDINARY | {"coulomb": 0.1, "reset": 1e-6, "feedback": feedback}
+    behind = slow - _run(slow, valve)
+    expected = feedback * 0.1 / (1.0 + feedback)
+    np.testing.assert_allclose(np.median(behind[500:1900]), expected, rtol=0.1)
+    np.testing.assert_allclose(np.median(behind[2500:3900]), -expected, rtol=0.1)

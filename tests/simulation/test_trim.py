@@ -35,8 +35,9 @@ def test_sheet_bends_no_further_than_its_tolerance_at_the_knots(end):
     ratio = np.interp(knots, GRID, trim.table(bent)) / np.interp(knots, GRID, trim.table(_starts(trim)))
     phi = 40.0 ** (knots - 1.0)
     np.testing.assert_array_less(np.abs(np.log(ratio)), tolerance.trim * phi**-0.2 + 2e-3)
-    # and it does use it: fully open the tolerance is 10 %
-    assert abs(np.log(ratio[-1])) == pytest.approx(tolerance.trim, rel=1e-6)
+    # and it does use it, but fully open: what deviates there is the rated capacity
+    assert abs(np.log(ratio[-2])) == pytest.approx(tolerance.trim * phi[-2] ** -0.2, rel=0.02)
+    assert ratio[-1] == pytest.approx(1.0, rel=1e-12)
 
 
 def test_capacity_of_a_sheet_stays_within_its_tolerance():

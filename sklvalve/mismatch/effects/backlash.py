@@ -93,6 +93,7 @@ class LinkageBacklash(Backlash):
     """Play in the linkage between actuator and position sensor: the recorded opening itself shows it."""
 
     key = "backlash_linkage"
+    alike = "play"
     block, stage = "actuator", "stem"
     parameters = (Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),)
     needs = ("command", "opening")

@@ -57,6 +57,9 @@ class Effect:
         The test that tells it from what it is confused with.
     family : str
         Effects of one family have the same equation: a hypothesis holds one of them at most.
+    alike : str
+        Effects that look alike, however different their equations: each of them is fitted to the end where
+        another one stands.
     may_begin : bool
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
     grows : bool
@@ -70,7 +73,7 @@ class Effect:
     """
 
     name = key = block = stage = phrase = separated_by = damadics = ""
-    family = source = ""
+    family = alike = source = ""
     requires = "a data sheet with the characteristic and the fluid"
     may_begin = True
     grows = False

@@ -17,6 +17,7 @@ class Friction(Effect):
     """
 
     name = key = "friction"
+    alike = "play"
     block, stage = "actuator", "actuator"
     parameters = (Quantity("friction", "1", 0.02, 1.5, (0.1, 0.3), log=True),)
     needs = ("command",)
@@ -36,4 +37,4 @@ class Friction(Effect):
 
 def most_friction(tolerance):
     """Friction that a sound valve may have: what keeps a loop of ordinary gain within its static error."""
-    return 4.0 * tolerance.static_error
+    return 2.5 * tolerance.static_error

@@ -14,6 +14,7 @@ class PositionerDeadband(Effect):
     """
 
     name = key = "positioner_deadband"
+    alike = "play"
     block, stage = "actuator", "actuator"
     parameters: tuple = (Quantity("half_width", "1", 0.002, 0.2, (0.01, 0.03), log=True),)
     needs = ("command",)

@@ -38,6 +38,7 @@ class FeedbackPlay(Effect):
 
     name = "positioner_feedback_fault"
     key = "positioner_feedback_play"
+    alike = "play"
     block, stage = "actuator", "actuator"
     parameters = (Quantity("width", "1", 0.002, 0.9, (0.02, 0.04, 0.08, 0.16, 0.4), log=True),)
     needs = ("command",)

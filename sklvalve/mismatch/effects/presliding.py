@@ -17,6 +17,7 @@ class Presliding(Effect):
     """
 
     name = key = "presliding"
+    alike = "play"
     block, stage = "actuator", "actuator"
     parameters = (
         Quantity("friction", "1", 0.02, 1.5, (0.1, 0.2, 0.3), log=True),

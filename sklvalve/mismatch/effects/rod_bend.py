@@ -14,6 +14,7 @@ class RodBend(Effect):
     """
 
     name = key = "rod_bend"
+    alike = "play"
     block, stage = "actuator", "actuator"
     parameters = (
         Quantity("friction", "1", 0.02, 2.0, (0.2, 0.5, 0.5), log=True),

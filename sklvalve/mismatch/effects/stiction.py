@@ -17,6 +17,7 @@ class Stiction(Effect):
     """
 
     name = key = "stiction"
+    alike = "play"
     block, stage = "actuator", "actuator"
     parameters = (
         Quantity("static_friction", "1", 0.02, 0.6, (0.06, 0.2), log=True),

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How far apart two explanations of one recording are, by the recording's own scatter.
+
+Between two true models the log likelihood ratio is normal with a mean of half the distance D and a variance
+of D. A simulation is never true: what it gets wrong makes the ratio jump from event to event by far more. So
+the scatter is taken from the recording, stretch by stretch (Vuong, Econometrica 57, 1989), and a ratio that
+one event made counts as one event.
+"""
+
+import numpy as np
+
+from sklvalve.mismatch.onset import row_losses
+
+# two explanations are told apart from this distance on (3 % confusion)
+DISTINGUISHABLE = 14.0
+# what a simulation of an effect gets wrong of it, share of its size: so much passes for something else
+SHARE_MISTAKEN = 0.15
+# stretches are longer than whatever a valve remembers, and so many that a few make a scatter
+_STRETCH = 60.0
+_FEWEST, _MOST = 16, 96
+
+
+def gain_in_spreads(workbench, better, other):
+    """Log likelihood that one fit gains on another, in standard deviations of its scatter over time.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    better, other : Model
+
+    Returns
+    -------
+    spreads : float
+    """
+    losses = [row_losses(workbench, m, workbench.channels) for m in (better, other)]
+    gained = losses[1] - losses[0]
+    length = workbench.plain.clock[-1] - workbench.plain.clock[0]
+    many = int(np.clip(length / _STRETCH, _FEWEST, _MOST))
+    each = np.array([part.sum() for part in np.array_split(gained, many)])
+    scatter = np.sqrt(many) * each.std(ddof=1)
+    return float(each.sum() / scatter) if scatter > 0.0 else 0.0
+
+
+def distance(workbench, best, other, gain):
+    """Profile-likelihood distance D of an explanation from the best one, as far as it can be trusted.
+
+    No larger than the scatter allows; and since a simulation gets some share of every effect wrong, two
+    simulations of an effect that differ by less than that share are not told apart, however many rows there
+    are.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    best, other : Model
+    gain : float
+        Log likelihood that the best explanation adds to the simulation without it.
+
+    Returns
+    -------
+    distance : float
+        Two explanations are taken for each other with a probability of about Phi(-sqrt(D)/2).
+    """
+    between = 2.0 * max(best.log_likelihood - other.log_likelihood, 0.0)
+    own_error = SHARE_MISTAKEN**2 * 2.0 * max(gain, 0.0)
+    # under the law above D is four times the square of mean over spread
+    scattered = 4.0 * max(gain_in_spreads(workbench, best, other), 0.0) ** 2
+    return min(between / (1.0 + own_error / DISTINGUISHABLE), scattered)

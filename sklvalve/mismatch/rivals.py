@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What else could stand in the place of an effect that was found, and how far from it that is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sklvalve.mismatch.distance import distance
+from sklvalve.mismatch.hypothesis import Member, Model, is_in, price
+from sklvalve.mismatch.onset_sample import to_the_sample
+from sklvalve.mismatch.screening import screened
+
+# of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
+_FITTED = 4
+_WITHIN_REACH = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """An explanation in the place of a finding.
+
+    Attributes
+    ----------
+    member : Member
+    model : Model
+        The hypothesis with it in place.
+    probability : float
+    distance : float
+        Profile-likelihood distance D from the best.
+    """
+
+    member: Member
+    model: Model
+    probability: float
+    distance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """One thing found: an effect, and those the recording cannot tell from it.
+
+    Attributes
+    ----------
+    member : Member
+        The most likely explanation.
+    rivals : list of Rival
+        Explanations in its place, its own among them, the most probable first.
+    gain : float
+        Log likelihood that the explanation adds to the rest of the hypothesis.
+    sizes : dict
+        Channel -> change that it makes, share of span [1].
+    """
+
+    member: Member
+    rivals: list
+    gain: float
+    sizes: dict
+
+
+def find_rivals(workbench, model, effects, report, seen=None):
+    """For each effect found, what else could stand in its place.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+    effects : sequence of Effect
+    report : callable or None
+    seen : dict, default=None
+        Effect key -> the best hypothesis with it that the search met: where else to begin.
+
+    Returns
+    -------
+    findings : list of Finding
+        The strongest first.
+    """
+    findings = []
+    for i, member in enumerate(model.members):
+        rest = tuple(m for m in model.members if m is not member)
+        without = workbench.fit(rest, start=model)
+        others = [e for e in effects if e.key != member.effect.key and not is_in(e, rest)]
+        others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
+        places = [(member, model)]
+        places += _others_in_place(workbench, model, rest, without, others, member, seen or {})
+        gain = model.log_likelihood - without.log_likelihood
+        rivals = _weighed(workbench, places, gain)
+        findings.append(Finding(member, rivals, gain, workbench.change(model, without)))
+        if report:
+            report(0.8 + 0.2 * (i + 1) / len(model.members))
+    return sorted(findings, key=lambda f: f.gain, reverse=True)
+
+
+def _others_in_place(workbench, model, rest, without, others, member, seen):
+    """Other effects in the place of one, each from the best of two calibrations, as (Member, Model)."""
+    # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
+    bare = workbench.judged(workbench.simulate(rest, model.values))
+    found = {}
+    for base in (bare, without):
+        for k, rough in enumerate(screened(workbench, base, others, onset=member.onset)):
+            fitted, effect = rough, rough.members[-1].effect
+            near = rough.log_likelihood > model.log_likelihood - _WITHIN_REACH
+            alike = effect.alike and effect.alike == member.effect.alike
+            if k < _FITTED or near or alike:
+                fitted = to_the_sample(workbench, workbench.fit(rough.members, start=rough))
+            before = found.get(effect.key)
+            if before is None or fitted.log_likelihood > before.log_likelihood:
+                found[effect.key] = fitted
+    for effect in others:
+        if effect.alike and effect.alike == member.effect.alike and effect.key in seen:
+            fitted = _from_what_was_met(workbench, model, rest, Member(effect, member.onset), seen)
+            if fitted.log_likelihood > found[effect.key].log_likelihood:
+                found[effect.key] = fitted
+    return [(fitted.members[-1], fitted) for fitted in found.values()]
+
+
+def _from_what_was_met(workbench, model, rest, member, seen):
+    """Fit of a rival that begins where the search met it."""
+    own = (f"{member.effect.key}.", "actuator_")
+    met = {name: value for name, value in seen[member.effect.key].values.items() if name.startswith(own)}
+    begin = workbench.simulate((*rest, member), model.values | met)
+    return to_the_sample(workbench, workbench.fit(begin.members, start=begin))
+
+
+def _weighed(workbench, places, gain):
+    """Explanations in one place, with distances from the best and probabilities, the most probable first."""
+    best = max((m for _, m in places), key=lambda m: m.log_likelihood)
+    distances = [distance(workbench, best, m, gain) for _, m in places]
+    # the price of parameters counts as it does in the search
+    scores = -0.5 * np.array(distances) - np.array([price(workbench, who) for who, _ in places])
+    weights = np.exp(scores - scores.max())
+    weights /= weights.sum()
+    rivals = [
+        Rival(who, fitted, float(w), d)
+        for (who, fitted), w, d in zip(places, weights, distances, strict=True)
+    ]
+    return sorted(rivals, key=lambda r: r.probability, reverse=True)
+
+
+def _touch_the_same(workbench, effect, other):
+    return bool(set(workbench.channels_touched(effect)) & set(workbench.channels_touched(other)))
