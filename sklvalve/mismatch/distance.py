@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How far apart two explanations of one recording are, by the recording's own scatter.
+"""How far apart two explanations of one recording are, and how far what one gains can be trusted.
 
 Between two true models the log likelihood ratio is normal with a mean of half the distance D and a variance
-of D. A simulation is never true: what it gets wrong makes the ratio jump from event to event by far more. So
-the scatter is taken from the recording, stretch by stretch (Vuong, Econometrica 57, 1989), and a ratio that
-one event made counts as one event.
+of D. A simulation is never true: it gets a share of every effect wrong, and what it gets wrong makes the
+ratio jump from event to event by far more than that law allows.
 """
 
 import numpy as np
@@ -22,6 +21,9 @@ _FEWEST, _MOST = 16, 96
 
 def gain_in_spreads(workbench, better, other):
     """Log likelihood that one fit gains on another, in standard deviations of its scatter over time.
+
+    The scatter is the recording's own, stretch by stretch (Vuong, Econometrica 57, 1989): what one event
+    gained counts as one event.
 
     Parameters
     ----------
@@ -41,16 +43,14 @@ def gain_in_spreads(workbench, better, other):
     return float(each.sum() / scatter) if scatter > 0.0 else 0.0
 
 
-def distance(workbench, best, other, gain):
+def distance(best, other, gain):
     """Profile-likelihood distance D of an explanation from the best one, as far as it can be trusted.
 
-    No larger than the scatter allows; and since a simulation gets some share of every effect wrong, two
-    simulations of an effect that differ by less than that share are not told apart, however many rows there
-    are.
+    Two simulations of an effect that differ by less than a simulation gets wrong of any effect are not told
+    apart, however many rows there are.
 
     Parameters
     ----------
-    workbench : Workbench
     best, other : Model
     gain : float
         Log likelihood that the best explanation adds to the simulation without it.
@@ -60,8 +60,6 @@ def distance(workbench, best, other, gain):
     distance : float
         Two explanations are taken for each other with a probability of about Phi(-sqrt(D)/2).
     """
-    between = 2.0 * max(best.log_likelihood - other.log_likelihood, 0.0)
     own_error = SHARE_MISTAKEN**2 * 2.0 * max(gain, 0.0)
-    # under the law above D is four times the square of mean over spread
-    scattered = 4.0 * max(gain_in_spreads(workbench, best, other), 0.0) ** 2
-    return min(between / (1.0 + own_error / DISTINGUISHABLE), scattered)
+    between = 2.0 * max(best.log_likelihood - other.log_likelihood, 0.0)
+    return between / (1.0 + own_error / DISTINGUISHABLE)

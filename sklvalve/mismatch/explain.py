@@ -17,7 +17,8 @@ from sklvalve.mismatch.workbench import ACTUATOR_STAGES
 _FITTED = 4
 # a further effect must be a fair share of the strongest, or without it this many times as much is left over
 _LEFT_WITHOUT = 2.0
-# what an effect gains it must gain in more than one or two events, in standard deviations of the scatter
+# what a further effect gains it must gain in more than one or two events, in deviations of the scatter: what
+# the model of the first gets wrong there is no physics of its own
 _SPREADS = 2.0
 
 
@@ -168,10 +169,10 @@ def _matters(workbench, model, without, threshold):
     sizes = workbench.change(model, without)
     if not (gain > threshold and _beyond(workbench, model, member) and workbench.counts(sizes)):
         return False
-    if gain_in_spreads(workbench, model, without) < _SPREADS:
-        return False
     if not without.members:
         return True
+    if gain_in_spreads(workbench, model, without) < _SPREADS:
+        return False
     strongest = workbench.change(without, workbench.fit((), start=without))
     return any(
         workbench.counts({c: sizes[c]})

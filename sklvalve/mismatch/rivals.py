@@ -124,7 +124,7 @@ def _from_what_was_met(workbench, model, rest, member, seen):
 def _weighed(workbench, places, gain):
     """Explanations in one place, with distances from the best and probabilities, the most probable first."""
     best = max((m for _, m in places), key=lambda m: m.log_likelihood)
-    distances = [distance(workbench, best, m, gain) for _, m in places]
+    distances = [distance(best, m, gain) for _, m in places]
     # the price of parameters counts as it does in the search
     scores = -0.5 * np.array(distances) - np.array([price(workbench, who) for who, _ in places])
     weights = np.exp(scores - scores.max())

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from sklvalve.mismatch.first_guess import first_guess
 from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.noise import fit_noise
+from sklvalve.mismatch.sizes import Sizes
 from sklvalve.simulation.calibration import (
     channels_of,
     choose_trim,
@@ -33,7 +33,7 @@ _LARGEST = 2.0
 ACTUATOR_STAGES = ("signal", "actuator", "stem")
 
 
-class Workbench:
+class Workbench(Sizes):
     """One recording, its calibration, its noise, and the fits made so far.
 
     Parameters
@@ -67,7 +67,8 @@ class Workbench:
         self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
         # fits and noises found once are kept: in a search the same question comes up many times
         self._known, self._learnt = {}, {}
-        self._sound: dict = {}
+        # of an actuator that most rows bear out; `calibrated` finds it
+        self.sound_values: dict = {}
 
     def chain(self, members, recording=None):
         """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
@@ -266,31 +267,14 @@ class Workbench:
         finally:
             self.noise = kept
 
+    def forget_fits(self):
+        """Fit anew what was fitted before."""
+        self._known.clear()
+
     def least_squares(self, model):
         """A hypothesis fitted for the least error itself."""
         with self.every_row_alike(model):
             return self.fit(model.members, start=model, max_steps=15)
-
-    def calibrated(self):
-        """The simulation without any further effect, calibrated, and the noise learnt from it."""
-        guess, self._sound = first_guess(self)
-        model = self.fit((), start=guess, hold="actuator_" if guess.values and not self.coupled else None)
-        for _ in range(2):
-            self.learn_noise(model, cautious=True, anew=True)
-            other = self._fitted_from_sound(model)
-            model = self.fit((), start=model)
-            if other is not None and other.log_likelihood > model.log_likelihood:
-                model = other
-        return model
-
-    def _fitted_from_sound(self, model):
-        """The calibration begun anew from a sound actuator, which may lie in another valley."""
-        if not self._sound:
-            return None
-        self._known.clear()
-        other = self.fit((), start=self.sound(model))
-        self._known.clear()
-        return other
 
     def sound(self, model):
         """A hypothesis with the actuator as most rows have it, simulated and not fitted.
@@ -300,9 +284,9 @@ class Workbench:
         sound : Model
             `model` itself where no position is recorded.
         """
-        if not self._sound:
+        if not self.sound_values:
             return model
-        return self.judged(self.simulate(model.members, model.values | self._sound))
+        return self.judged(self.simulate(model.members, model.values | self.sound_values))
 
     def judged(self, model):
         """A simulated hypothesis with its log likelihood, the distance from the priors included."""
@@ -310,33 +294,6 @@ class Workbench:
             robust_cost(m.errors(m.vector.pack(model.values))) for m in self.misfits(model, self.channels)
         )
         return replace(model, log_likelihood=-cost)
-
-    def change(self, model, other):
-        """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.
-
-        Returns
-        -------
-        sizes : dict
-            Channel -> share of span [1].
-        """
-        sizes = {}
-        for channel in self.channels:
-            gap = model.predictions[channel] - other.predictions[channel]
-            gap = np.abs(gap[np.isfinite(gap)])
-            # where it acts: the rows that carry the upper part of the difference
-            acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0
-            acting &= gap > 0.0
-            rms = float(np.sqrt(np.mean(gap[acting] ** 2))) if acting.any() else 0.0
-            sizes[channel] = rms / self.spans[channel]
-        return sizes
-
-    def counts(self, sizes):
-        """Whether a change is one that matters in practice."""
-        return any(size >= self.least(channel) for channel, size in sizes.items())
-
-    def least(self, channel):
-        """Size from which on a change of a channel counts, share of span [1]."""
-        return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect
 
 
 def _signs(members):

@@ -91,7 +91,7 @@ def positioner_and_actuator(
     from the one that carries the spring to the command: such a positioner holds a stuck stem with a pressure
     in proportion to its error, one without builds it up until the stem comes loose. The spool fills the chamber from the supply or
     vents it, by nozzles that choke; the stem moves where pressure, spring and bristle friction with a
-    Stribeck fall balance. Mass is left out: a stem answers in milliseconds.
+    Stribeck fall balance. Mass is left out.
 
     .. math::
 
@@ -115,9 +115,8 @@ def positioner_and_actuator(
     faults : ndarray of shape (n, 10), or (0, 10) in a sound actuator
         Columns as `sklvalve.simulation.faults.FAULTS` has them.
     filter_time, gain, reset, rate, feedback : float
-        Time constant of the positioner's input [s], spool opening for an error [1], share of the spool for
-        the error's integral [1/s], capacity of the spool [1/s], and what a pressure of one counts as an error
-        [1].
+        Time constant of the input [s], spool opening for an error [1], spool for the error's integral [1/s],
+        capacity of the spool [1/s], and the error that a pressure of one counts for [1].
 
     Returns
     -------

@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.growing import fit_growing
 from sklvalve.mismatch.hypothesis import Member
@@ -94,7 +95,7 @@ def test_every_name_is_tested_or_said_why_not(bench):
 
 def _calibrated(name, strength, onset=0.0):
     workbench = Workbench(record(name, strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",))
-    return workbench, workbench.calibrated()
+    return workbench, calibrated(workbench)
 
 
 def _best(workbench, nominal, key):

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.preparation import candidates
@@ -111,7 +112,7 @@ def test_without_a_dead_band_there_is_no_threshold():
 
 
 def test_all_three_effects_of_a_motor_are_fitted(bench):
-    nominal = fitted = bench.calibrated()
+    nominal = fitted = calibrated(bench)
     for key in ("slew_limit_motor", "dead_time", "positioner_deadband_motor"):
         fitted = bench.fit([*fitted.members, Member(EFFECTS[key])], start=fitted)
     values = fitted.values

@@ -110,22 +110,6 @@ def test_verdicts():
 # ---- what the data forbid, where, since when, and what next
 
 
-def test_findings_about_the_data_switch_off_what_they_mimic():
-    assert effects_switched_off([]) == {}
-    assert effects_switched_off([{"finding": "quantised", "role": "opening"}]) == {}
-    off = effects_switched_off([{"finding": "saturated", "role": "flow"}])
-    assert set(off) == {"clogging", "choked_flow"}
-    assert off["clogging"] == "a recording whose flow is not saturated"
-    assert set(effects_switched_off([{"finding": "clock_shift", "role": "p1"}])) == {"dead_time"}
-    both = [{"finding": "frozen", "role": "opening"}, {"finding": "compressed", "role": "command"}]
-    assert set(effects_switched_off(both)) == {
-        "stiction",
-        "positioner_deadband",
-        "position_sensor_bias",
-        "dead_time",
-    }
-
-
 def test_only_effects_of_the_catalogue_are_switched_off():
     names = {effect.name for effect in CATALOGUE}
     for finding in ("compressed", "frozen", "clock_shift", "saturated"):
