@@ -1,0 +1,35 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How large a change of the simulation is, and whether such a change matters in practice."""
+
+import numpy as np
+
+
+class Sizes:
+    """Sizes of changes in the channels of a workbench, which has `channels`, `spans` and a `tolerance`."""
+
+    def change(self, model, other):
+        """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.
+
+        Returns
+        -------
+        sizes : dict
+            Channel -> share of span [1].
+        """
+        sizes = {}
+        for channel in self.channels:
+            gap = model.predictions[channel] - other.predictions[channel]
+            gap = np.abs(gap[np.isfinite(gap)])
+            # where it acts: the rows that carry the upper part of the difference
+            acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0
+            acting &= gap > 0.0
+            rms = float(np.sqrt(np.mean(gap[acting] ** 2))) if acting.any() else 0.0
+            sizes[channel] = rms / self.spans[channel]
+        return sizes
+
+    def counts(self, sizes):
+        """Whether a change is one that matters in practice."""
+        return any(size >= self.least(channel) for channel, size in sizes.items())
+
+    def least(self, channel):
+        """Size from which on a change of a channel counts, share of span [1]."""
+        return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect
