@@ -6,7 +6,7 @@ import re
 from itertools import groupby
 from pathlib import Path
 
-from sklvalve.mismatch.effects import CATALOGUE, Effect
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS, Effect
 
 TARGET = Path(__file__).with_name("effects.md")
 BLOCKS = ("actuator", "valve", "line", "measurement")
@@ -26,9 +26,9 @@ one of the DAMADICS benchmark with the same physics.
 def page():
     """The whole page as text."""
     names = len({effect.name for effect in CATALOGUE})
-    parts = [HEAD.format(names=names, forms=len(CATALOGUE)), _overview()]
+    parts = [HEAD.format(names=names, forms=len(CATALOGUE) + len(EVENTS)), _overview()]
     for block in BLOCKS:
-        inside = sorted((e for e in CATALOGUE if e.block == block), key=lambda e: e.name)
+        inside = sorted((e for e in (*CATALOGUE, *EVENTS) if e.block == block), key=lambda e: e.name)
         parts.append(f"## {block.capitalize()}\n")
         for name, forms in groupby(inside, key=lambda e: e.name):
             parts.append(f"### {name}\n")
@@ -40,7 +40,7 @@ def _overview():
     rows = ["| effect | block | needs | family | fault |", "|---|---|---|---|---|"]
     for block in BLOCKS:
         for name in sorted({e.name for e in CATALOGUE if e.block == block}):
-            forms = [e for e in CATALOGUE if e.name == name and e.block == block]
+            forms = [e for e in (*CATALOGUE, *EVENTS) if e.name == name and e.block == block]
             needs, families, faults = (
                 " or ".join(sorted({told for e in forms if (told := tell(e))}))
                 for tell in (_needs, lambda e: e.family, lambda e: e.damadics)

@@ -35,6 +35,8 @@ DRAWN = (
     "thermal_bow",
     "hydrate_pulses",
 )
+# of the draws one that conceals an effect which the recording does tell
+_SEED = 24
 _FILES = ("recording.csv", "later.csv", "valve.toml", "truth.json")
 
 
@@ -50,7 +52,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--out", type=folder, default="sklvalve-demo", metavar="DIR", help="folder (default: %(default)s)"
     )
-    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the draw (default: 0)")
+    parser.add_argument("--seed", type=seed, default=_SEED, metavar="N", help="of the draw (default: %(default)s)")
     parser.set_defaults(run=run)
 
 

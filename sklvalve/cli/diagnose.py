@@ -16,6 +16,10 @@ if TYPE_CHECKING:
 
 RESULTS = ("diagnosis.json", "report.html", "corrected_model.skops")
 _EXTRAS = {"jinja2": "report", "matplotlib": "report", "skops": "skops"}
+_NO_MODEL = (
+    "No corrected_model.skops: a loop known by its command and its value only has no simulation of the valve "
+    "to correct."
+)
 
 
 def add_parser(commands) -> None:
@@ -45,6 +49,7 @@ def add_parser(commands) -> None:
 def run(args: Namespace) -> int:
     """Diagnose a recording."""
     from sklvalve.cli.staging import Staging
+    from sklvalve.mismatch.loop import is_loop
     from sklvalve.recording import read_recording, read_valve, require_diagnosable
     from sklvalve.report import to_text
 
@@ -52,7 +57,9 @@ def run(args: Namespace) -> int:
     valve = read_valve(args.valve)
     recording = read_recording(args.recording, valve)
     rows = _rows_until(recording, args.until)
-    require_diagnosable(recording.slice(0, rows))
+    loop = is_loop(recording.slice(0, rows))
+    if not loop:
+        require_diagnosable(recording.slice(0, rows))
     with Staging(args.out, RESULTS) as staging:
         finder = diagnose(recording, staging, until=rows, seed=args.seed)
         written = staging.commit()
@@ -62,13 +69,15 @@ def run(args: Namespace) -> int:
     else:
         print(to_text(found))
         print(f"\nWritten: {', '.join(str(path) for path in written)}")
+        if loop:
+            print(_NO_MODEL)
     return int(args.exit_code and found["verdict"] != "no_mismatch")
 
 
 def diagnose(
     recording: "Recording", staging: "Staging", *, until: int | None, seed: int
 ) -> "MissingPhysicsFinder":
-    """Diagnose a recording and lay the three results down in a staging folder."""
+    """Diagnose a recording and lay the results down in a staging folder; a loop has no corrected model."""
     from threadpoolctl import threadpool_limits
 
     from sklvalve.cli.progress import progress
@@ -82,7 +91,10 @@ def diagnose(
         finder.fit(recording, until=until)
         tag, source = recording.valve.tag, Path(recording.source).name
         write_report(staging.path("report.html"), finder.diagnosis_, title=tag, source=source)
-        save_model(staging.path("corrected_model.skops"), finder)
+        if hasattr(finder, "corrected_simulation_"):
+            save_model(staging.path("corrected_model.skops"), finder)
+        else:
+            staging.drop("corrected_model.skops")
         text = _json(finder.diagnosis_.to_dict())
         staging.path("diagnosis.json").write_text(text + "\n", encoding="utf-8")
     return finder

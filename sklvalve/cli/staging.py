@@ -37,6 +37,7 @@ class Staging:
         self.names = tuple(names)
         self.called = called
         self._made: Path | None = None
+        self._dropped: list[Path] = []
 
     def __enter__(self) -> "Staging":
         try:
@@ -65,6 +66,10 @@ class Staging:
         assert self._made is not None, "enter the context first"
         return self._made / name
 
+    def drop(self, name: str) -> None:
+        """Let an earlier result of this name go when the others come: it would belong to another run."""
+        self._dropped.append(self.folder / name)
+
     def commit(self) -> list[Path]:
         """Move all that was written to where it belongs; paths of the results."""
         assert self._made is not None, "enter the context first"
@@ -73,6 +78,8 @@ class Staging:
             written = [self.folder / name for name in self.names if self.path(name).exists()]
             for target in written:
                 os.replace(self.path(target.name), target)
+            for target in self._dropped:
+                target.unlink(missing_ok=True)
         return written
 
     def _unwritable(self, error: OSError) -> InputError:

@@ -8,6 +8,7 @@ import numpy as np
 import sklvalve
 from sklvalve.mismatch.locate import acting_rows, regions
 from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.slip_finding import rows_of_slips, told_by_slips
 from sklvalve.mismatch.verdict import class_of, effect_entry
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -19,7 +20,8 @@ class Judgement:
     Attributes
     ----------
     verdict : str
-    p_value : float
+    p_value : float or None
+        None where nothing was asked, because the data must be mended first.
     findings : list of Finding
     unknown : Unknown or None
     nominal, model : Model
@@ -33,7 +35,7 @@ class Judgement:
     """
 
     verdict: str
-    p_value: float
+    p_value: float | None
     findings: list
     unknown: object
     nominal: object
@@ -45,7 +47,7 @@ class Judgement:
     @property
     def found(self):
         """Whether anything is missing."""
-        return self.verdict != "no_mismatch"
+        return self.verdict != "no_mismatch" and self.p_value is not None
 
     @property
     def correction(self):
@@ -69,14 +71,18 @@ def flagged_rows(workbench, judgement):
     if unknown is not None and not judgement.findings:
         rest = np.abs(learnt_rest(unknown.correction, model.chain, model.values))
         flagged = rest > 0.25 * np.quantile(rest, 0.99)
+    if told_by_slips(judgement.findings):
+        flagged = flagged | rows_of_slips(workbench.recording)
     onset = onset_of(judgement)
     if onset is not None:
         flagged &= model.chain.clock - model.chain.clock[0] >= onset
     return flagged
 
 
-def content_of(whole, workbench, judgement, flagged, fit, *, data, not_testable, alpha, random_state):
-    """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``."""
+def content_of(
+    whole, workbench, judgement, flagged, fit, *, data, not_testable, alpha, random_state, mend=None
+):
+    """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``; `mend`: what to do to the data."""
     chain, values = judgement.model.chain, judgement.model.values
     onset, unknown, found = onset_of(judgement), judgement.unknown, judgement.found
     entries = [effect_entry(f, whole) for f in judgement.findings]
@@ -97,7 +103,7 @@ def content_of(whole, workbench, judgement, flagged, fit, *, data, not_testable,
         "effects": entries,
         "fit": fit,
         "not_testable": not_testable,
-        "next_test": next_test(classes, judgement.verdict, unknown, workbench),
+        "next_test": mend or next_test(classes, judgement.verdict, unknown, workbench),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
         "provenance": {
             "sklvalve": sklvalve.__version__,
@@ -106,6 +112,8 @@ def content_of(whole, workbench, judgement, flagged, fit, *, data, not_testable,
             "random_state": random_state,
         },
     }
+    if mend:
+        content["reasons"] = [mend]
     if unknown is not None:
         content["unknown"] = _unknown_entry(whole, judgement)
     return content

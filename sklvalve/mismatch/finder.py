@@ -9,20 +9,16 @@ from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import HasMethods, Interval
 from threadpoolctl import threadpool_limits
 
-from sklvalve.mismatch.contents import Judgement, content_of, flagged_rows, traces_of
-from sklvalve.mismatch.detect import mismatch_p_value
+from sklvalve.mismatch.calibrating import calibrated
+from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
 from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.explain import explain
+from sklvalve.mismatch.gate import blocking, with_seized_stems
+from sklvalve.mismatch.judging import blocked, judge
+from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
-from sklvalve.mismatch.prove import (
-    correction_holds_out,
-    errors,
-    folded,
-    held_out_predictions,
-    holds_out,
-)
-from sklvalve.mismatch.unknown import find_unknown
-from sklvalve.mismatch.verdict import verdict_of
+from sklvalve.mismatch.prove import errors, held_out_predictions
+from sklvalve.mismatch.sifting import sifted
 from sklvalve.recording import require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.given_columns import with_given
@@ -61,7 +57,8 @@ class MissingPhysicsFinder(BaseEstimator):
     ----------
     diagnosis_ : Diagnosis
     nominal_simulation_, corrected_simulation_ : ValveSimulation
-        Calibrated without, and with, what was found. What no effect explains is learnt and added to the
+        Calibrated without, and with, what was found; absent for a loop known by command and flow, or another
+        value, only (docs/loops.md). What no effect explains is learnt and added to the
         corrected one where that lowers the error of rows that it was not learnt from.
 
     Examples
@@ -140,80 +137,63 @@ class MissingPhysicsFinder(BaseEstimator):
         seed = self._seed()
         self._say("reading", 0.0)
         recording = whole.slice(0, used)
+        if ours is None and is_loop(recording):
+            return self._fit_loop(whole, recording, seed)
         require_diagnosable(recording)
-        data = screen_recording(recording)
+        data = with_seized_stems(screen_recording(recording), recording)
+        mend = blocking(data)
+        whole, recording = sifted(whole, recording, data)
         workbench = prepared_workbench(recording, ours, self.tolerance)
         effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
-        nominal = workbench.calibrated()
-        explanation = explain(
-            workbench,
-            nominal,
-            effects,
-            threshold=self.evidence,
-            most=self.max_effects,
-            report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
-        )
-        self._say("looking for the unknown", 0.8)
-        judged = self._judge(workbench, explanation, len(effects), seed)
+        judged = blocked(workbench) if mend else self._judge(workbench, effects, seed)
         self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
         self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
         self._say("proving on held-out rows", 0.85)
-        made, held = held_out_predictions(
-            workbench, whole, judged.nominal, judged.model, judged.correction, judged.tried
-        )
-        fit = {
-            c: errors(whole, made, held, c, workbench.noise[c].floor, random_state=seed)
-            for c in workbench.channels
-        }
         flagged = flagged_rows(workbench, judged)
         content = content_of(
             whole,
             workbench,
             judged,
             flagged,
-            fit,
+            {} if mend else _proof(workbench, whole, judged, seed),
             data=data,
             not_testable=not_testable,
             alpha=float(self.alpha),
             random_state=seed,
+            mend=mend,
         )
         simulations = self.nominal_simulation_, self.corrected_simulation_
         self.diagnosis_ = Diagnosis(content, traces_of(whole, flagged, used, *simulations))
         self._say("done", 1.0)
         return self
 
-    def _judge(self, workbench, explanation, n_candidates, seed):
-        """Verdict, what stands of the findings, and the model and the learnt rest that go with it."""
+    def _fit_loop(self, whole, recording, seed):
+        """A loop known by command and value only: there is no simulation of its valve, then."""
+        for name in ("nominal_simulation_", "corrected_simulation_"):
+            self.__dict__.pop(name, None)
+        data = screen_recording(recording)
+        self._say("comparing explanations", 0.1)
+        found = diagnose_loop(recording, alpha=float(self.alpha), random_state=seed)
+        told = [{k: d[k] for k in ("finding", "role", "detail")} for d in data]
+        content = loop_content(found, recording, data=told, random_state=seed)
+        self.diagnosis_ = Diagnosis(content, loop_traces(found, whole, len(recording)))
+        self._say("done", 1.0)
+        return self
 
-        def rest_of(model):
-            return find_unknown(workbench, model, alpha=self.alpha, random_state=seed)
-
-        findings, model, nominal = explanation.findings, explanation.model, explanation.nominal
-        unknown = rest_of(model)
-        p_value = mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
-        if findings and p_value > self.alpha:
-            # effects too weak to be told from chance must not hide a rest that is not
-            findings, unknown = [], rest_of(nominal)
-            p_value = mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
-        upheld = not findings or holds_out(workbench, nominal, model)
-        explained = 0.0
-        if unknown is not None and findings:
-            explained = workbench.change(model, nominal)[unknown.channel]
-        if not upheld:
-            # blocks that the fit had not seen speak against it: no name is better than a wrong one
-            findings = []
-        verdict, findings = verdict_of(findings, unknown, p_value, self.alpha, explained)
-        if not findings and verdict != "no_mismatch":
-            unknown = rest_of(nominal) or unknown
-            verdict = "none_of_these" if unknown is not None else "cannot_tell"
-        nominal = workbench.least_squares(nominal)
-        model = workbench.least_squares(model) if findings else nominal
-        if verdict == "no_mismatch" or unknown is None:
-            return Judgement(verdict, p_value, findings, None, nominal, model)
-        tried = folded(workbench, model, unknown.channel)
-        kept, told = correction_holds_out(workbench, tried, unknown.channel)
-        return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
+    def _judge(self, workbench, effects, seed):
+        """Search among the effects, and the judgement on what it finds."""
+        explanation = explain(
+            workbench,
+            calibrated(workbench),
+            effects,
+            threshold=self.evidence,
+            most=self.max_effects,
+            report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
+        )
+        self._say("looking for the unknown", 0.8)
+        more = {"alpha": float(self.alpha), "random_state": seed}
+        return judge(workbench, explanation, effects, by_slips=self.max_effects > 0, **more)
 
     def _say(self, stage, done):
         if self.callback is not None:
@@ -223,6 +203,16 @@ class MissingPhysicsFinder(BaseEstimator):
         if isinstance(self.random_state, Integral):
             return int(self.random_state)
         return int(check_random_state(self.random_state).randint(2**31 - 1))
+
+
+def _proof(workbench, whole, judged, seed):
+    """The ``fit`` entries of diagnosis.json, from rows that no fit has seen."""
+    models = judged.nominal, judged.model
+    made, held = held_out_predictions(workbench, whole, *models, judged.correction, judged.tried)
+    return {
+        c: errors(whole, made, held, c, workbench.noise[c].floor, random_state=seed)
+        for c in workbench.channels
+    }
 
 
 def _simulation_of(workbench, fitted, correction, given):

@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from sklvalve.recording.standing import stem_may_stand
+
 # moves of the stem that stick, lose motion or come late: all that a record redrawn in time cannot show
 _STICKING = ("stiction", "friction", "backlash", "presliding", "positioner_deadband", "rod_bend")
 _LATE = ("dead_time", "actuator_lag", "slew_limit", "transducer_fault")
@@ -94,13 +96,37 @@ _MOST_BLANK = 0.6  # of a channel; what is left would say nothing of the whole
 _COUNTS = 0.005  # of the span; steps below this cannot pass for an effect that counts
 
 
+def with_seized_stems(data, recording):
+    """Findings, with a mark on an opening that stands still as that of a seized stem does.
+
+    Parameters
+    ----------
+    data : list of dict
+        Findings of `screen_recording` of this recording.
+    recording : Recording
+
+    Returns
+    -------
+    data : list of dict
+        ``stuck_valve`` stays testable, and the rows stay, where ``seized`` is true: the command moves in
+        every one of the stretches and the flow does not follow it.
+    """
+    return [each | {"seized": True} if _may_be_seized(each, recording) else each for each in data]
+
+
+def _may_be_seized(finding, recording):
+    if finding["finding"] != "frozen" or finding["role"] != "opening":
+        return False
+    return all(stem_may_stand(recording, *span) for span in finding["rows"] or [(0, None)])
+
+
 def effects_switched_off(data):
     """Effects that a recording's data cannot speak for.
 
     Parameters
     ----------
     data : list of dict
-        Findings of `screen_recording`.
+        Findings of `screen_recording`, as they are or marked by `with_seized_stems`.
 
     Returns
     -------
@@ -114,8 +140,10 @@ def effects_switched_off(data):
             continue
         by_role = _UNMEASURED if _never_moves(finding) else _MIMICS.get(name, {})
         needs = _needs(name, role)
+        seized = _STILL if finding.get("seized") else ()
         for effect in (*by_role.get(role, ()), *by_role.get(None, ())):
-            off.setdefault(effect, needs)
+            if effect not in seized:
+                off.setdefault(effect, needs)
     return off
 
 
@@ -165,7 +193,7 @@ def without_findings(recording, data):
     ----------
     recording : Recording
     data : list of dict
-        Findings of `screen_recording` of this recording.
+        Findings of `screen_recording` of this recording, as they are or marked by `with_seized_stems`.
 
     Returns
     -------
@@ -174,7 +202,8 @@ def without_findings(recording, data):
     """
     signals = dict(recording.signals)
     for role in {each["role"] for each in data if each["finding"] in _BLANKED} - {None, "command"}:
-        spans = [each["rows"] or [] for each in data if each["finding"] in _BLANKED and each["role"] == role]
+        blank = [each for each in data if each["finding"] in _BLANKED and not each.get("seized")]
+        spans = [each["rows"] or [] for each in blank if each["role"] == role]
         hidden = np.zeros(len(recording), dtype=bool)
         for start, stop in (span for each in spans for span in each):
             hidden[start:stop] = True

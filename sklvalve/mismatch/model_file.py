@@ -5,7 +5,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 from sklvalve.recording import InputError, Valve
 from sklvalve.simulation import ValveSimulation
 
@@ -69,7 +69,7 @@ def load_model(path):
         content = skops_io.load(path, trusted=[])
         if content.get("format") != _FORMAT:
             raise ValueError("other format")
-        effects = {e.key: e for e in CATALOGUE}
+        effects = {e.key: e for e in (*CATALOGUE, *EVENTS)}
         valve = Valve.from_dict(content["valve"], source=str(path))
         simulations = {
             kind: ValveSimulation.from_state(

@@ -79,7 +79,7 @@ def _thinned(values, keep, width):
     return np.where(count > 0.6 * width, mean, np.nan)
 
 
-def find_unknown(workbench, model, *, alpha, random_state=0):
+def find_unknown(workbench, model, *, alpha, random_state=0, channels=None):
     """Look for a predictable rest in each channel.
 
     The rest is averaged over short stretches in which nothing moves fast, and predicted from slow signals by
@@ -93,6 +93,8 @@ def find_unknown(workbench, model, *, alpha, random_state=0):
     alpha : float
         Level of the test.
     random_state : int
+    channels : sequence of str, default=None
+        Where to look; in all channels of the workbench unless given.
 
     Returns
     -------
@@ -101,7 +103,7 @@ def find_unknown(workbench, model, *, alpha, random_state=0):
     """
     rng = np.random.default_rng(random_state)
     best = None
-    for channel in workbench.channels:
+    for channel in workbench.channels if channels is None else channels:
         found = _in_channel(workbench, model, channel, alpha, rng)
         if found is not None and (best is None or found.size > best.size):
             best = found

@@ -8,6 +8,7 @@ from sklvalve.recording._supported import require_supported
 from sklvalve.recording._tell import column_of, written
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.recording import Recording
+from sklvalve.recording.standing import stem_may_stand
 
 # rows with all that a channel needs: in all, and left when any quarter of the recording is held out
 _FEWEST, _FEWEST_LEFT = 40, 20
@@ -19,7 +20,8 @@ def require_diagnosable(recording: Recording) -> None:
 
     `read_recording` takes all that can be screened, plotted and kept; this asks for what a diagnosis needs
     besides: a valve of a kind that can be simulated, signals that are not evidently in another unit or of the
-    other sense, and enough rows in which what drives a signal, and the signal itself, move.
+    other sense, and enough rows in which what drives a signal, and the signal itself, move. An opening may
+    hold one value where the command moves and the flow does not follow it: the stem may have seized.
 
     Parameters
     ----------
@@ -81,7 +83,8 @@ def _require_values(recording: Recording) -> None:
 def _require_channel(recording: Recording, channel: str, driver: str) -> None:
     """Both move, and are recorded together in enough rows of more than one part of the recording."""
     for role in (driver, channel):
-        _require_movement(recording, role)
+        if not (role == "opening" and stem_may_stand(recording)):
+            _require_movement(recording, role)
     together = np.isfinite(recording[channel]) & np.isfinite(recording[driver])
     needed = [driver]
     if channel == "flow":

@@ -5,6 +5,7 @@ import numpy as np
 
 from sklvalve.report import signals
 from sklvalve.report.drawing import COLOURS, GRID, INK, decimate, pyplot_free_figure, styled, thin, to_svg
+from sklvalve.report.words import role_words
 
 _ALT_FLAGGED = "; shaded where what was found acts"
 
@@ -14,7 +15,7 @@ def recording_figure(traces: dict) -> str:
     recorded = traces["recorded"]
     panels = [
         group
-        for group in (("command", "opening"), ("flow",), ("p1", "p2"))
+        for group in (("command", "opening"), ("flow",), ("process_value",), ("p1", "p2"))
         if any(recorded.get(role) is not None for role in group)
     ]
     with styled():
@@ -37,7 +38,8 @@ def recording_figure(traces: dict) -> str:
 
 def residual_figure(traces: dict) -> str | None:
     """Recorded less simulated over time, before and after; None where nothing can be compared."""
-    roles = [role for role in ("opening", "flow") if signals.residual(traces, role, "nominal") is not None]
+    compared = ("opening", "flow", "process_value")
+    roles = [role for role in compared if signals.residual(traces, role, "nominal") is not None]
     if not roles:
         return None
     with styled():
@@ -59,7 +61,8 @@ def residual_figure(traces: dict) -> str | None:
             _mark_until(ax, traces, time)
             ax.legend(loc="lower left", bbox_to_anchor=(0.0, 0.97), ncols=2, borderaxespad=0.0)
         axes[-1].set_xlabel(f"time from the first sample [{unit}]")
-        alt = f"Recorded less simulated {' and '.join(roles)} over time, before and after the correction"
+        shown = " and ".join(map(role_words, roles))
+        alt = f"Recorded less simulated {shown} over time, before and after the correction"
         return to_svg(figure, "residual", alt + _ALT_FLAGGED)
 
 

@@ -9,7 +9,7 @@ from typing import Protocol
 
 from sklvalve.report import figures, rows
 from sklvalve.report.sentence import summary_sentence
-from sklvalve.report.words import VERDICTS
+from sklvalve.report.words import verdict_words
 
 
 class _Diagnosis(Protocol):
@@ -88,7 +88,7 @@ def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | Non
         source=source,
         summary=summary_sentence(d),
         verdict=d["verdict"],
-        verdict_words=VERDICTS[d["verdict"]],
+        verdict_words=verdict_words(d),
         explanations=rows.explanations(d),
         places=rows.places(d),
         models=list(rows.MODELS.values()),

@@ -83,10 +83,13 @@ def errors(d: dict) -> list[tuple[str, list[str]]]:
                 words = f"{words} [{unit}]"
             else:
                 scale = 1.0
-                words = words if role == "flow" else words.replace("of flow", f"of {role}")
+                words = words if role == "flow" else words.replace("of flow", f"of {role_words(role)}")
             cells = [values.get(model) for model in MODELS]
             rows.append(
-                (f"{role} {words}", ["-" if cell is None else number(scale * cell) for cell in cells])
+                (
+                    f"{role_words(role)} {words}",
+                    ["-" if cell is None else number(scale * cell) for cell in cells],
+                )
             )
     return rows
 
@@ -99,7 +102,7 @@ def skills(d: dict) -> list[str]:
         if skill is None:
             continue
         low, high = fit.get("skill_ci95") or (None, None)
-        words = f"Skill of {role}: {number(skill)}"
+        words = f"Skill of {role_words(role)}: {number(skill)}"
         if low is not None and high is not None:
             words += f" [{number(low)} to {number(high)}]"
         lines.append(f"{words} (1 explains all but noise, 0 no more than nominal)")

@@ -59,6 +59,8 @@ def summary_sentence(d: dict) -> str:
 
 def _agreement(d: dict) -> str:
     p_value = p_words(d["mismatch"].get("p_value"))
+    if d.get("reasons"):
+        return " ".join([f"Sticking of a size that matters is excluded ({p_value}).", *d["reasons"]])
     if d["mismatch"].get("detected"):
         return (
             "Nothing that matters is missing: simulation and recording differ by more than noise "
@@ -106,6 +108,10 @@ def _inputs(d: dict) -> str:
 
 
 def _undecided(d: dict) -> str:
+    if not d["mismatch"].get("detected", True):
+        return " ".join(
+            ["This recording cannot tell whether anything is missing.", *(d.get("reasons") or [])]
+        )
     sentence = (
         f"Something is missing ({p_words(d['mismatch'].get('p_value'))}), but this recording cannot "
         f"tell what: it acts {_place(d, d['location']['blocks'])}"
@@ -152,8 +158,8 @@ def _gain(d: dict) -> str:
     scale, unit = (100.0, "%") if fit["unit"] == "1" else (1.0, fit["unit"])
     rows = f"{fit['held_out_rows']} unseen rows" if fit.get("held_out_rows") else "unseen rows"
     if share > 0.98:
-        return f", though the {role} error on {rows} does not fall with {them}"
+        return f", though the {role_words(role)} error on {rows} does not fall with {them}"
     return (
-        f"; with {them} the {role} error on {rows} falls from {number(scale * before)} "
+        f"; with {them} the {role_words(role)} error on {rows} falls from {number(scale * before)} "
         f"to {with_unit(scale * after, unit)}"
     )

@@ -10,6 +10,7 @@ __all__ = ["summary_sentence", "to_markdown", "to_text"]
 
 _WIDTH = 96
 _INDENT = 14
+_MANY = 8
 
 
 def to_text(d: dict) -> str:
@@ -48,9 +49,7 @@ def to_text(d: dict) -> str:
     lines += _block([_line(label, words) for label, words in rows.places(d)])
     lines += _block(_error_lines(d))
     lines += _block(
-        [_line("Not testable", _listed([f"{name} (needs {needs})" for name, needs in rows.untestable(d)]))]
-        if rows.untestable(d)
-        else []
+        [_line("Not testable", _listed(_by_need(rows.untestable(d))))] if rows.untestable(d) else []
     )
     lines += _block([_line("Next test", d["next_test"])] if d.get("next_test") else [])
     lines += _block(
@@ -129,6 +128,21 @@ def _block(lines: list[str]) -> list[str]:
 
 def _numbered(items: list) -> list:
     return [(place == 0, item) for place, item in enumerate(items)]
+
+
+def _by_need(untestable: list[tuple[str, str]]) -> list[str]:
+    """Effects with what they need; of many that need the same the first few."""
+    found: dict[str, list[str]] = {}
+    for name, needs in untestable:
+        found.setdefault(needs, []).append(name)
+    lines = []
+    for needs, names in found.items():
+        if len(names) > _MANY:
+            names = [f"{', '.join(names[:3])} and {len(names) - 3} others (each needs {needs})"]
+        else:
+            names = [f"{name} (needs {needs})" for name in names]
+        lines += names
+    return lines
 
 
 def _listed(items: list[str]) -> str:

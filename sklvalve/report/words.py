@@ -69,6 +69,13 @@ VERDICTS = {
 }
 
 
+def verdict_words(d: dict) -> str:
+    """Words for the verdict of a diagnosis."""
+    if d["verdict"] == "cannot_tell" and not d["mismatch"].get("detected", True):
+        return "this recording cannot tell whether anything is missing"
+    return VERDICTS[d["verdict"]]
+
+
 def spoken(name: str) -> str:
     """Words for an effect, or its name without underscores where it has none."""
     return EFFECTS.get(name, name.replace("_", " "))

@@ -38,7 +38,7 @@ from sklvalve.mismatch.effects.sensor_lag import SensorLag
 from sklvalve.mismatch.effects.slew_limit import MotorSpeed, SlewLimit
 from sklvalve.mismatch.effects.spring_fault import SpringFault
 from sklvalve.mismatch.effects.stem_load import StemLoad
-from sklvalve.mismatch.effects.stiction import Stiction
+from sklvalve.mismatch.effects.stiction import Stiction, StictionBySlips
 from sklvalve.mismatch.effects.stuck_valve import StuckValve
 from sklvalve.mismatch.effects.supply_pressure_drop import SupplyPressureDrop
 from sklvalve.mismatch.effects.tight_shutoff import FullOpening, TightShutoff
@@ -111,4 +111,7 @@ CATALOGUE = (
     SensorLag(),
 )
 
-__all__ = ["CATALOGUE", "Effect", "Quantity"]
+#: Forms told from events in the recording, which no search takes up.
+EVENTS = (StictionBySlips(),)
+
+__all__ = ["CATALOGUE", "EVENTS", "Effect", "Quantity"]

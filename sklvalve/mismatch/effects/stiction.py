@@ -19,11 +19,11 @@ class Stiction(Effect):
     name = key = "stiction"
     alike = "play"
     block, stage = "actuator", "actuator"
-    parameters = (
+    parameters: tuple = (
         Quantity("static_friction", "1", 0.02, 0.6, (0.06, 0.2), log=True),
         Quantity("sliding_share", "1", 0.1, 0.95, (0.4,)),
     )
-    needs = ("command",)
+    needs: tuple = ("command",)
     phrase = "the stem sticks and slips (friction at rest {static_friction:.0%} of the spring's range)"
     separated_by = (
         "Ramp the command slowly through a reversal with the actuator's pressure recorded: "
@@ -37,3 +37,25 @@ class Stiction(Effect):
         changed["coulomb"] = np.maximum(value["coulomb"], sliding)
         changed["stick"] = np.full_like(value["stick"], p["static_friction"] - sliding)
         return changed
+
+
+class StictionBySlips(Stiction):
+    r"""Friction at rest told by its slips: the stem rests, jumps, and lands beyond every command.
+
+    .. math:: |x_{k+1} - x_k| = J, \quad x_{k+1} \notin [\min u, \max u]
+
+    The slips are seen in the recording itself. When each of them comes hangs on friction to a per cent, so
+    the simulation does not time them, and what it makes is left as it is. No search takes this form up.
+    """
+
+    key = "stiction_slips"
+    stage = "stem"
+    parameters = (Quantity("jump", "1", 0.0, 1.0, (0.03,)),)
+    needs = ("command", "opening")
+    phrase = (
+        "the stem sticks and slips (it jumps by {jump:.1%} of travel, past what was commanded); "
+        "the moments of the slips are not predicted"
+    )
+
+    def apply(self, value, p, chain):
+        return value

@@ -46,9 +46,12 @@ def loop_content(finding, recording, *, data=(), random_state=0):
     role = "flow" if "flow" in recording else "process_value"
     unit = np.ptp(recording.in_recorded_units(role, np.array([0.0, 1.0])))
     nominal, corrected = (finding.fit["rmse"][kind] for kind in ("nominal", "corrected"))
-    floor = finding.fit["noise_floor"]
-    room = nominal**2 - floor**2
     named = finding.verdict == "named"
+    if not named:
+        # a stem that sticks was tried, and not taken up
+        corrected = nominal
+    floor = min(finding.fit["noise_floor"], nominal, corrected)
+    room = nominal**2 - floor**2
     return {
         "schema": "sklvalve.diagnosis/1",
         "verdict": finding.verdict,
@@ -99,4 +102,5 @@ def _not_testable(recording):
 
     seen = ("stiction", "backlash")
     others = [role for role in ("opening", "p1", "p2") if role in ROLES and role not in recording]
-    return [(effect.name, " and ".join(others)) for effect in CATALOGUE if effect.name not in seen]
+    names = dict.fromkeys(effect.name for effect in CATALOGUE if effect.name not in seen)
+    return [(name, " and ".join(others)) for name in names]

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From the search to the judgement: what stands of the findings, and the model that goes with it."""
+
+from dataclasses import replace
+
+from sklvalve.mismatch.calibrating import calibrated
+from sklvalve.mismatch.contents import Judgement
+from sklvalve.mismatch.detect import mismatch_p_value
+from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
+from sklvalve.mismatch.slip_finding import P_VALUE, beside_slips, evident_slips, with_slips
+from sklvalve.mismatch.unknown import find_unknown
+from sklvalve.mismatch.verdict import class_of, verdict_of
+
+
+def judge(workbench, explanation, effects, *, alpha, random_state, by_slips=True):
+    """Verdict, what stands of the findings, and the model and the learnt rest that go with it.
+
+    Slips of the stem that are evident name stiction where the search has not: then its findings in the
+    actuator, which the slips explain, go, and so does what it left unexplained of the opening.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    explanation : Explanation
+    effects : sequence of Effect
+        Candidates of the search.
+    alpha : float
+        Level of the test.
+    random_state : int
+    by_slips : bool, default=True
+        Whether slips may name stiction.
+
+    Returns
+    -------
+    judgement : Judgement
+    """
+    told = {"alpha": alpha, "n_candidates": len(effects), "random_state": random_state}
+    searched = _judged(workbench, explanation, explanation.findings, explanation.model, **told)
+    slips = evident_slips(workbench, effects, alpha) if by_slips else None
+    if slips is None or _names_stiction(searched):
+        return searched
+    findings, model = beside_slips(explanation.findings), explanation.model
+    if len(findings) < len(explanation.findings):
+        model = workbench.fit(tuple(f.member for f in findings), start=model)
+    others = tuple(c for c in workbench.channels if c != "opening")
+    beside = _judged(workbench, explanation, findings, model, channels=others, **told)
+    finding, model = with_slips(beside.model, slips, workbench, random_state)
+    return replace(
+        beside,
+        verdict="named",
+        p_value=min(searched.p_value, P_VALUE),
+        findings=[finding, *beside.findings],
+        model=model,
+        tried=beside.tried or folded(workbench, beside.model),
+    )
+
+
+def blocked(workbench):
+    """Judgement of a recording whose data must be mended first: the calibrated simulation and no more."""
+    nominal = calibrated(workbench)
+    return Judgement("cannot_tell", None, [], None, nominal, nominal)
+
+
+def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, random_state, channels=None):
+    def rest_of(model):
+        return find_unknown(workbench, model, alpha=alpha, random_state=random_state, channels=channels)
+
+    def p_value_of(findings, unknown):
+        return mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
+
+    nominal, unknown = explanation.nominal, rest_of(model)
+    p_value = p_value_of(findings, unknown)
+    if findings and p_value > alpha:
+        # effects too weak to be told from chance must not hide a rest that is not
+        findings, unknown = [], rest_of(nominal)
+        p_value = p_value_of(findings, unknown)
+    upheld = not findings or holds_out(workbench, nominal, model)
+    explained = 0.0
+    if unknown is not None and findings:
+        explained = workbench.change(model, nominal)[unknown.channel]
+    if not upheld:
+        # blocks that the fit had not seen speak against it: no name is better than a wrong one
+        findings = []
+    verdict, findings = verdict_of(findings, unknown, p_value, alpha, explained)
+    if not findings and verdict != "no_mismatch":
+        unknown = rest_of(nominal) or unknown
+        verdict = "none_of_these" if unknown is not None else "cannot_tell"
+    nominal = workbench.least_squares(nominal)
+    model = workbench.least_squares(model) if findings else nominal
+    if verdict == "no_mismatch" or unknown is None:
+        return Judgement(verdict, p_value, findings, None, nominal, model)
+    tried = folded(workbench, model, unknown.channel)
+    kept, told = correction_holds_out(workbench, tried, unknown.channel)
+    return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
+
+
+def _names_stiction(judgement):
+    named = judgement.verdict == "named"
+    return named and any("stiction" in class_of(f) for f in judgement.findings)

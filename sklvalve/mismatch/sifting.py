@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A recording without what its sensors did not measure, both the rows used and those behind them."""
+
+from sklvalve.mismatch.gate import with_seized_stems, without_findings
+from sklvalve.recording import require_diagnosable, screen_recording
+
+
+def sifted(whole, recording, data):
+    """Recordings without the rows that the findings about their data speak against.
+
+    Rows behind those used are screened for themselves, and only for values that stand still or pile up;
+    how far a clock is off they are told by the rows used, so that they change nothing of the diagnosis.
+
+    Parameters
+    ----------
+    whole : Recording
+    recording : Recording
+        The first rows of `whole`, that the diagnosis uses.
+    data : list of dict
+        Findings about `recording`.
+
+    Returns
+    -------
+    whole, recording : Recording
+        Those given where nothing speaks against them.
+
+    Raises
+    ------
+    InputError
+        If too little is left for a diagnosis.
+    """
+    used = len(recording)
+    cleaned = without_findings(recording, data)
+    if cleaned is not recording:
+        require_diagnosable(cleaned)
+    if used == len(whole):
+        return cleaned, cleaned
+    everywhere = with_seized_stems(screen_recording(whole), whole)
+    still = [each for each in everywhere if each["finding"] in ("frozen", "saturated")]
+    return without_findings(whole, still + [d for d in data if d["finding"] == "clock_shift"]), cleaned
