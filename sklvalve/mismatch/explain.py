@@ -15,10 +15,10 @@ from sklvalve.mismatch.workbench import ACTUATOR_STAGES
 
 # of the effects screened, so many are fitted with the whole calibration free
 _FITTED = 4
-# a further effect must be a fair share of the strongest, or without it this many times as much is left over
+# what the model of an effect gets wrong is no physics of its own: without a further effect this many times
+# as much (mean square) must be left over, or it must be a fair share of the strongest and gain in more than
+# one or two events, in deviations of the scatter
 _LEFT_WITHOUT = 2.0
-# what a further effect gains it must gain in more than one or two events, in deviations of the scatter: what
-# the model of the first gets wrong there is no physics of its own
 _SPREADS = 2.0
 
 
@@ -171,14 +171,12 @@ def _matters(workbench, model, without, threshold):
         return False
     if not without.members:
         return True
-    if gain_in_spreads(workbench, model, without) < _SPREADS:
-        return False
+    large = [c for c in sizes if workbench.counts({c: sizes[c]})]
+    if any(_leaves_most(workbench, model, without, c) for c in large):
+        return True
     strongest = workbench.change(without, workbench.fit((), start=without))
-    return any(
-        workbench.counts({c: sizes[c]})
-        and (sizes[c] > SHARE_MISTAKEN * strongest[c] or _leaves_most(workbench, model, without, c))
-        for c in sizes
-    )
+    fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
+    return fair and gain_in_spreads(workbench, model, without) >= _SPREADS
 
 
 def _leaves_most(workbench, model, without, channel):
