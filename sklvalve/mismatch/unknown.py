@@ -261,7 +261,10 @@ def _held_out(regressor, Z, slow):
 def _skills(held_out, Y):
     """Share of each target's variance that is predicted on held-out blocks, and the predictions."""
     left = held_out(Y)
-    return 1.0 - np.sum(left**2, axis=0) / np.sum((Y - Y.mean(axis=0)) ** 2, axis=0), Y - left
+    spread = np.sum((Y - Y.mean(axis=0)) ** 2, axis=0)
+    # of a target that never moves nothing is left to be predicted
+    share = np.divide(np.sum(left**2, axis=0), spread, out=np.ones_like(spread), where=spread > 0.0)
+    return 1.0 - share, Y - left
 
 
 def _inputs_that_matter(tuned):
