@@ -77,6 +77,8 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
                     workbench.change(m, model),
                 )
                 for m in found
+                # what a data sheet leaves open is no mismatch, however clear it is
+                if _beyond(workbench, m, m.members[-1])
             }
         settled = None
         for chosen in [m for m in found if _matters(workbench, m, model, threshold)][:3]:
