@@ -52,7 +52,9 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--out", type=folder, default="sklvalve-demo", metavar="DIR", help="folder (default: %(default)s)"
     )
-    parser.add_argument("--seed", type=seed, default=_SEED, metavar="N", help="of the draw (default: %(default)s)")
+    parser.add_argument(
+        "--seed", type=seed, default=_SEED, metavar="N", help="of the draw (default: %(default)s)"
+    )
     parser.set_defaults(run=run)
 
 

@@ -91,8 +91,8 @@ _UNMEASURED = {
     "p2": (*_BY_PRESSURE, *_UNSTEADY),
     "temperature": ("density_change", "viscosity_change", "viscous_flow", "flashing"),
 }
-_BLANKED = ("frozen", "saturated")
-_MOST_BLANK = 0.6  # of a channel; what is left would say nothing of the whole
+# of a channel, where values pile up: what is left would say nothing of the whole; a frozen value is none
+_MOST_BLANK = {"frozen": 1.0, "saturated": 0.6}
 _COUNTS = 0.005  # of the span; steps below this cannot pass for an effect that counts
 
 
@@ -184,10 +184,10 @@ def blocking(data):
 def without_findings(recording, data):
     """Recording without the rows that a sensor did not measure, and with clocks set right.
 
-    Frozen and saturated stretches become NaN in their channel, so that no fit sees them; a channel that would
-    lose more than six tenths of its rows is left as it is, as is a command, which drives the simulation. A
-    channel whose clock is off is moved back by the rows that the screening found; rows that it then lacks are
-    NaN, in a command the nearest known value.
+    Frozen and saturated stretches become NaN in their channel, so that no fit sees them; a channel that is
+    saturated in more than six tenths of its rows is left as it is, as is a command, which drives the
+    simulation. A channel whose clock is off is moved back by the rows that the screening found; rows that it
+    then lacks are NaN, in a command the nearest known value.
 
     Parameters
     ----------
@@ -201,14 +201,14 @@ def without_findings(recording, data):
         The one given where there is nothing to be left out.
     """
     signals = dict(recording.signals)
-    for role in {each["role"] for each in data if each["finding"] in _BLANKED} - {None, "command"}:
-        blank = [each for each in data if each["finding"] in _BLANKED and not each.get("seized")]
-        spans = [each["rows"] or [] for each in blank if each["role"] == role]
+    for each in data:
+        if each["finding"] not in _MOST_BLANK or each["role"] in (None, "command") or each.get("seized"):
+            continue
         hidden = np.zeros(len(recording), dtype=bool)
-        for start, stop in (span for each in spans for span in each):
+        for start, stop in each["rows"] or []:
             hidden[start:stop] = True
-        if 0.0 < hidden.mean() <= _MOST_BLANK:
-            signals[role] = np.where(hidden, np.nan, signals[role])
+        if 0.0 < hidden.mean() <= _MOST_BLANK[each["finding"]]:
+            signals[each["role"]] = np.where(hidden, np.nan, signals[each["role"]])
     for each in data:
         if each["finding"] == "clock_shift" and each["role"] in signals and each.get("size"):
             rows = round(each["size"] / recording.sample_time)

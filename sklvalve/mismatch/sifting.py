@@ -2,7 +2,7 @@
 """A recording without what its sensors did not measure, both the rows used and those behind them."""
 
 from sklvalve.mismatch.gate import with_seized_stems, without_findings
-from sklvalve.recording import require_diagnosable, screen_recording
+from sklvalve.recording import InputError, require_diagnosable, screen_recording
 
 
 def sifted(whole, recording, data):
@@ -32,9 +32,20 @@ def sifted(whole, recording, data):
     used = len(recording)
     cleaned = without_findings(recording, data)
     if cleaned is not recording:
-        require_diagnosable(cleaned)
+        _require_enough(cleaned, data)
     if used == len(whole):
         return cleaned, cleaned
     everywhere = with_seized_stems(screen_recording(whole), whole)
     still = [each for each in everywhere if each["finding"] in ("frozen", "saturated")]
     return without_findings(whole, still + [d for d in data if d["finding"] == "clock_shift"]), cleaned
+
+
+def _require_enough(cleaned, data):
+    try:
+        require_diagnosable(cleaned)
+    except InputError as error:
+        left_out = [d for d in data if d["finding"] in ("frozen", "saturated") and not d.get("seized")]
+        seen = "; ".join(f"{d['role']} {d['detail']}" for d in left_out)
+        raise InputError(
+            f"{error} (left out, because it was not measured: {seen})" if seen else str(error)
+        ) from None

@@ -123,3 +123,8 @@ def test_rows_behind_those_used_are_sifted_too_and_change_no_others(sound):
 
 def test_clean_recording_goes_through_as_it_is(sound):
     assert all(each is sound for each in sifted(sound, sound, screen_recording(sound)))
+
+
+def test_sensor_that_stands_still_too_long_is_refused_in_a_sentence(sound, simulation):
+    with pytest.raises(InputError, match=r"leaves no other.*opening stands still for 900 s"):
+        MissingPhysicsFinder().fit(stopped(sound, simulation, 300, stem=False))

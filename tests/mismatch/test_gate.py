@@ -77,11 +77,24 @@ def test_frozen_and_saturated_rows_are_left_out():
     assert left["command"] is whole["command"]
 
 
+def test_value_that_was_never_measured_goes_however_long_it_is():
+    left = without_findings(recording(), [found("frozen", "opening", [[0, 90]])])
+    assert np.isnan(left["opening"][:90]).all()
+    assert np.isfinite(left["opening"][90:]).all()
+
+
+def test_seized_stem_stays_testable_and_nothing_else_that_a_frozen_opening_imitates():
+    marked = found("frozen", "opening", [[0, 90]], seized=True)
+    assert "stuck_valve" not in effects_switched_off([marked])
+    assert "stiction" in effects_switched_off([marked])
+
+
 def test_nothing_to_leave_out_gives_the_recording_itself():
     whole = recording()
     kept = [
         found("frozen", "flow"),
-        found("frozen", "opening", [[0, 90]]),
+        found("saturated", "opening", [[0, 90]]),
+        found("frozen", "opening", [[0, 9]], seized=True),
         found("frozen", "command", [[1, 9]]),
     ]
     assert without_findings(whole, kept) is whole
