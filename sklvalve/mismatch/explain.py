@@ -17,9 +17,11 @@ from sklvalve.mismatch.workbench import ACTUATOR_STAGES
 _FITTED = 4
 # what the model of an effect gets wrong is no physics of its own: without a further effect this many times
 # as much (mean square) must be left over, or it must be a fair share of the strongest and gain in more than
-# one or two events, in deviations of the scatter
+# one or two events, in deviations of the scatter (k equal events among many stretches make the root of k)
 _LEFT_WITHOUT = 2.0
 _SPREADS = 2.0
+# an explanation that needs all that is physically possible speaks against itself: share of its range
+_AT_AN_END = 1e-3
 
 
 @dataclass(eq=False)
@@ -66,20 +68,37 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
     explanation : Explanation
     """
     model, tried, seen = nominal, {}, {}
-    for step in range(most):
-        found = _step(workbench, model, effects, report, step / (most + 1))
+    for last in (False, False, True):
+        model = _taken_up(workbench, model, effects, threshold, most, tried, seen, report)
+        workbench.learn_noise(model)
+        model = workbench.fit(model.members, start=model)
+        model = _drop_what_no_longer_counts(workbench, model, threshold, last_too=True)
+        findings = find_rivals(workbench, model, effects, report, seen)
+        better = _better_in_place(findings)
+        if better is None or last:
+            break
+        model = _settle(workbench, better)
+        workbench.learn_noise(model, cautious=True)
+    nominal = workbench.fit((), start=nominal)
+    return Explanation(nominal, model, findings, tried)
+
+
+def _taken_up(workbench, model, effects, threshold, most, tried, seen, report):
+    """A hypothesis with one effect after the other taken up, as long as they matter.
+
+    `tried` and `seen` are filled: what the first effects would gain, and the best fit met of every effect.
+    """
+    first = not tried and not model.members
+    while len(model.members) < most:
+        found = _step(workbench, model, effects, report, len(model.members) / (most + 1))
         for m in found[:_FITTED]:
             seen.setdefault(m.members[-1].effect.key, m)
-        if step == 0:
-            tried = {
-                m.members[-1].effect.key: (
-                    m.log_likelihood - model.log_likelihood,
-                    workbench.change(m, model),
-                )
-                for m in found
-                # what a data sheet leaves open is no mismatch, however clear it is
-                if _beyond(workbench, m, m.members[-1])
-            }
+        if first and not model.members:
+            # what a data sheet leaves open is no mismatch, however clear it is
+            beyond = [m for m in found if _beyond(workbench, m, m.members[-1])]
+            for m in beyond:
+                gain = m.log_likelihood - model.log_likelihood
+                tried[m.members[-1].effect.key] = gain, workbench.change(m, model)
         settled = None
         for chosen in [m for m in found if _matters(workbench, m, model, threshold)][:3]:
             settled, gain, sizes, matters = _under_its_own_noise(workbench, chosen, model, threshold)
@@ -94,17 +113,7 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
         model = _drop_what_no_longer_counts(workbench, settled, threshold)
         workbench.learn_noise(model, cautious=True)
         model = workbench.fit(model.members, start=model)
-    for _ in range(3):
-        workbench.learn_noise(model)
-        model = workbench.fit(model.members, start=model)
-        model = _drop_what_no_longer_counts(workbench, model, threshold, last_too=True)
-        findings = find_rivals(workbench, model, effects, report, seen)
-        better = _better_in_place(findings)
-        if better is None:
-            break
-        model = _settle(workbench, better)
-    nominal = workbench.fit((), start=nominal)
-    return Explanation(nominal, model, findings, tried)
+    return model
 
 
 def _under_its_own_noise(workbench, chosen, before, threshold):
@@ -171,14 +180,28 @@ def _matters(workbench, model, without, threshold):
     sizes = workbench.change(model, without)
     if not (gain > threshold and _beyond(workbench, model, member) and workbench.counts(sizes)):
         return False
+    if _absurd(model, member):
+        return False
     if not without.members:
         return True
     large = [c for c in sizes if workbench.counts({c: sizes[c]})]
     if any(_leaves_most(workbench, model, without, c) for c in large):
         return True
-    strongest = workbench.change(without, workbench.fit((), start=without))
+    bare = workbench.fit((), start=without)
+    strongest = workbench.change(without, bare)
     fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
+    # or in gain, which counts how long it acts as well
+    fair |= gain > SHARE_MISTAKEN**2 * (without.log_likelihood - bare.log_likelihood)
     return fair and gain_in_spreads(workbench, model, without) >= _SPREADS
+
+
+def _absurd(model, member):
+    """Whether an effect's own size stands at the end of what is physically possible."""
+    first = member.effect.quantities(model.chain)[0]
+    size, low, high = model.values[f"{member.effect.key}.{first.name}"], first.low, first.high
+    if first.log:
+        size, low, high = np.log([size, low, high])
+    return min(size - low, high - size) < _AT_AN_END * (high - low)
 
 
 def _leaves_most(workbench, model, without, channel):

@@ -5,6 +5,7 @@ from dataclasses import replace
 from numbers import Integral
 
 from sklvalve.mismatch.effects import CATALOGUE, Effect
+from sklvalve.mismatch.effects.spring_fault import knows_air
 from sklvalve.mismatch.gate import effects_switched_off
 from sklvalve.mismatch.hypothesis import Member, is_in
 from sklvalve.mismatch.workbench import Workbench
@@ -148,6 +149,9 @@ def candidates(workbench, wanted, data):
             untestable.setdefault(effect.name, off[effect.name])
         elif workbench.plain.lacks(effect):
             untestable.setdefault(effect.name, workbench.plain.lacks(effect))
+        elif effect.stage == "actuator" and workbench.coupled and not knows_air(workbench.plain):
+            # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
+            untestable.setdefault(effect.name, "opening, or a data sheet of the actuator")
         elif effect.possible(workbench.plain) and workbench.channels_touched(effect):
             found.append(effect)
         else:

@@ -18,7 +18,8 @@ class Sizes:
         sizes = {}
         for channel in self.channels:
             gap = model.predictions[channel] - other.predictions[channel]
-            gap = np.abs(gap[np.isfinite(gap)])
+            # what was not recorded speaks for nothing
+            gap = np.abs(gap[np.isfinite(gap) & np.isfinite(self.recording[channel])])
             # where it acts: the rows that carry the upper part of the difference
             acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0
             acting &= gap > 0.0

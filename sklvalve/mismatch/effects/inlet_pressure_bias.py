@@ -22,7 +22,8 @@ class InletPressureBias(Effect):
     def quantities(self, chain):
         size = float(np.nanquantile(np.abs(chain.dp), 0.95))
         starts = (0.1 * size, -0.1 * size)
-        return (Quantity("bias", "Pa", -2.0 * size, 0.9 * size, starts),)
+        # a sensor that is off by more than half the drop over the valve is no sensor any more
+        return (Quantity("bias", "Pa", -0.5 * size, 0.5 * size, starts),)
 
     def apply(self, value, p, chain):
         return value - p["bias"]

@@ -35,6 +35,10 @@ class TransducerFault(Effect):
         off = max(abs(p["bias"]), abs(p["gain"] + p["bias"]))
         return late or off > tolerance.position_zero
 
+    def possible(self, chain):
+        # without a position a trim learnt from this very recording would take it up
+        return chain.measured is not None or chain.trim.known
+
 
 class TransducerOutput(TransducerFault):
     r"""Transducer behind the comparison, between controller and spool: its gain is the loop's.
