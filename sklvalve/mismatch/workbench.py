@@ -253,11 +253,7 @@ class Workbench(Sizes):
 
     @contextmanager
     def every_row_alike(self, model):
-        """Noise of one size in all rows, that of what a model leaves over.
-
-        The noise of the best explanation makes little of what a poor one gets wrong; compared by its errors,
-        a simulation must be the best of its kind.
-        """
+        """Noise of one size in all rows: that of the best explanation makes little of what a poor one gets wrong."""
         kept, left = self.noise, self.residuals(model)
         self.noise = {
             c: PlainNoise(max(float(np.sqrt(np.nanmean(left[c] ** 2))), 1e-12)) for c in self.channels
@@ -272,9 +268,15 @@ class Workbench(Sizes):
         self._known.clear()
 
     def least_squares(self, model):
-        """A hypothesis fitted for the least error itself."""
+        """A hypothesis fitted for the least error itself, also from its effects' own starts."""
+        own = tuple(f"{m.effect.key}." for m in model.members)
+        bare = {name: value for name, value in model.values.items() if not own or not name.startswith(own)}
         with self.every_row_alike(model):
-            return self.fit(model.members, start=model, max_steps=15)
+            fits = [self.fit(model.members, start=model, max_steps=15)]
+            for k in range(2 if own and self.coupled else 0):
+                anew = self.fit(model.members, start=replace(model, values=bare), attempt=k, max_steps=15)
+                fits.append(anew)
+        return max(fits, key=lambda fitted: fitted.log_likelihood)
 
     def sound(self, model):
         """A hypothesis with the actuator as most rows have it, simulated and not fitted.

@@ -22,8 +22,8 @@ class SheetTrim:
     kv_scale : float, default=None
         Order of the largest capacity, where the sheet has no rated one [m3/h].
     knots : sequence of float
-        Openings between which the deviation is a natural cubic spline; few, for a trim is smooth. At the last,
-        full travel, there is none: what deviates there is the rated capacity.
+        Openings between which the deviation is a natural cubic spline; few, for a trim is smooth. At the
+        last, full travel, there is none: what deviates there is the rated capacity.
     """
 
     known = True

@@ -6,9 +6,15 @@ import numpy as np
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.calibration import span_of
 
+# two metres of water between sensor and valve [Pa]
+_HEAD = 2e4
+
 
 class InletPressureBias(Effect):
-    r"""Recorded inlet pressure is off by b: the drop that drives the flow is :math:`p_1 - b - p_2`."""
+    r"""Recorded inlet pressure is off by b: the drop that drives the flow is :math:`p_1 - b - p_2`.
+
+    So it is where a sensor, or the tank whose level is taken for a pressure, stands higher than the valve.
+    """
 
     name = key = "inlet_pressure_bias"
     block, stage = "measurement", "pressures"
@@ -22,8 +28,9 @@ class InletPressureBias(Effect):
     def quantities(self, chain):
         size = float(np.nanquantile(np.abs(chain.dp), 0.95))
         starts = (0.1 * size, -0.1 * size)
-        # a sensor that is off by more than half the drop over the valve is no sensor any more
-        return (Quantity("bias", "Pa", -0.5 * size, 0.5 * size, starts),)
+        # off by more than half the drop it is no sensor any more, but it may stand metres above the valve
+        most = max(0.5 * size, _HEAD)
+        return (Quantity("bias", "Pa", -most, min(most, 0.9 * size), starts),)
 
     def apply(self, value, p, chain):
         return value - p["bias"]
