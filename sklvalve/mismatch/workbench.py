@@ -253,7 +253,7 @@ class Workbench(Sizes):
 
     @contextmanager
     def every_row_alike(self, model):
-        """Noise of one size in all rows: that of the best explanation makes little of what a poor one gets wrong."""
+        """Noise of one size in all rows; the best explanation's makes little of a poor one's errors."""
         kept, left = self.noise, self.residuals(model)
         self.noise = {
             c: PlainNoise(max(float(np.sqrt(np.nanmean(left[c] ** 2))), 1e-12)) for c in self.channels

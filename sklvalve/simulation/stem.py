@@ -86,12 +86,12 @@ def positioner_and_actuator(
 ):
     r"""Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
 
-    All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool in
-    proportion to the error (and, by `reset`, to its integral), and, by `feedback`, to how far the pressure is
-    from the one that carries the spring to the command: such a positioner holds a stuck stem with a pressure
-    in proportion to its error, one without builds it up until the stem comes loose. The spool fills the chamber from the supply or
-    vents it, by nozzles that choke; the stem moves where pressure, spring and bristle friction with a
-    Stribeck fall balance. Mass is left out.
+    All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool by the
+    error, by its integral (`reset`), and, by `feedback`, by how far the pressure is from the one that carries
+    the spring to the command: so it holds a stuck stem with a pressure in proportion to the error; without, it
+    builds the pressure up until the stem comes loose. The spool fills the chamber from the supply or vents it,
+    by nozzles that choke; the stem moves where pressure, spring and bristle friction with a Stribeck fall
+    balance. Mass is left out.
 
     .. math::
 
