@@ -25,9 +25,10 @@ class BlockedErrors:
     Notes
     -----
     With :math:`H = K + I/C` and the bias eliminated,
-    :math:`P = H^{-1} - H^{-1} 1 1^T H^{-1} / (1^T H^{-1} 1)` gives the dual weights :math:`\alpha = P y` of all rows, and the error of the machine fitted without the
-    rows B is :math:`e_B = P_{BB}^{-1} \alpha_B`, exactly (Cawley and Talbot, Neural Networks 17, 2004). P
-    does not depend on the targets, so further targets cost next to nothing.
+    :math:`P = H^{-1} - H^{-1} 1 1^T H^{-1} / (1^T H^{-1} 1)` gives the dual weights
+    :math:`\alpha = P y` of all rows, and the error of the machine fitted without the rows B is
+    :math:`e_B = P_{BB}^{-1} \alpha_B`, exactly (Cawley and Talbot, Neural Networks 17, 2004). P does not
+    depend on the targets, so further targets cost next to nothing.
 
     Examples
     --------

@@ -88,10 +88,9 @@ def positioner_and_actuator(
 
     All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool by the
     error, by its integral (`reset`), and, by `feedback`, by how far the pressure is from the one that carries
-    the spring to the command: so it holds a stuck stem with a pressure in proportion to the error; without, it
-    builds the pressure up until the stem comes loose. The spool fills the chamber from the supply or vents it,
-    by nozzles that choke; the stem moves where pressure, spring and bristle friction with a Stribeck fall
-    balance. Mass is left out.
+    the spring to the command: so it holds a stuck stem with a pressure in proportion to the error; without,
+    pressure builds up until the stem comes loose. The spool fills the chamber or vents it, by nozzles that
+    choke; the stem moves where pressure, spring and bristle friction with a Stribeck fall balance.
 
     .. math::
 
