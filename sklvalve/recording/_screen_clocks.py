@@ -19,6 +19,7 @@ from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
 
 _LEAST_ROWS = 300
+_ROWS_FOR_PRESSURES = 2400  # their answers are faint: in a shorter recording chance has some as clear
 _TOLD = 0.5  # share of a signal's quick moves that its cause must explain before their order is judged
 _CLEAR = 1.6  # a pressure's answer at its peak over the largest elsewhere
 _LATE = 3  # rows; meters and pressure lines may lag by less
@@ -45,7 +46,9 @@ def screen_clocks(recording: Recording) -> list[Finding]:
     if _exchanged(signals, lags):
         detail = "moves before the command, and jitters less: the columns of the two have changed places"
         return [finding("swapped", "opening", detail)]
-    shift = _told_by_order(lags) or _told_by_pressures(lags)
+    shift = _told_by_order(lags)
+    if shift is None and len(recording) >= _ROWS_FOR_PRESSURES:
+        shift = _told_by_pressures(lags)
     if shift is None:
         return []
     role, rows, why = shift

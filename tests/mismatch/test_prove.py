@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import sklvalve.mismatch.finder as finder_module
+import sklvalve.mismatch.judging as judging_module
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.prove import Folded, blocks, correction_holds_out, errors, folded
 from sklvalve.mismatch.unknown import learn_rest
@@ -106,7 +106,7 @@ def test_correction_that_does_not_hold_out_is_told_and_left_out(bowed, monkeypat
         told.append(correction_holds_out(*args)[1])
         return kept, told[-1]
 
-    monkeypatch.setattr(finder_module, "correction_holds_out", judged)
+    monkeypatch.setattr(judging_module, "correction_holds_out", judged)
     finder = MissingPhysicsFinder(effects=("clogging",)).fit(bowed)
     content = finder.diagnosis_.content
     assert content["verdict"] == "none_of_these"
