@@ -86,12 +86,21 @@ def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, ran
         unknown = rest_of(nominal) or unknown
         verdict = "none_of_these" if unknown is not None else "cannot_tell"
     nominal = workbench.least_squares(nominal)
-    model = workbench.least_squares(model) if findings else nominal
+    model = _else_as(workbench, workbench.least_squares(model), nominal) if findings else nominal
     if verdict == "no_mismatch" or unknown is None:
         return Judgement(verdict, p_value, findings, None, nominal, model)
     tried = folded(workbench, model, unknown.channel)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
+
+
+def _else_as(workbench, model, nominal):
+    """A model whose channels that no effect touches are simulated as the nominal simulation does."""
+    touched = {c for m in model.members for c in workbench.channels_touched(m.effect)}
+    rest = [c for c in workbench.channels if c not in touched]
+    values = {p.name: nominal.values[p.name] for c in rest for p in workbench.calibration((c,))}
+    predictions = {c: nominal.predictions[c] for c in rest}
+    return replace(model, values=model.values | values, predictions=model.predictions | predictions)
 
 
 def _names_stiction(judgement):

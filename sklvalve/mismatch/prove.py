@@ -55,15 +55,31 @@ def folded(workbench, model, channel=None):
     n = len(workbench.recording)
     made, rest = {c: np.full(n, np.nan) for c in workbench.channels}, np.zeros(n)
     with workbench.every_row_alike(model):
-        line = Linearised(workbench, model, workbench.channels)
+        lines = _lines(workbench, model)
     for held, others in blocks(n):
-        again = workbench.simulate(model.members, model.values | line.refitted(others))
+        again = workbench.simulate(model.members, _refitted(model, lines, others))
         for c in workbench.channels:
             made[c][held] = again.predictions[c][held]
         part = None if channel is None else learn_rest(workbench, again, channel, others)
         if part is not None:
             rest[held] = learnt_rest(part, again.chain, again.values)[held]
     return Folded(made, rest)
+
+
+def _lines(workbench, model):
+    """A hypothesis linearised, channels that share no parameter each by itself."""
+    lines = {}
+    for channel in workbench.channels:
+        line = Linearised(workbench, model, (channel,))
+        lines[line.channels] = line
+    return list(lines.values())
+
+
+def _refitted(model, lines, rows):
+    values = dict(model.values)
+    for line in lines:
+        values |= line.refitted(rows)
+    return values
 
 
 def correction_holds_out(workbench, tried, channel):
@@ -142,11 +158,11 @@ def holds_out(workbench, nominal, model, least=0.5):
     changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
     before = after = 0.0
     models = nominal, model
-    lines = [Linearised(workbench, m, workbench.channels) for m in models]
+    both = [_lines(workbench, m) for m in models]
     for held, others in blocks(len(workbench.recording)):
         fits = [
-            workbench.simulate(m.members, m.values | line.refitted(others))
-            for m, line in zip(models, lines, strict=True)
+            workbench.simulate(m.members, _refitted(m, lines, others))
+            for m, lines in zip(models, both, strict=True)
         ]
         for channel in changed:
             losses = [
