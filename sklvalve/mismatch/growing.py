@@ -3,10 +3,9 @@
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Member
 
-# an onset is looked for between these shares of the record, first in steps of a fifth, then finer
-_FIRST, _LAST = 0.04, 0.96
+# shares of the record: an onset is looked for in steps of a fifth first, then finer
 _COARSE, _FINE = 0.2, 0.01
 
 
@@ -32,7 +31,7 @@ def fit_growing(workbench, model, effect, *, onset, **options):
     fitted : Model
     """
     clock = workbench.plain.clock
-    first, last = (float(clock[int(share * (len(clock) - 1))]) for share in (_FIRST, _LAST))
+    first, last = (float(clock[int(share * (len(clock) - 1))]) for share in (FIRST_ONSET, LAST_ONSET))
     fits = {}
 
     def fitted_at(moment):

@@ -10,6 +10,9 @@ from sklvalve.simulation.chain import Chain
 # what an onset must gain: it is one of as many as there are rows
 _ONSET_PRICE = 10.0
 
+# an onset is looked for between these shares of the record: before and after there is too little to compare
+FIRST_ONSET, LAST_ONSET = 0.04, 0.96
+
 
 @dataclass(frozen=True, eq=False)
 class Member:

@@ -3,10 +3,8 @@
 
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET
 from sklvalve.simulation.fitting import robust_cost, robust_weights, step_inside
-
-# an onset is looked for between these shares of the record: before and after there is too little to compare
-_FIRST, _LAST = 0.04, 0.96
 
 
 class Linearised:
@@ -149,7 +147,7 @@ class Linearised:
         left = np.maximum(left, 1e-3 * square + 1e-12)
         share = np.clip(towards / left, 0.0, 1.5)
         gains = share * towards - 0.5 * share**2 * left
-        first, last = int(_FIRST * self.n), int(_LAST * self.n)
+        first, last = int(FIRST_ONSET * self.n), int(LAST_ONSET * self.n)
         k = first + int(np.argmax(gains[first:last]))
         return float(gains[k]), float(self.clock[k])
 

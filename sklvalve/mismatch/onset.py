@@ -4,10 +4,7 @@
 import numpy as np
 
 from sklvalve.mismatch.growing import fit_growing
-from sklvalve.mismatch.hypothesis import Member
-
-# an onset is looked for between these shares of the record: before and after there is too little to compare
-_FIRST, _LAST = 0.04, 0.96
+from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Member
 
 
 def row_losses(workbench, model, channels):
@@ -39,7 +36,7 @@ def best_onset(workbench, without, acting):
     cost = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
     cost -= np.concatenate([[0.0], np.cumsum(after)])
     n = len(before)
-    first, last = int(_FIRST * n), int(_LAST * n)
+    first, last = int(FIRST_ONSET * n), int(LAST_ONSET * n)
     return float(acting.chain.clock[first + int(np.argmin(cost[first:last]))])
 
 

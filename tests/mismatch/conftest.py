@@ -43,3 +43,17 @@ def found_healthy(healthy):
 @pytest.fixture(scope="session")
 def found_leaking(leaking):
     return MissingPhysicsFinder().fit(leaking, until=ROWS)
+
+
+# the names of the catalogue and where they sit, as they were designed
+DESIGNED = {
+    "actuator": "stiction friction backlash presliding positioner_deadband spring_fault supply_pressure_drop "
+    "actuator_leak rod_bend actuator_lag slew_limit dead_time transducer_fault positioner_feedback_fault "
+    "stem_load tight_shutoff positioner_characteriser stuck_valve",
+    "valve": "capacity_error wrong_characteristic clogging sedimentation erosion seat_leakage bypass_open "
+    "external_leakage choked_flow cavitation flashing viscous_flow gas_expansion density_change "
+    "viscosity_change backlash",
+    "line": "piping_reducers line_loss flow_inertia two_phase",
+    "measurement": "flow_meter_gain flow_meter_bias flow_meter_drift position_sensor_bias "
+    "position_sensor_gain inlet_pressure_bias outlet_pressure_bias sensor_lag",
+}

@@ -34,12 +34,17 @@ class PositionSensorBias(Effect):
         return chain.measured is not None
 
 
-class PositionSensorBiasInLoop(PositionSensorBias):
-    """The biased sensor is also the positioner's: the position reads right and the flow contradicts it."""
+class InLoop:
+    """A wrong position sensor that is the positioner's too: the plug stands where its reading is right."""
 
-    key = "position_sensor_bias_loop"
     stage = "plug"
     needs = ("opening", "flow")
 
     def apply(self, value, p, chain):
-        return value - p["bias"]
+        return self.invert(value, p, chain)
+
+
+class PositionSensorBiasInLoop(InLoop, PositionSensorBias):
+    """The biased sensor is also the positioner's: the position reads right and the flow contradicts it."""
+
+    key = "position_sensor_bias_loop"

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A position sensor whose span is wrong."""
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.effects.position_sensor_bias import InLoop, PositionSensorBias
 
 
-class PositionSensorGain(Effect):
+class PositionSensorGain(PositionSensorBias):
     r"""Recorded travel is off in proportion to how far the stem has left its rest.
 
     .. math:: x' = x_r + (1 + g)(x - x_r)
@@ -14,14 +15,9 @@ class PositionSensorGain(Effect):
     """
 
     name = key = "position_sensor_gain"
-    block, stage = "measurement", "position_sensor"
-    parameters: tuple = (Quantity("gain", "1", -0.5, 1.0, (0.06, -0.06)),)
-    needs: tuple = ("opening", "command")
+    parameters = (Quantity("gain", "1", -0.5, 1.0, (0.06, -0.06)),)
     family = "position_gain"
     phrase = "the position sensor's span is {gain:+.1%} off"
-    separated_by = "Drive the valve to both stops and read the sensor there."
-    damadics = "f13"
-    requires = "a recorded opening"
 
     def apply(self, value, p, chain):
         rest = 1.0 if chain.air_closes else 0.0
@@ -36,16 +32,8 @@ class PositionSensorGain(Effect):
         # at the far end of the travel it is as much as a zero may be off
         return late or abs(p["gain"]) > tolerance.position_zero
 
-    def possible(self, chain):
-        return chain.measured is not None
 
-
-class PositionSensorGainInLoop(PositionSensorGain):
+class PositionSensorGainInLoop(InLoop, PositionSensorGain):
     """The wrong sensor is also the positioner's: the position reads right and the flow contradicts it."""
 
     key = "position_sensor_gain_loop"
-    stage = "plug"
-    needs = ("opening", "flow")
-
-    def apply(self, value, p, chain):
-        return self.invert(value, p, chain)
