@@ -2,6 +2,7 @@
 """Draw recordings with concealed effects into a folder, for a blind trial.
 
     python benchmarks/concealed/make.py FOLDER --seed 7 --healthy 12 --each 2 --pairs 6
+    python benchmarks/concealed/make.py FOLDER --seed 8 --healthy 60 --each 5 --times 2
 
 writes one folder per record, named record_000, record_001, ... in an order drawn by the seed, so that a
 name tells nothing. In each:
@@ -15,18 +16,23 @@ name tells nothing. In each:
 
 A third of the healthy records command the whole travel, a third run in a closed loop, a third do so with
 2.5 times the noise. Effects are drawn one per record, of a size that matters where it acts, from the start
-or from a moment on. With --pairs, two effects of different blocks share a record. `seal.txt` holds the
+or from a moment on. With --times 2 a size lies between two and four times the smallest one that the record
+could tell (docs/concealed_trial.md); where that is not possible the record is drawn anew, and `drawn.json`
+counts how often. With --pairs, two effects of different blocks share a record. `seal.txt` holds the
 SHA-256 of every truth.json: commit it before a trial, so that nobody can change the truth afterwards. The
 same arguments give the same files.
 """
 
 import argparse
 import hashlib
+import json
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 
 from sklvalve.datasets import CONCEALABLE, write_concealed
+from sklvalve.datasets.concealed import UnreachableSize
 
 # Pairs whose members live in different blocks or regions, so that both can be told from one record.
 PAIRS = (
@@ -50,6 +56,21 @@ def plan(rng, healthy, each, pairs, effects):
     return [cases[i] for i in rng.permutation(len(cases))]
 
 
+# so often a record is drawn anew before its effect is left out
+ATTEMPTS = 25
+
+
+def draw(folder, effects, settings, rng):
+    """Write one record; returns how often it was drawn anew, or None where no draw was possible."""
+    for again in range(ATTEMPTS):
+        try:
+            write_concealed(folder, effects, **settings, random_state=int(rng.integers(2**31)))
+        except UnreachableSize:
+            continue
+        return again
+    return None
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description="Draw recordings with concealed effects into a folder.")
     parser.add_argument("folder", type=Path)
@@ -60,17 +81,31 @@ def main(arguments=None):
     parser.add_argument(
         "--effects", nargs="+", choices=CONCEALABLE, default=list(CONCEALABLE), metavar="NAME"
     )
+    parser.add_argument(
+        "--times", type=float, help="sizes of this to twice this many times what is detectable"
+    )
     options = parser.parse_args(arguments)
 
     rng = np.random.default_rng(options.seed)
     cases = plan(rng, options.healthy, options.each, options.pairs, options.effects)
-    seal = []
+    seal, anew, left_out = [], Counter(), Counter()
     for i, (effects, settings) in enumerate(cases):
-        folder = options.folder / f"record_{i:03d}"
-        write_concealed(folder, effects, **settings, random_state=int(rng.integers(2**31)))
+        folder, who = options.folder / f"record_{i:03d}", " + ".join(effects)
+        if options.times is not None and effects:
+            settings = settings | {"times": (options.times, 2.0 * options.times)}
+        again = draw(folder, effects, settings, rng)
+        if again is None:
+            left_out[who] += 1
+            continue
+        anew[who] += again
         seal.append(f"{hashlib.sha256((folder / 'truth.json').read_bytes()).hexdigest()}  {folder.name}")
         print(f"{folder.name} written ({i + 1} of {len(cases)})", flush=True)
     (options.folder / "seal.txt").write_text("\n".join(seal) + "\n", encoding="utf-8")
+    drawn = {"arguments": {k: v for k, v in vars(options).items() if k != "folder"}}
+    drawn |= {"drawn anew": +anew, "left out": left_out}
+    (options.folder / "drawn.json").write_text(json.dumps(drawn, indent=1) + "\n", encoding="utf-8")
+    print(f"drawn anew, so many times the detectable size not being possible: {dict(+anew)}")
+    print(f"left out after {ATTEMPTS} draws: {dict(left_out)}")
 
 
 if __name__ == "__main__":

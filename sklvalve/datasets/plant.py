@@ -112,12 +112,7 @@ def make_valve_recording(
     """
     pd = _pandas()
     names, sizes = _check(effect, strength, onset, n_samples, n_later, loop, noise)
-    seeds = np.random.SeedSequence(check_random_state(random_state).randint(2**31 - 1)).spawn(3)
-    plant = Plant(np.random.default_rng(seeds[0]), names, loop, noise, n_samples + n_later)
-    rng = np.random.default_rng(seeds[1])
-    if onset is None:
-        onset = 0.0 if rng.uniform() < 0.5 else float(round(rng.uniform(0.3, 0.65) * n_samples))
-    effect_seed = int(seeds[2].generate_state(1)[0])
+    plant, onset, effect_seed, rng = draw_plant(names, onset, n_samples, n_later, loop, noise, random_state)
     strengths = _draw_sizes(rng, plant, names, sizes, onset)
     target = rng.uniform(1.8, 4.5)
     out, strengths, change = _settle_sizes(plant, strengths, sizes, onset, effect_seed, target)
@@ -135,6 +130,16 @@ def make_valve_recording(
         result.truth = _truth(plant, out, strengths, onset, effect_seed, sheet_physics, noise, change)
         result.flow_without_noise = pd.DataFrame({"time": table["time"], "flow": np.round(out[:, FLOW], 3)})
     return result
+
+
+def draw_plant(names, onset, n_samples, n_later, loop, noise, random_state):
+    """Plant, onset, seed of what the effects draw themselves, and the source of what is drawn after."""
+    seeds = np.random.SeedSequence(check_random_state(random_state).randint(2**31 - 1)).spawn(3)
+    plant = Plant(np.random.default_rng(seeds[0]), names, loop, noise, n_samples + n_later)
+    rng = np.random.default_rng(seeds[1])
+    if onset is None:
+        onset = 0.0 if rng.uniform() < 0.5 else float(round(rng.uniform(0.3, 0.65) * n_samples))
+    return plant, onset, int(seeds[2].generate_state(1)[0]), rng
 
 
 def _check(effect, strength, onset, n_samples, n_later, loop, noise):
