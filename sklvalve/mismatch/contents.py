@@ -103,7 +103,7 @@ def content_of(
         "effects": entries,
         "fit": fit,
         "not_testable": not_testable,
-        "next_test": mend or next_test(classes, judgement.verdict, unknown, workbench),
+        "next_test": mend or next_test(classes, judgement.verdict, unknown, workbench, judgement.findings),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
         "provenance": {
             "sklvalve": sklvalve.__version__,

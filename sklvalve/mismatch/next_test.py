@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What to do at the valve to learn more."""
 
+from sklvalve.mismatch.planning import planned
 
-def next_test(classes, verdict, unknown, workbench):
-    """One plain sentence: the test that separates what is left open, or that confirms what was found.
+
+def next_test(classes, verdict, unknown, workbench, findings=()):
+    """The test that separates what is left open, or that confirms what was found, as plain text.
 
     Parameters
     ----------
@@ -12,11 +14,16 @@ def next_test(classes, verdict, unknown, workbench):
     verdict : str
     unknown : Unknown or None
     workbench : Workbench
+    findings : sequence of Finding, default=()
+        Those of the classes: with them the test is one that simulations of it have shown to be the best.
 
     Returns
     -------
     sentence : str or None
     """
+    plan = _plan(workbench, findings)
+    if plan is not None:
+        return plan.sentence
     open_ones = [c for c in classes if len(c) > 1]
     for members in open_ones or classes:
         who = next(iter(members.values()))[1]
@@ -27,3 +34,10 @@ def next_test(classes, verdict, unknown, workbench):
     if verdict == "no_mismatch" and "opening" not in workbench.recording:
         return "Record the stem position too: without it actuator and trim cannot be told apart."
     return None
+
+
+def _plan(workbench, findings):
+    try:
+        return planned(workbench, findings)
+    except Exception:  # advice on the next recording must not cost the diagnosis of this one
+        return None

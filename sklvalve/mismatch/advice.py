@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The next test for a diagnosed recording, within limits that the user gives."""
+
+from sklearn.utils.validation import check_is_fitted
+from threadpoolctl import threadpool_limits
+
+from sklvalve.mismatch.gate import with_seized_stems
+from sklvalve.mismatch.hypothesis import Member, is_in
+from sklvalve.mismatch.planning import planned
+from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
+from sklvalve.mismatch.rivals import find_rivals
+from sklvalve.mismatch.sifting import sifted
+from sklvalve.recording import InputError, screen_recording
+from sklvalve.simulation import ValveSimulation
+from sklvalve.simulation.simulation import as_recording
+
+
+def plan_next_test(finder, X, *, limits=None, until=None):
+    """Program of the command, or sensor, that would tell apart what a diagnosis leaves open.
+
+    Programs of a small library are simulated with each explanation of the class, and every other one is
+    fitted to the outcome, to first order and with the calibration as free as the present recording leaves
+    it. The program with the largest least distance :math:`D` between explanations is the one to make: with
+
+    .. math:: D = \\frac{2 (\\log L_i - \\log L_j)}{1 + \\epsilon^2 \\, 2 G / 14}
+
+    over the present recording and the test together, G the log likelihood that the effect adds and
+    :math:`\\epsilon = 0.15` what a simulation gets wrong of it, one of two explanations is taken for the
+    other with a chance of :math:`\\Phi(-\\sqrt D / 2)`.
+
+    Parameters
+    ----------
+    finder : MissingPhysicsFinder
+        Fitted.
+    X : Recording, or DataFrame with role names as columns, in SI
+        What it was fitted on.
+    limits : TestLimits, default=None
+        What the test may do. Without limits programs within what the command has visited come first, then
+        the whole travel, a moved outlet pressure, and a stem sensor where there is none.
+    until : int, default=None
+        Number of rows used by the finder.
+
+    Returns
+    -------
+    plan : TestPlan or None
+        None where nothing was found, or no test that can be simulated tells more.
+
+    Raises
+    ------
+    InputError
+        If the finder has diagnosed a loop of which nothing is simulated.
+
+    Notes
+    -----
+    The record of the test belongs behind the present one: what this says of the calibration counts, and a
+    short test diagnosed by itself leaves more open. Pressures are taken to stand for a flow as they did in
+    the recording. Excitation by the least distance between rival models is T-optimal design: Atkinson and
+    Fedorov, Biometrika 62 (1975) 57.
+
+    Examples
+    --------
+    >>> from sklvalve import MissingPhysicsFinder, Recording, Valve
+    >>> from sklvalve.datasets import make_valve_recording
+    >>> from sklvalve.mismatch import TestLimits, plan_next_test
+    >>> made = make_valve_recording("clogging", 0.5, loop="wide", n_samples=1500, n_later=0, random_state=3)
+    >>> recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    >>> finder = MissingPhysicsFinder(effects=["clogging"]).fit(recording)
+    >>> plan = plan_next_test(finder, recording, limits=TestLimits(opening=(0.2, 0.9), duration=600.0))
+    >>> plan is None or (plan.command.min() >= 0.2 and len(plan.time) == 600)
+    True
+    """
+    check_is_fitted(finder, "diagnosis_")
+    if not hasattr(finder, "corrected_simulation_"):
+        raise InputError(
+            "a test can be planned where the valve is simulated; this diagnosis is of a loop known by its "
+            "command and value only: record the opening, or the pressures and the flow"
+        )
+    with threadpool_limits(1, user_api="blas"):
+        return _planned(finder, as_recording(X), limits, until)
+
+
+def _planned(finder, whole, limits, until):
+    ours = finder.simulation if isinstance(finder.simulation, ValveSimulation) else None
+    entries = finder.diagnosis_.content["effects"]
+    if not entries or (finder.simulation is not None and ours is None):
+        return None
+    recording = whole.slice(0, rows_to_use(whole, until))
+    data = with_seized_stems(screen_recording(recording), recording)
+    _, recording = sifted(recording, recording, data)
+    workbench = prepared_workbench(recording, ours, finder.tolerance)
+    found = finder.corrected_simulation_
+    onsets = found.onsets or {}
+    members = tuple(Member(e, onsets.get(e.key)) for e in found.effects if not is_in(e, workbench.held))
+    model = workbench.simulate(members, found.values_)
+    for _ in range(2):
+        workbench.learn_noise(model, anew=True)
+        model = workbench.fit(members, start=model)
+    names = [m["name"] for entry in entries for m in entry["members"]]
+    own = [e for e in finder.effects if not isinstance(e, str)] if not isinstance(finder.effects, str) else []
+    effects, _ = candidates(workbench, [*names, *own], data)
+    effects = [e for e in effects if e.name in names]
+    return planned(workbench, find_rivals(workbench, model, effects, None), limits)

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The record that a program of the command would give, were an explanation true."""
+
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import nnls
+
+from sklvalve.mismatch.noise import NoiseModel, movement
+
+# what a stem sensor that is yet to be fitted would have: rms of its noise, of its wander, of its zero [1]
+_SENSOR, _WANDER, _ZERO = 0.0025, 0.0005, 0.005
+# of the median pressure drop
+_LEAST_DROP = 0.1
+
+
+class Foreseen:
+    """A record not yet made: the noise is that of the present recording, its surroundings are medians.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    program : Program
+    truth : Explanation
+    sensor : str, default=None
+        ``"opening"`` where a stem sensor is to be fitted first.
+
+    Attributes
+    ----------
+    recording : Recording
+        Without noise; it goes on where the present one ends.
+    noise : dict
+        Channel -> noise model.
+    """
+
+    def __init__(self, workbench, program, truth, sensor=None):
+        self.workbench, self.sensor = workbench, sensor
+        present, values = workbench.recording, truth.model.values
+        n, clock = len(program.command), truth.model.chain.clock
+        step = present.sample_time
+        signals = {role: _median(present, role, n) for role in present}
+        if "command" in present:
+            signals["command"] = program.command
+        if "opening" in present:
+            signals["opening"] = program.command
+        surroundings = Surroundings(present)
+        stamps = clock[-1] + step * (1.0 + np.arange(n))
+        self.recording = replace(
+            present,
+            time=stamps - stamps[0],
+            stamps=stamps,
+            signals=surroundings.moved(signals, program),
+        )
+        chain = self.chain_of(truth)
+        made = {}
+        if "opening" in workbench.channels:
+            made["opening"] = chain.opening(values)
+            self._put(made)
+        if "flow" in workbench.channels:
+            # what flows moves the pressures, and they what flows
+            for _ in range(2):
+                self._put({"flow": self.chain_of(truth).flow(values)})
+                self._put(surroundings.moved(self.recording.signals, program))
+            made["flow"] = self.chain_of(truth).flow(values)
+            self._put({"flow": made["flow"]})
+        self.noise = {c: _noise_of(workbench, truth.model, c, made[c], step) for c in workbench.channels}
+        if sensor is not None:
+            self._seen = self.chain_of(truth).opening(values)
+            white, lag = np.full(n, _SENSOR**2), 300.0 * step
+            self._sensor = NoiseModel(white, np.full(n, step), 10.0 * step, 1e-12, lag, _WANDER**2)
+            zero = self._sensor.whiten(np.ones(n))
+            self._zero = zero / np.sqrt(zero @ zero + _ZERO**-2)
+
+    def _put(self, signals):
+        self.recording = replace(self.recording, signals=self.recording.signals | signals)
+
+    def chain_of(self, explanation):
+        """Stages of an explanation bound to this record."""
+        return self.workbench.chain(explanation.members, self.recording)
+
+    def sensed(self, opening):
+        """Whitened errors of an opening at the new sensor, whose zero nobody knows."""
+        errors = self._sensor.whiten(self._seen - opening)
+        return errors - self._zero * (self._zero @ errors)
+
+
+class Surroundings:
+    """How pressures stand for a flow: by what the recording shows, never beyond what it has seen."""
+
+    def __init__(self, recording):
+        self.known = {}
+        if "p1" not in recording or "p2" not in recording:
+            return
+        self.drop = float(np.nanmedian(np.abs(recording["p1"] - recording["p2"])))
+        flow = recording.get("flow", np.zeros(len(recording)))
+        square = flow * np.abs(flow)
+        for role, sign in (("p1", -1.0), ("p2", 1.0)):
+            seen = np.isfinite(square) & np.isfinite(recording[role])
+            x, y = square[seen], recording[role][seen]
+            middle = float(np.median(x)), float(np.median(y))
+            scatter = float(np.mean((x - middle[0]) ** 2))
+            slope = float(np.mean((x - middle[0]) * (y - middle[1]))) / scatter if scatter > 0.0 else 0.0
+            # a pump's pressure falls as more flows, what lies behind the valve rises
+            slope = slope if sign * slope > 0.0 else 0.0
+            self.known[role] = (*middle, slope, *np.quantile(y, (0.01, 0.99)))
+
+    def moved(self, signals, program):
+        """Signals with the pressures that go with their flow, and the program's moves of them."""
+        signals = dict(signals)
+        for role, (x, y, slope, low, high) in self.known.items():
+            flow = signals.get("flow", 0.0)
+            signals[role] = np.clip(y + slope * (flow * np.abs(flow) - x), low, high)
+        signals |= program.given
+        for role, share in program.moved.items():
+            signals[role] = np.maximum(signals[role] + share * self.drop, 1e3)
+        if program.moved:
+            # so much is left to drive the flow
+            signals["p2"] = np.minimum(signals["p2"], signals["p1"] - _LEAST_DROP * self.drop)
+        return signals
+
+
+def _median(recording, role, n):
+    return np.full(n, float(np.nanmedian(recording[role])))
+
+
+def _noise_of(workbench, model, channel, signal, step):
+    """Noise of a channel for another signal: its white part grows with that as it did in the recording."""
+    noise, past = workbench.noise[channel], model.predictions[channel]
+    if not isinstance(noise, NoiseModel):
+        return noise
+    largest = max(float(np.nanmax(np.abs(past))), 1e-12)
+    shapes = [_shapes(past, noise.step, largest), _shapes(signal, np.full(len(signal), step), largest)]
+    seen = np.isfinite(noise.white) & np.isfinite(shapes[0]).all(axis=1)
+    size = float(np.mean(noise.white[seen]))
+    scale = np.maximum(shapes[0][seen].mean(axis=0), 1e-300)
+    shares, _ = nnls(shapes[0][seen] / scale, noise.white[seen] / size)
+    white = np.maximum(shapes[1] @ (shares * size / scale), 0.1 * float(noise.white[seen].min()))
+    steps = np.full(len(signal), step)
+    return NoiseModel(white, steps, noise.fast_time, noise.fast_size, noise.slow_time, noise.slow_size)
+
+
+def _shapes(signal, step, largest):
+    """What the white variance is made of: a constant, the size of the signal, and its movement."""
+    level = np.nan_to_num(signal / largest) ** 2
+    return np.stack([np.ones(len(signal)), level, movement(signal, step) ** 2], axis=1)

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A planned test: what to move, what it is expected to tell apart, and the words for it."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.stats import norm
+
+from sklvalve.mismatch.distance import DISTINGUISHABLE
+
+
+@dataclass(frozen=True)
+class Pair:
+    """Two explanations of one recording, and how far a test is expected to set them apart.
+
+    Attributes
+    ----------
+    names : (str, str)
+    now, expected : float
+        Distance D by the present recording, and by this and the test together: the smaller of both ways
+        round, which of the two is true.
+    """
+
+    names: tuple
+    now: float
+    expected: float
+
+    @property
+    def confusion(self):
+        """Chance that after the test one is taken for the other, Phi(-sqrt(D)/2) [1]."""
+        return confusion(self.expected)
+
+    @property
+    def told_apart(self):
+        """Whether the test is expected to tell them apart."""
+        return self.expected >= DISTINGUISHABLE
+
+
+@dataclass(frozen=True, eq=False)
+class TestPlan:
+    """The program of the command that tells most of what a recording leaves open.
+
+    Attributes
+    ----------
+    name : str
+        Kind of program.
+    sentence : str
+        What to do, and what comes of it.
+    time : ndarray of shape (n,)
+        [s], from the beginning of the test.
+    command : ndarray of shape (n,)
+        Opening to ask for [1].
+    moved : dict
+        Pressure role -> how far to move it [Pa].
+    sensor : str or None
+        A signal to be recorded besides.
+    pairs : tuple of Pair
+        Expected distances of the explanations; empty where only one is left and its size is to be learnt.
+    considered : dict
+        Kind of program -> least expected distance of the pairs that some program tells apart; of all pairs
+        where none does.
+    """
+
+    # no test of a test suite, whatever its name looks like
+    __test__ = False
+
+    name: str
+    sentence: str
+    time: np.ndarray
+    command: np.ndarray
+    moved: dict = field(default_factory=dict)
+    sensor: str | None = None
+    pairs: tuple = ()
+    considered: dict = field(default_factory=dict)
+
+    @property
+    def decides(self):
+        """Whether the test is expected to tell all explanations apart."""
+        return all(p.told_apart for p in self.pairs)
+
+
+def confusion(d):
+    """Chance that of two explanations at distance D one is taken for the other [1]."""
+    return float(norm.cdf(-0.5 * np.sqrt(max(d, 0.0))))
+
+
+def apart(names, distances):
+    """Explanations in groups: those of different groups a test is expected to tell apart.
+
+    Parameters
+    ----------
+    names : sequence of str
+    distances : ndarray of shape (k, k)
+        The same both ways.
+
+    Returns
+    -------
+    groups : list of list of int
+    """
+    left, groups = list(range(len(names))), []
+    while left:
+        group = [left.pop(0)]
+        for i in group:
+            near = [j for j in left if distances[i, j] < DISTINGUISHABLE]
+            group += near
+            left = [j for j in left if j not in near]
+        groups.append(sorted(group))
+    return groups
+
+
+def told(text, names, now, after, advice, *, alone=False):
+    """What to do and what comes of it, in words.
+
+    Parameters
+    ----------
+    text : str
+        The program's own, without a stop.
+    names : sequence of str
+    now, after : ndarray of shape (k, k)
+        Distances, the same both ways.
+    advice : list of str
+        For each of them what separates it by the catalogue, for where the program does not.
+    alone : bool, default=False
+        Say that no program of the command alone does as much.
+    """
+    groups, k = apart(names, after), len(names)
+    where = {i: g for g, group in enumerate(groups) for i in group}
+    across = [(i, j) for i in range(k) for j in range(i) if where[i] != where[j] or len(groups) == 1]
+    least, before = min((after[pair], now[pair]) for pair in across)
+    if len(groups) == 1:
+        return (
+            f"{text}: of the programs within the limits it separates {_listed(names, 'and')} best, but the "
+            f"least distance only goes from D = {_short(before)} to {_short(least)}; 14 is needed. "
+            f"{advice[0]}"
+        )
+    spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
+    said = (
+        f"{text}: this is expected to tell {spoken}{', which the command alone does not' if alone else ''} "
+        f"(distance D = {_short(before)} now, {_short(least)} with it: one would be taken for the other in "
+        f"{_percent(least)} of cases instead of {_percent(before)}). Diagnose its record together with the "
+        "present one."
+    )
+    rest = dict.fromkeys(advice[group[0]] for group in groups if len(group) > 1)
+    return f"{said} For the rest: {' '.join(rest)}" if rest else said
+
+
+def _listed(names, joined):
+    names = [name.replace("_", " ") for name in names]
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {joined} {names[-1]}"
+
+
+def _short(d):
+    return f"{d:.0f}" if d >= 9.5 else f"{d:.2g}"
+
+
+def _percent(d):
+    share = 100.0 * confusion(d)
+    return "less than 0.1 %" if share < 0.1 else f"{share:.2g} %"

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Choice of the test that separates the members of a class, or tells the size of its only one."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sklvalve.mismatch.distance import DISTINGUISHABLE
+from sklvalve.mismatch.excitation import Advisor, Explanation
+from sklvalve.mismatch.plan import Pair, TestPlan, told
+from sklvalve.mismatch.programs import MOST_ROWS, TestLimits, as_now, library
+from sklvalve.mismatch.verdict import class_of
+from sklvalve.simulation.given import ROLES as GIVEN
+
+# explanations that are simulated: the most probable ones
+_MOST = 4
+# programs worth a closer look, and how close
+_LOOKED_AT, _ROUNDS = 2, 3
+# length of a test where no limit says so [s], its fewest rows, and those of any test
+_LONGEST, _FEWEST, _LEAST = 3600.0, 120, 20
+# a distance that grows by less is one that the test does not change
+_GROWS = 1.0
+# a size is worth a test that narrows its interval to this share
+_NARROWS = 0.7
+
+
+def planned(workbench, findings, limits=None):
+    """The test that is expected to tell most.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    findings : sequence of Finding
+        The strongest first; the first one with more than one explanation counts, else the first.
+    limits : TestLimits, default=None
+
+    Returns
+    -------
+    plan : TestPlan or None
+        None where no test that can be simulated tells more.
+    """
+    if not findings or set(GIVEN) & set(workbench.recording):
+        return None
+    finding = next((f for f in findings if len(class_of(f)) > 1), findings[0])
+    advisor = _advisor(workbench, finding)
+    if len(advisor.explanations) == 1:
+        return _for_its_size(advisor, finding, limits or TestLimits())
+    return _Choice(advisor, finding, limits).plan()
+
+
+def _advisor(workbench, finding):
+    members = list(class_of(finding).items())[:_MOST]
+    touched = {c for _, (_, who, _) in members for c in workbench.channels_touched(who.effect)}
+
+    def explanation(name, probability, model):
+        return Explanation(name, probability, model, workbench.misfits(model, touched))
+
+    found = [explanation(name, p, model) for name, (p, _, model) in members]
+    if len(found) == 1:
+        return Advisor(workbench, found, None, finding.gain)
+    own = next(r for r in finding.rivals if r.member is finding.member)
+    rest = tuple(m for m in own.model.members if m is not finding.member)
+    bare = workbench.fit(rest, start=own.model)
+    gain = found[0].model.log_likelihood - bare.log_likelihood
+    return Advisor(workbench, found, explanation("without", 0.0, bare), gain)
+
+
+class _Ranges:
+    """Where and how long the command may move, by a recording and limits."""
+
+    def __init__(self, workbench, limits):
+        recording = workbench.recording
+        role = "command" if "command" in recording else "opening"
+        command = np.clip(recording[role], 0.0, 1.0)
+        self.step = recording.sample_time
+        length = _LONGEST if limits.duration is None else limits.duration
+        fewest = _FEWEST if limits.duration is None else 1
+        self.rows = int(np.clip(round(length / self.step), fewest, MOST_ROWS))
+        if self.rows < _LEAST:
+            raise ValueError(
+                f"a test must last {_LEAST} samples at least, {_LEAST * self.step:g} s of this recording; "
+                f"the limits leave it {limits.duration:g} s."
+            )
+        self.about = float(np.nanmedian(command))
+        low, high = (float(v) for v in np.nanquantile(command, (0.005, 0.995)))
+        self.visited = max(np.floor(100.0 * low) / 100.0, 0.0), min(np.ceil(100.0 * high) / 100.0, 1.0)
+        # beyond what it has seen a trim learnt from the recording knows nothing
+        self.whole = (0.0, 1.0) if workbench.trim.known or "flow" not in recording else self.visited
+
+    def programs(self, opening, limits):
+        """Library for a range of the command."""
+        return library(*opening, self.about, self.rows, self.step, limits)
+
+
+class _Choice:
+    """Programs within limits, tried on the explanations of a class."""
+
+    def __init__(self, advisor, finding, limits):
+        self.advisor, self.finding = advisor, finding
+        self.names = [e.name for e in advisor.explanations]
+        weights = np.array([e.probability for e in advisor.explanations])
+        self.weights = np.outer(weights, weights)[np.tril_indices(len(weights), -1)]
+        self.given, self.limits = limits is not None, limits or TestLimits()
+        self.ranges = _Ranges(advisor.workbench, self.limits)
+        self.now = advisor.now()
+        self.tried = []
+
+    def plan(self):
+        """The best of all, looked at closely; None where none tells more."""
+        for programs, sensor in self._stages():
+            for program in programs:
+                self.tried.append((program, sensor, self.advisor.distances(program, sensor)))
+            if self._settled():
+                break
+        before, close = [self._least(d) for _, _, d in self.tried], []
+        for k in self._order(before)[:_LOOKED_AT]:
+            program, sensor, _ = self.tried[k]
+            close.append((program, sensor, self.advisor.distances(program, sensor, _ROUNDS)))
+        after = [self._least(d) for _, _, d in close]
+        program, sensor, found = close[self._order(after)[0]]
+        if np.all(self._least(found) < self._least(self.now) + _GROWS):
+            return None
+        return self._as_plan(program, sensor, found, before)
+
+    def _stages(self):
+        """Programs, those first that ask least of the process, and the sensor that they need besides."""
+        workbench, limits, ranges = self.advisor.workbench, self.limits, self.ranges
+        recording = workbench.recording
+        opening = ranges.visited if limits.opening is None else limits.opening
+        first = ranges.programs(opening, limits) if opening[1] - opening[0] > 0.01 else []
+        more = None if self.given else as_now(recording, ranges.rows)
+        yield ([more, *first] if more else first), None
+        if limits.opening is None and ranges.whole != ranges.visited:
+            yield ranges.programs(ranges.whole, limits), None
+        pressures = tuple(r for r in ("p1", "p2") if {"p1", "p2"} <= set(recording))
+        if not self.given and pressures:
+            freer = replace(limits, pressures=("p2",))
+            yield [ranges.programs(r, freer)[-1] for r in (ranges.visited, ranges.whole)], None
+        if workbench.coupled and "opening" in limits.sensors and "command" in recording:
+            yield ranges.programs(opening if self.given else ranges.whole, limits), "opening"
+
+    def _settled(self):
+        return any(np.all(self._least(d) >= DISTINGUISHABLE) for _, _, d in self.tried)
+
+    def _least(self, distances):
+        """Of each pair the smaller of both ways."""
+        return np.minimum(distances, distances.T)[np.tril_indices(len(self.names), -1)]
+
+    def _order(self, found):
+        """Numbers of the programs, the best first: what they tell apart, then the least distance of that."""
+        table = np.array(found)
+        able = (table >= DISTINGUISHABLE).any(axis=0)
+        if able.any():
+            weight = ((table >= DISTINGUISHABLE) * self.weights)[:, able].sum(axis=1)
+            least = table[:, able].min(axis=1)
+        else:
+            grows = (table > self._least(self.now) + _GROWS).any(axis=0)
+            weight = np.zeros(len(table))
+            least = table[:, grows if grows.any() else slice(None)].min(axis=1)
+        order = sorted(range(len(table)), key=lambda k: (-round(float(weight[k]), 6), -float(least[k]), k))
+        return order
+
+    def _advice(self):
+        """What the catalogue says of how to tell each of the members."""
+        members = class_of(self.finding)
+        return [members[name][1].effect.separated_by for name in self.names]
+
+    def _as_plan(self, program, sensor, found, before):
+        both = np.minimum(found, found.T)
+        text = program.text
+        if sensor is not None:
+            text = f"Record the stem position too, and {text[0].lower()}{text[1:]}"
+        if np.isfinite(self.limits.rate):
+            text += f", never faster than {100 * self.limits.rate:.3g} %/s"
+        less = [self._least(d) for p, _, d in self.tried if not p.moved]
+        alone = bool(program.moved and less) and not np.any(np.array(less) >= DISTINGUISHABLE)
+        sentence = told(text, self.names, self.now, both, self._advice(), alone=alone)
+        ranks = np.array(before)
+        able = (ranks >= DISTINGUISHABLE).any(axis=0)
+        shown = ranks[:, able if able.any() else slice(None)].min(axis=1)
+        considered = {}
+        for (tried, _, _), least in zip(self.tried, shown, strict=True):
+            considered[tried.name] = max(float(least), considered.get(tried.name, -np.inf))
+        k = len(self.names)
+        pairs = [
+            Pair((self.names[j], self.names[i]), float(self.now[i, j]), float(both[i, j]))
+            for i in range(k)
+            for j in range(i)
+        ]
+        return _plan(self.advisor, program, sentence, sensor, pairs, considered)
+
+
+def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None):
+    recording = advisor.workbench.recording
+    drop = 0.0
+    if program.moved:
+        drop = float(np.nanmedian(np.abs(recording["p1"] - recording["p2"])))
+    return TestPlan(
+        program.name,
+        sentence,
+        recording.sample_time * np.arange(len(program.command)),
+        program.command,
+        {role: drop * share for role, share in program.moved.items()},
+        sensor,
+        tuple(pairs),
+        considered or {},
+    )
+
+
+def _for_its_size(advisor, finding, limits):
+    """The program that narrows the interval of an effect's main parameter most."""
+    member = finding.rivals[0].member
+    best = advisor.explanations[0]
+    quantity = member.effect.quantities(best.model.chain)[0]
+    name = f"{member.effect.key}.{quantity.name}"
+    ranges = _Ranges(advisor.workbench, limits)
+    opening = ranges.visited if limits.opening is None else limits.opening
+    tried = []
+    for program in ranges.programs(opening, limits):
+        now, then = advisor.spread_after(program, name)
+        tried.append((then / now if now > 0.0 else 1.0, program))
+    share, program = min(tried, key=lambda each: each[0])
+    if not share < _NARROWS:
+        return None
+    what = f"the {quantity.name.replace('_', ' ')} ({member.effect.name.replace('_', ' ')})"
+    sentence = (
+        f"{program.text}: this is expected to narrow the interval of {what} to {100 * share:.0f} % of its "
+        f"width. To be sure of the name: {member.effect.separated_by}"
+    )
+    return _plan(advisor, program, sentence, considered={p.name: float(s) for s, p in tried})

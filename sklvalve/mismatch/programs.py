@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Programs that a valve may be moved by to learn more of it, within what the process allows."""
+
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from sklvalve.simulation.stages import limited_rate
+
+#: Rows of a program at most: what they do not tell, more of the same seldom does.
+MOST_ROWS = 900
+# so much of the travel, at least, must be free to move
+_NARROWEST = 0.01
+_PRESSURES = {"p1": "inlet pressure", "p2": "outlet pressure"}
+
+
+@dataclass(frozen=True)
+class TestLimits:
+    """What a test at the valve may do.
+
+    Parameters
+    ----------
+    opening : (float, float), default=None
+        Range within which the command may move [1]. None: what the recording's command has visited and,
+        where that is not enough, the whole travel.
+    rate : float, default=inf
+        Largest rate of the command [1/s].
+    duration : float, default=None
+        Length of the test [s]; 900 rows unless given, and no more.
+    pressures : tuple of {"p1", "p2"}, default=()
+        Pressures that can be moved.
+    pressure_share : float, default=0.3
+        How far these can be moved, both ways, as a share of the median pressure drop [1].
+    sensors : tuple of str, default=("opening",)
+        Signals that could be recorded where they are not; of these the opening can be simulated.
+
+    Raises
+    ------
+    ValueError
+        If a limit leaves nothing to move, or names what is no pressure.
+
+    Examples
+    --------
+    >>> from sklvalve.mismatch import TestLimits
+    >>> TestLimits(opening=(0.3, 0.7), rate=0.01, duration=600.0).opening
+    (0.3, 0.7)
+    """
+
+    # no test of a test suite, whatever its name looks like
+    __test__: ClassVar[bool] = False
+
+    opening: tuple | None = None
+    rate: float = np.inf
+    duration: float | None = None
+    pressures: tuple = ()
+    pressure_share: float = 0.3
+    sensors: tuple = ("opening",)
+
+    def __post_init__(self):
+        if self.opening is not None:
+            low, high = self.opening
+            if not 0.0 <= low < high - _NARROWEST <= 1.0:
+                raise ValueError(
+                    "opening must be a range within 0 and 1, 0.01 wide at least, such as (0.2, 0.8); "
+                    f"got {self.opening!r}."
+                )
+        if not self.rate > 0.0:
+            raise ValueError(f"rate must be above zero [1/s]; got {self.rate!r}.")
+        if self.duration is not None and not self.duration > 0.0:
+            raise ValueError(f"duration must be above zero [s]; got {self.duration!r}.")
+        strange = [name for name in self.pressures if name not in _PRESSURES]
+        if strange:
+            raise ValueError(f"pressures may name p1 and p2; got {strange[0]!r}.")
+        if not 0.0 < self.pressure_share < 1.0:
+            raise ValueError(f"pressure_share must lie between 0 and 1; got {self.pressure_share!r}.")
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """How the command, and perhaps a pressure, is to move.
+
+    Attributes
+    ----------
+    name : str
+    text : str
+        What to do, as one sentence without its stop.
+    command : ndarray of shape (n,)
+        Opening that is asked for, sample by sample [1].
+    moved : dict
+        Pressure role -> how far it is moved from where it would stand, as a share of the median drop [1].
+    given : dict
+        Role -> signal, for those that are not as the flow and the recording's medians make them.
+    """
+
+    name: str
+    text: str
+    command: np.ndarray
+    moved: dict = field(default_factory=dict)
+    given: dict = field(default_factory=dict)
+
+
+def library(low, high, about, rows, step, limits):
+    """Programs within limits, all of one length.
+
+    Parameters
+    ----------
+    low, high : float
+        Range of the command [1].
+    about : float
+        Where the command stands when the test begins [1].
+    rows : int
+    step : float
+        Sample time [s].
+    limits : TestLimits
+
+    Returns
+    -------
+    programs : list of Program
+    """
+    about = float(np.clip(about, low, high))
+    length, width = rows * step, high - low
+    across, rising = f"{100 * low:.3g} % and {100 * high:.3g} %", np.linspace(low, high, 9)
+    found = [
+        ("slow triangle", f"Ramp the command slowly between {across}, there and back once in {length:.0f} s",
+         _triangle(low, high, rows, 1)),
+        ("triangles", f"Ramp the command between {across}, there and back five times in {length:.0f} s",
+         _triangle(low, high, rows, 5)),
+        ("staircase", f"Move the command between {across} in a staircase of eight steps up and down, "
+         f"{length / 17:.0f} s each", _held(np.r_[rising, rising[-2::-1]], rows)),
+    ]  # fmt: skip
+    sizes = [s for s in (0.01, 0.02, 0.05, 0.1, 0.25, 0.5) if s <= 0.5 * width] or [0.5 * width]
+    middle = _between(about, low + sizes[-1], high - sizes[-1])
+    told = ", ".join(f"{100 * s:.3g}" for s in sizes)
+    levels = np.concatenate([[middle, middle + s, middle, middle - s] for s in sizes])
+    found.append(
+        ("steps", f"Step the command from {100 * middle:.3g} % up and back, down and back, by {told} %, "
+         f"{length / len(levels):.0f} s each", _held(levels, rows))
+    )  # fmt: skip
+    small = [s for s in (0.005, 0.01, 0.02, 0.03, 0.05) if s <= 0.5 * width] or [0.5 * width]
+    middle = _between(about, low + small[-1], high - small[-1])
+    told = ", ".join(f"{100 * s:.3g}" for s in small)
+    found.append(
+        ("reversals", f"Let the command ramp to and fro about {100 * middle:.3g} %, by {told} % to either "
+         f"side, {length / len(small):.0f} s each", middle + _reversals(small, rows))
+    )  # fmt: skip
+    beat = max(20.0 * step, 20.0)
+    found.append(
+        ("square", f"Step the command between {across} and back every {beat:.0f} s for {length:.0f} s",
+         np.where(np.arange(rows) * step // beat % 2 == 0, low, high).astype(float))
+    )  # fmt: skip
+    if low < 0.05:
+        levels = np.array([0.15, 0.08, 0.04, 0.02, 0.01, 0.0, 0.0, 0.01, 0.02, 0.04, 0.08, 0.15])
+        levels = np.clip(levels, low, high)
+        found.append(
+            ("near the seat", f"Bring the command from {100 * levels[0]:.3g} % down to {100 * low:.3g} % in "
+             f"five steps, stay, and go back, {length / 12:.0f} s each", _held(levels, rows))
+        )  # fmt: skip
+    programs = [Program(name, text, _allowed(command, about, step, limits)) for name, text, command in found]
+    return programs + _with_pressures(low, high, about, rows, step, limits)
+
+
+def as_now(recording, rows):
+    """The end of a recording once more; None where it has gaps."""
+    given = {role: recording[role][-rows:] for role in ("p1", "p2", "temperature") if role in recording}
+    role = "command" if "command" in recording else "opening"
+    command = recording[role][-rows:]
+    if len(command) < rows or not all(np.isfinite(each).all() for each in (command, *given.values())):
+        return None
+    length = rows * recording.sample_time
+    return Program("as now", f"Record {length:.0f} s more as now", command, given=given)
+
+
+def _with_pressures(low, high, about, rows, step, limits):
+    """Three openings held while pressures that can be moved go up and down, each by itself and in turn."""
+    levels = np.round([low + share * (high - low) for share in (0.0, 0.4, 0.95)], 2)
+    command = _allowed(_held(levels, rows), about, step, limits)
+    told = ", ".join(f"{100 * level:.3g}" for level in levels)
+    each, share = f"{rows * step / 3:.0f} s each", limits.pressure_share
+    by = f"by {100 * share:.0f} % of the pressure drop"
+    found = []
+    for role in limits.pressures:
+        text = (
+            f"Hold the command at {told} %, {each}, and at each move the {_PRESSURES[role]} up and back, "
+            f"down and back, {by}"
+        )
+        moves = {role: share * _held(np.tile([0.0, 1.0, 0.0, -1.0], 3), rows)}
+        found.append(Program(f"{role} moved", text, command, moves))
+    if len(limits.pressures) > 1:
+        text = (
+            f"Hold the command at {told} %, {each}, and at each move the inlet pressure up and back, the "
+            f"outlet pressure down and back, then both up together and back, {by}"
+        )
+        moves = {
+            "p1": share * _held(np.tile([0.0, 1.0, 0.0, 0.0, 0.0, 1.0], 3), rows),
+            "p2": share * _held(np.tile([0.0, 0.0, 0.0, -1.0, 0.0, 1.0], 3), rows),
+        }
+        found.append(Program("p1 and p2 moved", text, command, moves))
+    return found
+
+
+def _between(value, low, high):
+    """A value between ends, in whole percent where these leave one."""
+    return float(np.clip(np.round(value, 2), low, high))
+
+
+def _allowed(command, about, step, limits):
+    """A command that begins where the valve stands, and moves no faster than it may."""
+    begun = np.concatenate([[about], command[:-1]])
+    if not np.isfinite(limits.rate):
+        return begun
+    return limited_rate(begun, np.full(len(begun), step), limits.rate, limits.rate)
+
+
+def _triangle(low, high, rows, times):
+    phase = np.arange(rows) * times / rows % 1.0
+    return low + (high - low) * (1.0 - np.abs(2.0 * phase - 1.0))
+
+
+def _held(levels, rows):
+    return levels[np.minimum(np.arange(rows) * len(levels) // rows, len(levels) - 1)].astype(float)
+
+
+def _reversals(sizes, rows):
+    """Three triangles about zero for each size."""
+    share = np.arange(rows) * len(sizes) / rows
+    size = np.asarray(sizes)[np.minimum(share.astype(int), len(sizes) - 1)]
+    phase = share * 3.0 % 1.0
+    return size * (4.0 * np.abs((phase + 0.25) % 1.0 - 0.5) - 1.0)
