@@ -4,6 +4,7 @@
 from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
+from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.gate import with_seized_stems
 from sklvalve.mismatch.hypothesis import Member, is_in
 from sklvalve.mismatch.planning import planned
@@ -12,6 +13,7 @@ from sklvalve.mismatch.rivals import find_rivals
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.recording import InputError, screen_recording
 from sklvalve.simulation import ValveSimulation
+from sklvalve.simulation.given_columns import with_given
 from sklvalve.simulation.simulation import as_recording
 
 
@@ -76,27 +78,46 @@ def plan_next_test(finder, X, *, limits=None, until=None):
             "command and value only: record the opening, or the pressures and the flow"
         )
     with threadpool_limits(1, user_api="blas"):
-        return _planned(finder, as_recording(X), limits, until)
+        workbench, findings = reopened(finder, X, until=until)
+        return planned(workbench, findings, limits)
 
 
-def _planned(finder, whole, limits, until):
+def reopened(finder, X, *, names=(), until=None):
+    """The workbench of a fitted finder and its findings, fitted once more.
+
+    Parameters
+    ----------
+    finder : MissingPhysicsFinder
+    X : Recording, or DataFrame with role names as columns, in SI
+    names : sequence of str, default=()
+        Effects to be weighed beside those that the diagnosis names.
+    until : int, default=None
+
+    Returns
+    -------
+    workbench : Workbench
+    findings : list of Finding
+        Empty where nothing was found.
+    """
     ours = finder.simulation if isinstance(finder.simulation, ValveSimulation) else None
-    entries = finder.diagnosis_.content["effects"]
-    if not entries or (finder.simulation is not None and ours is None):
-        return None
+    whole = with_given(as_recording(X), finder.simulation if ours is None else None)
     recording = whole.slice(0, rows_to_use(whole, until))
     data = with_seized_stems(screen_recording(recording), recording)
     _, recording = sifted(recording, recording, data)
     workbench = prepared_workbench(recording, ours, finder.tolerance)
     found = finder.corrected_simulation_
     onsets = found.onsets or {}
-    members = tuple(Member(e, onsets.get(e.key)) for e in found.effects if not is_in(e, workbench.held))
+    # what was told by events is not simulated
+    simulated = [e for e in found.effects if e not in EVENTS and not is_in(e, workbench.held)]
+    members = tuple(Member(e, onsets.get(e.key)) for e in simulated)
+    if not members:
+        return workbench, []
     model = workbench.simulate(members, found.values_)
     for _ in range(2):
         workbench.learn_noise(model, anew=True)
         model = workbench.fit(members, start=model)
-    names = [m["name"] for entry in entries for m in entry["members"]]
-    own = [e for e in finder.effects if not isinstance(e, str)] if not isinstance(finder.effects, str) else []
-    effects, _ = candidates(workbench, [*names, *own], data)
-    effects = [e for e in effects if e.name in names]
-    return planned(workbench, find_rivals(workbench, model, effects, None), limits)
+    told = {m["name"] for entry in finder.diagnosis_.content["effects"] for m in entry["members"]}
+    own = [] if isinstance(finder.effects, str) else [e for e in finder.effects if not isinstance(e, str)]
+    effects, _ = candidates(workbench, [*sorted(told | set(names)), *own], data)
+    effects = [e for e in effects if e.name in told | set(names)]
+    return workbench, find_rivals(workbench, model, effects, None)

@@ -7,11 +7,15 @@ import numpy as np
 from scipy.optimize import nnls
 
 from sklvalve.mismatch.noise import NoiseModel, movement
+from sklvalve.simulation.calibration import span_of
+from sklvalve.simulation.chain import ATMOSPHERE
 
 # what a stem sensor that is yet to be fitted would have: rms of its noise, of its wander, of its zero [1]
 _SENSOR, _WANDER, _ZERO = 0.0025, 0.0005, 0.005
 # of the median pressure drop
 _LEAST_DROP = 0.1
+# of the span
+_BELOW_ZERO = 0.01
 
 
 class Foreseen:
@@ -64,6 +68,8 @@ class Foreseen:
             made["flow"] = self.chain_of(truth).flow(values)
             self._put({"flow": made["flow"]})
         self.noise = {c: _noise_of(workbench, truth.model, c, made[c], step) for c in workbench.channels}
+        if "flow" in made:
+            self._leave_out(made["flow"])
         if sensor is not None:
             self._seen = self.chain_of(truth).opening(values)
             white, lag = np.full(n, _SENSOR**2), 300.0 * step
@@ -73,6 +79,14 @@ class Foreseen:
 
     def _put(self, signals):
         self.recording = replace(self.recording, signals=self.recording.signals | signals)
+
+    def _leave_out(self, flow):
+        """Rows in which a meter would have to show less than it does: most end a little below zero."""
+        seen = self.workbench.recording["flow"]
+        least = min(float(np.nanmin(seen)), -_BELOW_ZERO * span_of(seen))
+        noise = self.noise["flow"]
+        if isinstance(noise, NoiseModel) and np.any(flow < least):
+            self.noise["flow"] = replace(noise, white=np.where(flow < least, np.inf, noise.white))
 
     def chain_of(self, explanation):
         """Stages of an explanation bound to this record."""
@@ -104,6 +118,11 @@ class Surroundings:
             slope = slope if sign * slope > 0.0 else 0.0
             self.known[role] = (*middle, slope, *np.quantile(y, (0.01, 0.99)))
 
+    def shift(self, role, share):
+        """How far a pressure is moved for a share of the drop [Pa]; into no vacuum that was not there."""
+        lowest = self.known[role][3]
+        return np.maximum(share * self.drop, min(ATMOSPHERE - lowest, 0.0))
+
     def moved(self, signals, program):
         """Signals with the pressures that go with their flow, and the program's moves of them."""
         signals = dict(signals)
@@ -112,7 +131,7 @@ class Surroundings:
             signals[role] = np.clip(y + slope * (flow * np.abs(flow) - x), low, high)
         signals |= program.given
         for role, share in program.moved.items():
-            signals[role] = np.maximum(signals[role] + share * self.drop, 1e3)
+            signals[role] = signals[role] + self.shift(role, share)
         if program.moved:
             # so much is left to drive the flow
             signals["p2"] = np.minimum(signals["p2"], signals["p1"] - _LEAST_DROP * self.drop)

@@ -16,14 +16,20 @@ class Pair:
     Attributes
     ----------
     names : (str, str)
-    now, expected : float
-        Distance D by the present recording, and by this and the test together: the smaller of both ways
-        round, which of the two is true.
+    now : float
+        Distance D by the present recording.
+    if_true : (float, float)
+        Distance by this and the test together, should the first of them be true, and the second.
     """
 
     names: tuple
     now: float
-    expected: float
+    if_true: tuple
+
+    @property
+    def expected(self):
+        """The smaller of both distances."""
+        return min(self.if_true)
 
     @property
     def confusion(self):

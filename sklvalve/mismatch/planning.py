@@ -7,6 +7,7 @@ import numpy as np
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
+from sklvalve.mismatch.foreseen import Surroundings
 from sklvalve.mismatch.plan import Pair, TestPlan, told
 from sklvalve.mismatch.programs import MOST_ROWS, TestLimits, as_now, library
 from sklvalve.mismatch.verdict import class_of
@@ -15,7 +16,7 @@ from sklvalve.simulation.given import ROLES as GIVEN
 # explanations that are simulated: the most probable ones
 _MOST = 4
 # programs worth a closer look, and how close
-_LOOKED_AT, _ROUNDS = 2, 3
+_LOOKED_AT, _ROUNDS = 3, 3
 # length of a test where no limit says so [s], its fewest rows, and those of any test
 _LONGEST, _FEWEST, _LEAST = 3600.0, 120, 20
 # a distance that grows by less is one that the test does not change
@@ -183,7 +184,11 @@ class _Choice:
             considered[tried.name] = max(float(least), considered.get(tried.name, -np.inf))
         k = len(self.names)
         pairs = [
-            Pair((self.names[j], self.names[i]), float(self.now[i, j]), float(both[i, j]))
+            Pair(
+                (self.names[j], self.names[i]),
+                float(self.now[i, j]),
+                (float(found[j, i]), float(found[i, j])),
+            )
             for i in range(k)
             for j in range(i)
         ]
@@ -192,15 +197,13 @@ class _Choice:
 
 def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None):
     recording = advisor.workbench.recording
-    drop = 0.0
-    if program.moved:
-        drop = float(np.nanmedian(np.abs(recording["p1"] - recording["p2"])))
+    surroundings = Surroundings(recording)
     return TestPlan(
         program.name,
         sentence,
         recording.sample_time * np.arange(len(program.command)),
         program.command,
-        {role: drop * share for role, share in program.moved.items()},
+        {role: surroundings.shift(role, share) for role, share in program.moved.items()},
         sensor,
         tuple(pairs),
         considered or {},

@@ -173,7 +173,7 @@ def as_now(recording, rows):
 
 def _with_pressures(low, high, about, rows, step, limits):
     """Three openings held while pressures that can be moved go up and down, each by itself and in turn."""
-    levels = np.round([low + share * (high - low) for share in (0.0, 0.4, 0.95)], 2)
+    levels = np.array([_between(low + share * (high - low), low, high) for share in (0.0, 0.4, 0.95)])
     command = _allowed(_held(levels, rows), about, step, limits)
     told = ", ".join(f"{100 * level:.3g}" for level in levels)
     each, share = f"{rows * step / 3:.0f} s each", limits.pressure_share

@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The test that a diagnosis asks for tells what it says it would, and asking never costs the diagnosis."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from benchmarks.next_test import Stand
+from sklvalve.mismatch import MissingPhysicsFinder, TestLimits, plan_next_test
+from sklvalve.mismatch.advice import reopened
+from sklvalve.mismatch.calibrating import calibrated
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.excitation import Advisor, Answer, Explanation
+from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.plan import apart, confusion, told
+from sklvalve.mismatch.planning import planned
+from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.programs import library
+from sklvalve.recording import InputError
+
+EFFECTS = {e.key: e for e in CATALOGUE}
+PAIR = ("seat_leakage", "flow_meter_bias")
+
+
+@pytest.fixture(scope="module")
+def stand():
+    return Stand({"seat_leakage": 0.0375}, 21, rows=1200)
+
+
+@pytest.fixture(scope="module")
+def found(stand):
+    return MissingPhysicsFinder(effects=list(PAIR)).fit(stand.recording)
+
+
+@pytest.fixture(scope="module")
+def plan(stand, found):
+    return plan_next_test(found, stand.recording)
+
+
+@pytest.fixture(scope="module")
+def lags():
+    """Two lags that a flow alone does not tell apart, on a workbench without a position."""
+    recording = Stand({"actuator_lag": 10.0}, 5, rows=900).recording
+    signals = {role: values for role, values in recording.signals.items() if role != "opening"}
+    workbench = prepared_workbench(replace(recording, signals=signals))
+    nominal = calibrated(workbench)
+    models = [workbench.fit((Member(EFFECTS[k]),), start=nominal) for k in ("actuator_lag", "sensor_lag")]
+    workbench.learn_noise(models[0])
+    models = [workbench.fit(m.members, start=m) for m in models]
+    bare = workbench.fit((), start=nominal)
+    explanations = [Explanation(m.keys[0], 0.5, m, workbench.misfits(m, ("flow",))) for m in models]
+    without = Explanation("without", 0.0, bare, workbench.misfits(bare, ("flow",)))
+    gain = models[0].log_likelihood - bare.log_likelihood
+    return Advisor(workbench, explanations, without, gain)
+
+
+def test_the_test_asked_for_leaves_a_smaller_class(stand, found, plan):
+    assert set(found.diagnosis_.effects[0]) == set(PAIR)
+    assert plan.decides
+    assert plan.moved  # at one pressure drop a leak and a zero are the same
+    assert found.diagnosis_.content["next_test"].startswith(plan.sentence.split(":")[0])
+    both = stand.tested(plan)
+    again = MissingPhysicsFinder(effects=list(PAIR)).fit(both)
+    assert again.diagnosis_.effects == (("seat_leakage",),)
+    _, (finding,) = reopened(again, both, names=PAIR)
+    reached = {r.member.effect.name: r.distance for r in finding.rivals}["flow_meter_bias"]
+    # what was expected of it where a leak is the truth; another plant may move its pressures further
+    expected = plan.pairs[0].if_true[plan.pairs[0].names.index("seat_leakage")]
+    assert reached > max(14.0, 0.5 * expected)
+
+
+def test_a_plan_tells_what_to_do_and_what_comes_of_it(stand, plan):
+    (pair,) = plan.pairs
+    assert set(pair.names) == set(PAIR)
+    assert pair.now < 14.0 <= pair.expected
+    assert pair.confusion == pytest.approx(confusion(pair.expected))
+    assert plan.time.shape == plan.command.shape == plan.moved["p2"].shape
+    assert np.diff(plan.time) == pytest.approx(1.0)
+    drop = np.median(stand.recording["p1"] - stand.recording["p2"])
+    assert np.abs(plan.moved["p2"]).max() == pytest.approx(0.3 * drop)
+    assert "outlet pressure" in plan.sentence
+    assert "seat leakage from flow meter bias" in plan.sentence
+    assert plan.considered["slow triangle"] < plan.considered["p2 moved"]
+
+
+def test_within_limits_no_pressure_moves_and_the_command_stays_inside(stand, found):
+    limits = TestLimits(opening=(0.2, 0.6), rate=0.01, duration=300.0)
+    plan = plan_next_test(found, stand.recording, limits=limits)
+    # far from the seat, at the same pressures, no command tells them apart
+    assert plan is None or not plan.decides
+    workbench, findings = reopened(found, stand.recording)
+    wider = planned(
+        workbench, findings, TestLimits(opening=(0.0, 1.0), pressures=("p1", "p2"), duration=300.0)
+    )
+    assert len(wider.command) == 300
+    assert set(wider.moved) <= {"p1", "p2"}
+
+
+def test_a_plan_is_the_same_every_time(stand, found, plan):
+    again = plan_next_test(found, stand.recording)
+    assert again.sentence == plan.sentence
+    assert np.array_equal(again.command, plan.command)
+
+
+def test_one_explanation_alone_gets_the_program_that_narrows_its_interval():
+    late = Stand({"dead_time": 6.75}, 12, loop="closed", rows=900).recording
+    plan = plan_next_test(MissingPhysicsFinder(effects=["dead_time"]).fit(late), late)
+    assert plan.pairs == ()
+    # a late command shows where it changes at once, and hardly where it stays about one place
+    assert plan.name == "square"
+    assert 0.0 < plan.considered["square"] < 0.7 * plan.considered["reversals"]
+    assert "narrow the interval of the delay (dead time)" in plan.sentence
+    assert EFFECTS["dead_time"].separated_by in plan.sentence
+
+
+def test_a_stem_sensor_tells_lags_apart_that_flow_confuses(lags):
+    square = next(p for p in library(0.1, 0.9, 0.5, 400, 1.0, TestLimits()) if p.name == "square")
+    without, sensed = lags.distances(square), lags.distances(square, "opening")
+    assert min(sensed[0, 1], sensed[1, 0]) > max(14.0, 2.0 * min(without[0, 1], without[1, 0]))
+
+
+def test_a_rival_answers_no_worse_the_more_often_it_is_asked(lags):
+    square = next(p for p in library(0.1, 0.9, 0.5, 400, 1.0, TestLimits()) if p.name == "square")
+    record = lags.records(square)[0]
+    own, rival = (Answer(record, e) for e in lags.explanations)
+    assert own.least(own.slopes(), 1) == pytest.approx(0.0, abs=0.1)
+    costs = [rival.least(rival.slopes(), rounds) for rounds in (0, 1, 3)]
+    assert costs[0] > costs[1] >= costs[2] > 0.0
+
+
+def test_nothing_found_and_nothing_simulated_need_no_plan(stand, found):
+    nothing = SimpleNamespace(recording=stand.recording)
+    assert planned(nothing, []) is None
+    loop = MissingPhysicsFinder()
+    loop.diagnosis_ = found.diagnosis_
+    with pytest.raises(InputError, match="where the valve is simulated"):
+        plan_next_test(loop, stand.recording)
+
+
+def test_too_short_a_test_is_refused_in_one_sentence(stand, found):
+    with pytest.raises(ValueError, match="20 samples at least, 20 s"):
+        plan_next_test(found, stand.recording, limits=TestLimits(duration=5.0))
+
+
+def test_a_plan_that_fails_costs_no_diagnosis():
+    member = SimpleNamespace(effect=EFFECTS["clogging"])
+    broken = SimpleNamespace(recording={"opening"})
+    findings = [SimpleNamespace(rivals=None)]
+    told_instead = next_test([{"clogging": (1.0, member, None)}], "named", None, broken, findings)
+    assert told_instead == EFFECTS["clogging"].separated_by
+
+
+def test_groups_hold_what_stays_together():
+    far, near = 30.0, 2.0
+    distances = np.array([[0, near, far], [near, 0, far], [far, far, 0]])
+    assert apart("abc", distances) == [[0, 1], [2]]
+    chained = np.array([[0, near, far], [near, 0, near], [far, near, 0]])
+    assert apart("abc", chained) == [[0, 1, 2]]
+
+
+def test_words_say_what_is_told_apart_and_what_is_not():
+    now, after = np.full((3, 3), 1.0), np.full((3, 3), 40.0)
+    after[0, 1] = after[1, 0] = 2.0
+    said = told(
+        "Do this", ("erosion", "seat_leakage", "clogging"), now, after, ["First.", "Second.", "Third."]
+    )
+    assert said.startswith("Do this: this is expected to tell erosion or seat leakage from clogging")
+    assert "D = 1 now, 40 with it" in said
+    assert said.endswith("For the rest: First.")
+    poor = told("Do this", ("erosion", "clogging"), now, np.full((2, 2), 6.0), ["First.", "Second."])
+    assert "only goes from D = 1 to 6; 14 is needed. First." in poor
