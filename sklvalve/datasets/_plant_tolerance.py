@@ -125,6 +125,7 @@ def within(plant, name):
         "dead_time": RESPONSE,
         "actuator_lag": RESPONSE,
         "slew_limit": 2.0 * RESPONSE,  # for positioner and actuator each
+        "position_sensor_bias": POSITION_ZERO,
         "sensor_lag": RESPONSE - plant.healthy["meter_lag"],
     }
     return own.get(name, 0.0)
