@@ -19,6 +19,8 @@ _MOST = 4
 _LOOKED_AT, _ROUNDS = 3, 3
 # length of a test where no limit says so [s], its fewest rows, and those of any test
 _LONGEST, _FEWEST, _LEAST = 3600.0, 120, 20
+# a distance with something in hand beyond what a class ends at
+_AMPLE = 20.0
 # a distance that grows by less is one that the test does not change
 _GROWS = 1.0
 # a size is worth a test that narrows its interval to this share
@@ -44,6 +46,9 @@ def planned(workbench, findings, limits=None):
         return None
     finding = next((f for f in findings if len(class_of(f)) > 1), findings[0])
     advisor = _advisor(workbench, finding)
+    if limits is not None and not {"p1", "p2"} <= set(workbench.recording):
+        # what a move of pressures does that nobody records cannot be simulated
+        limits = replace(limits, pressures=())
     if len(advisor.explanations) == 1:
         return _for_its_size(advisor, finding, limits or TestLimits())
     return _Choice(advisor, finding, limits).plan()
@@ -104,24 +109,27 @@ class _Choice:
         self.given, self.limits = limits is not None, limits or TestLimits()
         self.ranges = _Ranges(advisor.workbench, self.limits)
         self.now = advisor.now()
-        self.tried = []
+        # what was tried, and how much each asks of the process
+        self.tried, self.asks = [], []
 
     def plan(self):
         """The best of all, looked at closely; None where none tells more."""
-        for programs, sensor in self._stages():
+        close = {}
+        for asked, (programs, sensor) in enumerate(self._stages()):
             for program in programs:
                 self.tried.append((program, sensor, self.advisor.distances(program, sensor)))
-            if self._settled():
+                self.asks.append(asked)
+            before = [self._least(d) for _, _, d in self.tried]
+            for k in self._order(before, self.asks)[:_LOOKED_AT]:
+                if k not in close:
+                    close[k] = self.advisor.distances(*self.tried[k][:2], _ROUNDS)
+            if any(np.all(self._least(d) >= DISTINGUISHABLE) for d in close.values()):
                 break
-        before, close = [self._least(d) for _, _, d in self.tried], []
-        for k in self._order(before)[:_LOOKED_AT]:
-            program, sensor, _ = self.tried[k]
-            close.append((program, sensor, self.advisor.distances(program, sensor, _ROUNDS)))
-        after = [self._least(d) for _, _, d in close]
-        program, sensor, found = close[self._order(after)[0]]
-        if np.all(self._least(found) < self._least(self.now) + _GROWS):
+        after = [self._least(d) for d in close.values()]
+        best = list(close)[self._order(after, [self.asks[k] for k in close])[0]]
+        if np.all(self._least(close[best]) < self._least(self.now) + _GROWS):
             return None
-        return self._as_plan(program, sensor, found, before)
+        return self._as_plan(*self.tried[best][:2], close[best], before)
 
     def _stages(self):
         """Programs, those first that ask least of the process, and the sensor that they need besides."""
@@ -133,33 +141,38 @@ class _Choice:
         yield ([more, *first] if more else first), None
         if limits.opening is None and ranges.whole != ranges.visited:
             yield ranges.programs(ranges.whole, limits), None
-        pressures = tuple(r for r in ("p1", "p2") if {"p1", "p2"} <= set(recording))
-        if not self.given and pressures:
+        if not self.given and {"p1", "p2"} <= set(recording):
             freer = replace(limits, pressures=("p2",))
             yield [ranges.programs(r, freer)[-1] for r in (ranges.visited, ranges.whole)], None
         if workbench.coupled and "opening" in limits.sensors and "command" in recording:
             yield ranges.programs(opening if self.given else ranges.whole, limits), "opening"
 
-    def _settled(self):
-        return any(np.all(self._least(d) >= DISTINGUISHABLE) for _, _, d in self.tried)
-
     def _least(self, distances):
         """Of each pair the smaller of both ways."""
         return np.minimum(distances, distances.T)[np.tril_indices(len(self.names), -1)]
 
-    def _order(self, found):
-        """Numbers of the programs, the best first: what they tell apart, then the least distance of that."""
+    def _order(self, found, asks):
+        """Numbers of the programs, the best first.
+
+        What they tell apart counts first; then, where that is ample, how little they ask of the process; then
+        the least distance.
+        """
         table = np.array(found)
         able = (table >= DISTINGUISHABLE).any(axis=0)
         if able.any():
             weight = ((table >= DISTINGUISHABLE) * self.weights)[:, able].sum(axis=1)
-            least = table[:, able].min(axis=1)
+            apart = np.where(table >= DISTINGUISHABLE, table, np.inf)[:, able].min(axis=1)
+            least = np.where(weight > 0.0, apart, table[:, able].min(axis=1))
         else:
             grows = (table > self._least(self.now) + _GROWS).any(axis=0)
             weight = np.zeros(len(table))
             least = table[:, grows if grows.any() else slice(None)].min(axis=1)
-        order = sorted(range(len(table)), key=lambda k: (-round(float(weight[k]), 6), -float(least[k]), k))
-        return order
+        ample = least >= _AMPLE
+
+        def rank(k):
+            return -round(float(weight[k]), 6), asks[k] if ample[k] else len(asks), -float(least[k]), k
+
+        return sorted(range(len(table)), key=rank)
 
     def _advice(self):
         """What the catalogue says of how to tell each of the members."""
