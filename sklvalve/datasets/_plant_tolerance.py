@@ -6,6 +6,7 @@ from numba import njit
 from scipy.optimize import lsq_linear
 from scipy.signal import lfilter
 
+from sklvalve.datasets._plant_draw import sheet_trim
 from sklvalve.datasets._plant_loop import COLUMNS, _play, _valve_flow
 
 # the design's table of tolerances: capacity, trim, F_L, response [s], half the static error, zeros
@@ -34,15 +35,18 @@ def side_of_play(inside, half):
     return out
 
 
-def slopes(plant, opening, p1, p2, rho, floor):
-    """Change of the healthy flow [m3/h] with opening, and with the logarithm of F_L; both at rest."""
+def healthy_flow(plant, opening, p1, p2, rho, floor, fl=1.0):
+    """Flow [m3/h] of the healthy valve at rest at these openings [1] and pressures [Pa]; `fl` scales F_L."""
     row = np.array([plant.healthy[name] for name in COLUMNS])
     size4, knee, bypass_fl = plant.line[3:6]
-    given = (p1, p2, rho, floor, row, plant.trim, plant.other)
-    at = lambda x, fl: _static_flow(x, *given, fl, size4, knee, bypass_fl)  # noqa: E731
-    by_opening = (at(opening + 0.01, plant.fl) - at(opening - 0.01, plant.fl)) / 0.02
-    by_recovery = (at(opening, 1.02 * plant.fl) - at(opening, 0.98 * plant.fl)) / 0.04
-    return by_opening, by_recovery
+    trims = (plant.trim, plant.other, fl * plant.fl)
+    return _static_flow(opening, p1, p2, rho, floor, row, *trims, size4, knee, bypass_fl)
+
+
+def slopes(plant, opening, *rest):
+    """Change of the healthy flow [m3/h] with opening, and with the logarithm of F_L; both at rest."""
+    at = lambda step, fl: healthy_flow(plant, opening + step, *rest, fl)  # noqa: E731
+    return (at(0.01, 1.0) - at(-0.01, 1.0)) / 0.02, (at(0.0, 1.02) - at(0.0, 0.98)) / 0.04
 
 
 def opening_columns(opening, slow):
@@ -75,10 +79,6 @@ def flow_columns(plant, flow, opening, by_opening, by_recovery, drop):
         Of the healthy flow side: flow [m3/h], opening [1], its `slopes` and the pressure drop [kPa].
     """
     healthy, span = plant.healthy, flow.max()
-    x = np.clip(opening, 0.0, 1.0)
-    phi = np.interp(x, np.linspace(0.0, 1.0, plant.trim.size), plant.trim / plant.trim[-1])
-    # of the trim's tolerance a third for each of three shapes, none of which moves the rated capacity
-    shapes = [(TRIM / 3.0 * np.maximum(phi, 0.02) ** -0.2) * s * flow for s in _shapes(x)]
     own = np.array(
         [
             healthy["meter_bias"],
@@ -98,22 +98,33 @@ def flow_columns(plant, flow, opening, by_opening, by_recovery, drop):
         by_opening,
         by_recovery,
         0.5 * flow / np.maximum(drop, 1.0),
-        *shapes,
     ]
+    shapes, used = _trim_shapes(plant, opening)
     low = np.array([-FLOW_ZERO * span, -CAPACITY, 0.0, 0.0, -POSITION_ZERO, -RECOVERY, -PRESSURE_ZERO])
     high = -low
     high[2], high[3] = 1.0, STATIC
-    one = np.ones(len(shapes))
-    return np.column_stack(columns), np.append(low - own, -one), np.append(high - own, one)
+    together = np.column_stack([*columns, shapes * flow[:, None]])
+    return together, np.append(low - own, -1.0 - used), np.append(high - own, 1.0 - used)
+
+
+def _trim_shapes(plant, opening):
+    """Departures of a trim as large as they may be, each about one place, and how much the plant has used.
+
+    The places are those at which the plant draws its own, but for the last one, which is the capacity.
+    """
+    sheet = (plant.sheet["characteristic"], plant.sheet["rangeability"], plant.sheet["shutoff"])
+    most = lambda x: TRIM * sheet_trim(*sheet, np.maximum(x, sheet[2])) ** -0.2  # noqa: E731
+    x, places = np.clip(opening, 0.0, 1.0), np.linspace(0.0, 1.0, 8)
+    shapes = np.column_stack([np.interp(x, places, hat) for hat in np.eye(8)[:-1]])
+    # below the shut-off a sheet says nothing of the trim
+    places = np.maximum(places[:-1], sheet[2])
+    own = np.interp(places, np.linspace(0.0, 1.0, plant.trim.size), plant.trim / plant.trim[-1])
+    return shapes * most(x)[:, None], (own / sheet_trim(*sheet, places) - 1.0) / most(places)
 
 
 def _slower(values, seconds):
     pole = np.exp(-1.0 / seconds)
     return lfilter([1.0 - pole], [1.0, -pole], values, zi=[pole * values[0]])[0]
-
-
-def _shapes(x):
-    return 1.0 - x, np.sin(np.pi * x), np.sin(2.0 * np.pi * x)
 
 
 def within(plant, name):

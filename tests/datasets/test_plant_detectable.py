@@ -7,16 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from sklvalve.datasets import CONCEALABLE, write_concealed
+from sklvalve.datasets import CONCEALABLE, make_valve_recording, write_concealed
 from sklvalve.datasets import _plant_detectable as told
 from sklvalve.datasets import _plant_noise as noises
 from sklvalve.datasets import _plant_tolerance as tolerances
-from sklvalve.datasets._plant_draw import draw_noise
+from sklvalve.datasets._plant_draw import WARM_UP, draw_noise
 from sklvalve.datasets._plant_effects import EFFECTS
 from sklvalve.datasets._plant_parameters import catalogue_parameters
 from sklvalve.datasets._plant_rig import Plant
 from sklvalve.datasets.concealed import UnreachableSize
+from sklvalve.datasets.plant import draw_plant
 
 pytest.importorskip("pandas")
 ROWS = 1200
@@ -43,6 +45,29 @@ def test_whitening_leaves_what_the_plant_draws_white_and_of_unit_variance():
         assert np.var(white) == pytest.approx(1.0, abs=0.06)
         for lag in (1, 5, 30):
             assert abs(np.mean(white[lag:] * white[:-lag])) < 0.04
+
+
+def test_a_flow_computed_from_recorded_signals_errs_by_the_noise_it_is_held_against():
+    """The noise of the sensors goes through the healthy valve: whitened, unit variance is left."""
+    rows = 4000
+    made = make_valve_recording(loop="wide", n_samples=rows, n_later=0, random_state=1).frame
+    some, _, _, _ = draw_plant([], 0.0, rows, 0, "wide", 1.0, 1)
+    out, _ = some.run({}, 0.0, 0)
+    opening, p1, p2, flow = (out[:, i] for i in (told.READING, told.P1, told.P2, told.FLOW))
+    after = slice(WARM_UP, None)
+    water = (some.rho[after], some.floor[after])
+    noisy = [
+        made["X"] / 100.0,
+        *(1e3 * (made[n] - (made[n] - 1e-3 * p).mean()) for n, p in (("P1", p1), ("P2", p2))),
+    ]
+    at = lambda *s: tolerances.healthy_flow(some, *(np.asarray(v, dtype=float) for v in s), *water)  # noqa: E731
+    pole = np.exp(-1.0 / some.healthy["meter_lag"])
+    error = lfilter([1.0 - pole], [1.0, -pole], at(*noisy) - at(opening, p1, p2))
+    by_opening, _ = tolerances.slopes(some, opening, p1, p2, *water)
+    wrong = made["F"].to_numpy() - flow - error
+    white = noises.whitened_flow(wrong[:, None], 1.0, some, flow, by_opening, 1e-3 * (p1 - p2))[50:, 0]
+    assert np.var(white) == pytest.approx(1.0, abs=0.12)
+    assert abs(np.mean(white[1:] * white[:-1])) < 0.1
 
 
 @pytest.mark.parametrize("name", CONCEALABLE)
