@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import sklvalve
-from sklvalve.mismatch.locate import acting_rows, regions
+from sklvalve.mismatch.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.slip_finding import rows_of_slips, told_by_slips
 from sklvalve.mismatch.verdict import class_of, effect_entry
@@ -83,23 +83,21 @@ def content_of(
     whole, workbench, judgement, flagged, fit, *, data, not_testable, alpha, random_state, mend=None
 ):
     """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``; `mend`: what to do to the data."""
-    chain, values = judgement.model.chain, judgement.model.values
-    onset, unknown, found = onset_of(judgement), judgement.unknown, judgement.found
+    unknown, found = judgement.unknown, judgement.found
     entries = [effect_entry(f, whole) for f in judgement.findings]
     blocks = sorted({b for e in entries for b in e["blocks"]})
     if not blocks and unknown is not None:
         blocks = ["valve" if unknown.channel == "flow" else "actuator"]
     classes = [class_of(f) for f in judgement.findings]
+    location = {"blocks": blocks, "regions": [], "onset": None, "intervals": []}
+    if found:
+        more = {"alpha": alpha, "random_state": random_state}
+        location = location_of(workbench, judgement.model, unknown, blocks, **more)
     content = {
         "schema": "sklvalve.diagnosis/1",
         "verdict": judgement.verdict,
         "mismatch": {"detected": found, "p_value": judgement.p_value, "alpha": alpha},
-        "location": {
-            "blocks": blocks,
-            "regions": regions(chain, values, flagged) if found else [],
-            "onset": onset,
-            "intervals": [[onset or 0.0, float(chain.clock[-1] - chain.clock[0])]] if found else [],
-        },
+        "location": location,
         "effects": entries,
         "fit": fit,
         "not_testable": not_testable,

@@ -1,9 +1,46 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Where in the operating range, and when, an effect acts."""
+"""Where in the operating range, and when, what was found acts."""
+
+from dataclasses import dataclass
 
 import numpy as np
 
-_LEAST_GAIN = 0.05
+from sklvalve.mismatch.bands import simultaneous_bands
+from sklvalve.mismatch.boxes import boxes_of, covered
+from sklvalve.mismatch.cells import cells_of
+from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.spells import Course, Evidence, course_of, growing_course
+from sklvalve.simulation.simulation import learnt_rest
+
+# boxes that hold nearly every row say nothing of where
+_EVERYWHERE = 0.95
+# the flow follows from opening and pressures: only where these say clearly less is it told
+_DERIVED = 0.8
+_CANDIDATES = 61
+# up to which a data sheet leaves the response of an instrument open [s]
+_RESPONSE = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Cause:
+    """One thing found, as a change of the simulation.
+
+    Attributes
+    ----------
+    member : Member or None
+        None for what no effect explains.
+    before, after, settled : dict
+        Channel -> residual without it, with it throughout, and of all that was found as it was fitted; of the
+        channels that it changes.
+    simulated : dict
+        Channel -> the simulation without it.
+    """
+
+    member: object
+    before: dict
+    after: dict
+    settled: dict
+    simulated: dict
 
 
 def acting_rows(workbench, model, without):
@@ -17,48 +54,198 @@ def acting_rows(workbench, model, without):
     return flagged
 
 
-def regions(chain, values, flagged):
-    """The one range of a signal that tells flagged rows from the others best, if any does.
+def causes_of(workbench, model, unknown=None):
+    """What was found, thing by thing, each switched off and on in the same simulation.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        With all effects found.
+    unknown : Unknown, default=None
+        What no effect explains.
+
+    Returns
+    -------
+    causes : list of Cause
+        Without those that the simulation does not hold.
+    """
+    left, causes = workbench.residuals(model), []
+    if unknown is not None:
+        c = unknown.channel
+        left = left | {c: left[c] - learnt_rest(unknown.correction, model.chain, model.values)}
+        own = {c: workbench.residuals(model)[c]}
+        causes.append(Cause(None, own, {c: left[c]}, {c: left[c]}, {c: model.predictions[c]}))
+    for member in model.members:
+        others = tuple(m for m in model.members if m is not member)
+        without = workbench.simulate(others, model.values)
+        acting = workbench.simulate((*others, Member(member.effect)), model.values)
+        before, after, settled, simulated = {}, {}, {}, {}
+        for c in workbench.channels_touched(member.effect):
+            gap = acting.predictions[c] - without.predictions[c]
+            if np.nanmax(np.abs(gap), initial=0.0) <= 1e-12 * workbench.spans[c]:
+                continue
+            settled[c] = left[c]
+            before[c] = left[c] + model.predictions[c] - without.predictions[c]
+            after[c] = before[c] - gap
+            simulated[c] = without.predictions[c]
+        if before:
+            causes.append(Cause(member, before, after, settled, simulated))
+    return causes
+
+
+def course_of_cause(workbench, model, cause):
+    """When one of the things found acts: a `Course`."""
+    clock, onset = model.chain.clock, None
+    if cause.member is None:
+        # learnt from all rows alike: nothing tells when it began
+        return Course("throughout", [(0, len(clock))], [(None, None)])
+    if cause.member.onset is not None:
+        onset = int(np.searchsorted(clock, cause.member.onset))
+    noise = {c: workbench.noise[c] for c in cause.before}
+    slopes = _slopes_of_calibration(workbench, model, cause)
+    evidence = Evidence(noise, cause.before, cause.after, cause.settled, slopes)
+    if not cause.member.effect.grows:
+        # what begins inside an instrument shows behind its response
+        response = int(np.ceil(_RESPONSE / workbench.recording.sample_time))
+        return course_of(evidence, onset, late=response)
+    return growing_course(evidence, onset, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
+
+
+def _slopes_of_calibration(workbench, model, cause):
+    """Derivatives of the whitened residuals of a cause's channels with regard to all but its own size."""
+    own, channels, columns = f"{cause.member.effect.key}.", list(cause.before), []
+    for misfit in workbench.misfits(model, channels):
+        z = misfit.vector.pack(model.values)
+        base = misfit.predictions(z)
+        white = {c: workbench.noise[c].whiten(workbench.recording[c] - base[c]) for c in channels}
+        prior = misfit.vector.prior_residuals(z)
+        moved, reach = misfit.neighbours(z)
+        for name, at, r in zip(misfit.vector.names, moved, reach, strict=True):
+            if name.startswith(own):
+                continue
+            beside = misfit.predictions(at)
+            parts = [
+                (workbench.noise[c].whiten(workbench.recording[c] - beside[c]) - white[c]) / r
+                for c in channels
+            ]
+            columns.append(np.concatenate([*parts, (misfit.vector.prior_residuals(at) - prior) / r]))
+    return np.stack(columns, axis=1) if columns else None
+
+
+def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):
+    """Boxes of the operating range in which what was found leaves its simultaneous band.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+    causes : list of Cause
+    courses : list of Course
+        When each of them acts: other rows say nothing of where.
+    alpha : float
+        Chance of any box where there is only noise.
+    random_state : int, default=0
 
     Returns
     -------
     regions : list of dict
-        ``signal, low, high, direction, share``; empty where the flagged rows lie everywhere.
+        ``signal, low, high, direction, share``, and ``and`` with a second range where two signals bound the
+        box; empty where what was found acts everywhere, or nowhere clearly enough.
     """
-    if flagged.all() or not flagged.any():
-        return []
-    signals = {}
-    # beside a flow that the user simulated the command stands for an opening that was not recorded
-    given = "simulated_flow" in chain.recording
-    if chain.measured is not None or chain.command is not None:
-        driven = chain.measured is not None or given
-        signals["opening"] = chain.drive(values) if driven else chain.opening(values)
-    if chain.pressure_ratio is not None:
-        signals["pressure_ratio"] = chain.pressure_ratio
-    if chain.has_pressures:
-        signals["dp"] = chain.dp
-    if "temperature" in chain.recording:
-        signals["temperature"] = chain.recording["temperature"]
-    if "flow" in chain.recording:
-        signals["flow"] = chain.recording["flow"]
-    best, most = None, _overlap(np.ones_like(flagged), flagged) + _LEAST_GAIN
-    for name, signal in signals.items():
-        known = flagged & np.isfinite(signal)
-        if known.sum() < 10:
+    parts, places = [], []
+    for cause, course in zip(causes, courses, strict=True):
+        acts = np.zeros(len(workbench.recording), dtype=bool)
+        for begin, end in course.spells:
+            acts[begin:end] = True
+        for c in cause.before:
+            cells = cells_of(model.chain, model.values, c, cause.simulated[c])
+            rest, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))
+            parts.append((workbench.noise[c], rest, [before], cells))
+            places.append((c, cells))
+    found = []
+    bands = simultaneous_bands(parts, alpha=alpha, random_state=random_state)
+    for (channel, _), (several,) in zip(places, bands, strict=True):
+        boxes = boxes_in(several, len(workbench.recording))
+        shown = workbench.recording.get(channel)
+        if covered(boxes) > _EVERYWHERE:
             continue
-        for trim in (0.0, 0.02, 0.1, 0.25):
-            for low_cut, high_cut in ((trim, trim), (0.0, trim), (trim, 0.0)):
-                low, high = np.quantile(signal[known], [low_cut, 1.0 - high_cut])
-                inside = (signal >= low) & (signal <= high)
-                score = _overlap(inside, flagged)
-                if score > most:
-                    best, most = (name, float(low), float(high), float(inside.mean())), score
-    if best is None:
+        found += [box.region(shown if channel == box.cells.signals[0] else None) for box in boxes]
+    return [r for i, r in enumerate(found) if r not in found[:i]]
+
+
+def boxes_in(bands, n):
+    """Boxes of the partition that tells most of a residual, in bands of all partitions of it."""
+    if not any(np.any(band.beyond > 0.0) for band in bands):
         return []
-    name, low, high, share = best
-    return [{"signal": name, "low": low, "high": high, "direction": None, "share": share}]
+
+    def tells(band):
+        gain = band.gain * (_DERIVED if band.cells.signals == ("flow",) else 1.0)
+        # each mean is a parameter
+        return gain - 0.5 * band.cells.count * np.log(max(n, 2))
+
+    return boxes_of(max(bands, key=tells))
 
 
-def _overlap(inside, flagged):
-    both = np.sum(inside & flagged)
-    return 2.0 * both / (np.sum(inside) + np.sum(flagged))
+def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0):
+    """The location that diagnosis.json tells of what was found.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        With all effects found.
+    unknown : Unknown or None
+    blocks : list of str
+    alpha : float
+    random_state : int
+
+    Returns
+    -------
+    location : dict
+        ``blocks, regions, onset, intervals``; ``onset_ci95`` [s] where there is an onset; ``course``, what it
+        does over time; ``intervals_ci95``, a pair of ranges for each interval, None where an end is that of
+        the recording.
+    """
+    clock = model.chain.clock - model.chain.clock[0]
+    causes = causes_of(workbench, model, unknown)
+    courses = [course_of_cause(workbench, model, cause) for cause in causes]
+    regions = regions_of(workbench, model, causes, courses, alpha=alpha, random_state=random_state)
+    location = {"blocks": blocks, "regions": regions}
+    if not courses:
+        return location | {"onset": None, "intervals": [[0.0, float(clock[-1])]]}
+    spells = _joined(courses)
+    marks = [(float(clock[a]), float(clock[min(b, len(clock) - 1)])) for a, b, _ in spells]
+    first = spells[0][0]
+    location["onset"] = float(clock[first]) if first > 0 else None
+    location["intervals"] = [list(pair) for pair in marks]
+    kinds = {course.kind for course in courses}
+    location["course"] = kinds.pop() if len(kinds) == 1 else "in several ways"
+    told = [[_seconds(clock, r) for r in ranges] for _, _, ranges in spells]
+    if told[0][0] is not None:
+        location["onset_ci95"] = told[0][0]
+    if any(r is not None for pair in told for r in pair):
+        location["intervals_ci95"] = told
+    return location
+
+
+def _joined(courses):
+    """Spells of all courses, those that overlap as one: (first row, row behind the last, both ranges)."""
+    every = [
+        (*spell, *ranges)
+        for course in courses
+        for spell, ranges in zip(course.spells, course.ranges, strict=True)
+    ]
+    found: list = []
+    for begin, end, early, late in sorted(every, key=lambda e: e[:2]):
+        if found and begin <= found[-1][1]:
+            before = found[-1]
+            last = (end, late) if end > before[1] else (before[1], before[2][1])
+            found[-1] = (before[0], last[0], (before[2][0], last[1]))
+        else:
+            found.append((begin, end, (early, late)))
+    return found
+
+
+def _seconds(clock, rows):
+    return None if rows is None else [float(clock[min(int(k), len(clock) - 1)]) for k in rows]

@@ -24,8 +24,18 @@ def region_words(region: dict) -> str:
     Parameters
     ----------
     region : dict
-        An item of ``location.regions``; bounds in SI, None where the region is open.
+        An item of ``location.regions``; bounds in SI, None where the region is open; ``and`` holds a second
+        range where two signals bound it.
     """
+    words = _range_words(region)
+    if region.get("direction"):
+        words += f" while {region['direction']}"
+    if region.get("and"):
+        words += f" {_placed(_range_words(region['and']))}"
+    return words
+
+
+def _range_words(region: dict) -> str:
     name, factor, offset, unit = _SIGNALS.get(
         region["signal"], (str(region["signal"]).replace("_", " "), 1.0, 0.0, "")
     )
@@ -34,10 +44,7 @@ def region_words(region: dict) -> str:
         low = None if low is not None and low <= 0.005 else low
         high = None if high is not None and high >= 0.995 else high
     shown = [None if bound is None else number(factor * bound + offset) for bound in (low, high)]
-    words = _bounds(name, shown[0], shown[1], f" {unit}" if unit else "")
-    if region.get("direction"):
-        words += f" while {region['direction']}"
-    return words
+    return _bounds(name, shown[0], shown[1], f" {unit}" if unit else "")
 
 
 def _bounds(name: str, low: str | None, high: str | None, unit: str) -> str:
@@ -54,11 +61,10 @@ def _bounds(name: str, low: str | None, high: str | None, unit: str) -> str:
 
 def regions_words(location: dict) -> str:
     """Words for all regions of a location, or an empty text where none stands out."""
-    return " and ".join(_placed(region) for region in location.get("regions") or [])
+    return " and ".join(_placed(region_words(region)) for region in location.get("regions") or [])
 
 
-def _placed(region: dict) -> str:
-    words = region_words(region)
+def _placed(words: str) -> str:
     if words.startswith(("at ", "below ", "above ", "between ")):
         return words
     name, bound, rest = re.split(r" (?=below|above|between)(\w+) ", words, maxsplit=1)
@@ -81,15 +87,45 @@ def duration(seconds: float) -> str:
 
 
 def onset_words(location: dict) -> str:
-    """Since when: from the start, or from a time after the first sample."""
+    """Since when, with its interval: from the start, or from a time after the first sample, or in spells."""
+    spells = location.get("intervals") or []
+    if location.get("course") == "in spells" and len(spells) == 1:
+        return f"from {_begin(location)} until {duration(spells[0][1])}{_until_within(location)}"
+    if location.get("course") == "in spells":
+        return f"in {len(spells)} spells from {_begin(location)} on"
     onset = location.get("onset")
-    return "from the start" if onset is None else f"from {duration(onset)} on"
+    words = "from the start" if onset is None else f"from {_begin(location)} on"
+    return f"growing {words}" if location.get("course") == "growing" else words
+
+
+def _begin(location: dict) -> str:
+    onset = location.get("onset")
+    return "the start" if onset is None else f"{duration(onset)}{_within(location.get('onset_ci95'))}"
+
+
+def _until_within(location: dict) -> str:
+    ranges = location.get("intervals_ci95")
+    return _within(ranges[-1][1]) if ranges else ""
+
+
+def _within(ci: list | None) -> str:
+    """An interval of confidence of a moment."""
+    return "" if ci is None else f" (95 %: {_span(*ci)})"
+
+
+def _span(low: float, high: float) -> str:
+    """Two times, the unit once where it is the same."""
+    begin, end = duration(low), duration(high)
+    same = begin.split(" ")[1] == end.split(" ")[1]
+    return f"{begin.split(' ')[0] if same else begin} to {end}"
 
 
 def since_words(location: dict) -> str:
     """Since when, for a table."""
     onset = location.get("onset")
-    return "the start" if onset is None else f"{duration(onset)} after the first sample"
+    if onset is None:
+        return "the start"
+    return f"{duration(onset)} after the first sample{_within(location.get('onset_ci95'))}"
 
 
 def intervals_words(location: dict, limit: int = 4) -> str:

@@ -14,7 +14,6 @@ from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.gate import effects_switched_off
 from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.locate import regions
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.rivals import Rival
@@ -115,33 +114,6 @@ def test_only_effects_of_the_catalogue_are_switched_off():
     for finding in ("compressed", "frozen", "clock_shift", "saturated"):
         for role in ("opening", "command", "flow"):
             assert set(effects_switched_off([{"finding": finding, "role": role}])) <= names
-
-
-def _stage(opening):
-    return SimpleNamespace(
-        measured=opening,
-        command=opening,
-        drive=lambda values: opening,
-        pressure_ratio=None,
-        has_pressures=False,
-        recording={},
-    )
-
-
-def test_region_is_the_range_of_openings_in_which_it_acts():
-    opening = np.random.default_rng(0).uniform(0.0, 1.0, 2000)
-    (region,) = regions(_stage(opening), {}, opening > 0.7)
-    assert region["signal"] == "opening"
-    assert region["low"] == pytest.approx(0.7, abs=0.02)
-    assert region["high"] == pytest.approx(1.0, abs=0.03)
-    assert region["share"] == pytest.approx(0.3, abs=0.03)
-
-
-def test_what_acts_everywhere_or_nowhere_has_no_region():
-    rng = np.random.default_rng(1)
-    opening = rng.uniform(0.0, 1.0, 2000)
-    for flagged in (np.zeros(2000, bool), np.ones(2000, bool), rng.uniform(size=2000) < 0.5):
-        assert regions(_stage(opening), {}, flagged) == []
 
 
 @pytest.mark.parametrize("row", [200, 613, 900])

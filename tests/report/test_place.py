@@ -1,7 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
-from sklvalve.report.place import duration, intervals_words, onset_words, region_words, regions_words
+from sklvalve.report.place import (
+    duration,
+    intervals_words,
+    onset_words,
+    region_words,
+    regions_words,
+    since_words,
+)
 from sklvalve.report.words import chance, class_words, number, p_words, percent, spoken, sure
 
 
@@ -23,6 +30,14 @@ def test_regions_in_words(signal, low, high, direction, words):
     assert region_words(region) == words
 
 
+def test_box_of_two_signals_in_words():
+    box = {"signal": "opening", "low": 0.5, "high": 1.0, "direction": None, "share": 0.1}
+    box["and"] = {"signal": "dp", "low": 1e5, "high": 3e5}
+    words = "above 50 % opening where the pressure drop is between 100 and 300 kPa"
+    assert region_words(box) == words
+    assert regions_words({"regions": [box]}) == words
+
+
 def test_several_regions_are_joined():
     regions = [
         {"signal": "opening", "low": 0.0, "high": 0.1, "direction": None, "share": 0.1},
@@ -42,6 +57,16 @@ def test_durations(seconds, words):
 def test_times():
     assert onset_words({"onset": None}) == "from the start"
     assert onset_words({"onset": 30.0}) == "from 30 s on"
+    known = {"onset": 812.0, "onset_ci95": [790.4, 833.0], "intervals": [[812.0, 5759.0]]}
+    assert onset_words(known) == "from 812 s (95 %: 790 to 833 s) on"
+    assert since_words(known) == "812 s after the first sample (95 %: 790 to 833 s)"
+    assert onset_words(known | {"course": "growing"}) == "growing from 812 s (95 %: 790 to 833 s) on"
+    spell = {"course": "in spells", "intervals": [[812.0, 900.0]]}
+    ends = {"intervals_ci95": [[[790.4, 833.0], [880.0, 920.0]]]}
+    words = "from 812 s (95 %: 790 to 833 s) until 900 s (95 %: 880 to 920 s)"
+    assert onset_words(known | spell | ends) == words
+    two = spell | {"onset": None, "intervals": [[0.0, 10.0], [20.0, 30.0]]}
+    assert onset_words(two) == "in 2 spells from the start on"
     spans = [[10.0 * k, 10.0 * k + 5.0] for k in range(6)]
     assert intervals_words({"intervals": spans}).endswith("30 s to 35 s, and 2 more")
 

@@ -1,0 +1,250 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When something acts: throughout, from an onset on, growing, or in spells, each moment with its interval."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN
+from sklvalve.simulation.fitting import robust_cost, robust_weights
+
+# what a moment of switching must earn, as in the search for onsets
+_PRICE = 10.0
+_BLOCKS, _FEWEST_ROWS = 64, 10
+_MOST_SPELLS = 12
+# of the largest excess of a random walk that falls to both sides of a moment of change (Siegmund,
+# International Statistical Review 56 (1988) 31): (1 - exp(-x/2))^2 = 0.95
+_WITHIN_95 = -2.0 * np.log(1.0 - np.sqrt(0.95))
+_SMOOTH_95 = float(chi2.ppf(0.95, 1))
+_GRID = 60
+# how much smaller or larger than fitted a change may be where it acts in other rows, share of its size
+_MORE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """When something acts.
+
+    Attributes
+    ----------
+    kind : {"throughout", "from an onset on", "growing", "in spells"}
+    spells : list of (int, int)
+        First row of each spell and the row behind its last.
+    ranges : list of (pair or None, pair or None)
+        For both ends of each spell the rows between which it lies with 95 %; None where the end is that of
+        the recording.
+    """
+
+    kind: str
+    spells: list
+    ranges: list
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What a recording says of a change of the simulation, row by row.
+
+    Parameters
+    ----------
+    noise : dict
+        Channel -> `NoiseModel`.
+    before, after : dict
+        Channel -> residual without the change and with it throughout, ndarray of shape (n,), NaN in gaps.
+    settled : dict
+        Channel -> residual of the hypothesis as it was fitted, which tells what rows are outliers.
+    slopes : ndarray of shape (n_channels * n + n_priors, n_parameters), default=None
+        Derivatives of the whitened residuals, and of the distances from the priors, with regard to the
+        calibration, which answers where the change acts in other rows.
+    """
+
+    noise: dict
+    before: dict
+    after: dict
+    settled: dict
+    slopes: np.ndarray | None = None
+
+    def __post_init__(self):
+        slopes = np.zeros((len(self.before) * self.n, 0)) if self.slopes is None else self.slopes
+        weights = np.ones(len(slopes))
+        settled = self.whitened(self.settled)
+        weights[: len(settled)] = np.sqrt(robust_weights(settled))
+        object.__setattr__(self, "_weights", weights)
+        object.__setattr__(self, "_basis", np.linalg.qr(slopes * weights[:, None])[0])
+
+    @property
+    def n(self):
+        """Number of rows."""
+        return len(next(iter(self.before.values())))
+
+    def whitened(self, left):
+        """Whitened residuals, channel after channel."""
+        return np.concatenate([self.noise[c].whiten(left[c]) for c in self.before])
+
+    def free(self, whitened):
+        """Whitened and weighed residuals, one or several columns, less what the calibration can answer."""
+        moved = np.zeros((len(self._weights), *whitened.shape[1:]))
+        moved[: len(whitened)] = whitened
+        moved *= self._weights.reshape(-1, *(1,) * (whitened.ndim - 1))
+        return moved - self._basis @ (self._basis.T @ moved)
+
+    def cost(self, acts):
+        """Robust cost where the change acts in some rows only, the calibration and its size in answer."""
+        change = {c: self.before[c] - self.after[c] for c in self.before}
+        left = self.whitened({c: np.where(acts, self.after[c], b) for c, b in self.before.items()})
+        left = self.free(left)
+        own = self.free(self.whitened({c: np.where(acts, gap, 0.0 * gap) for c, gap in change.items()}))
+        size = float(own @ left) / max(float(own @ own), 1e-300)
+        return robust_cost((left - np.clip(size, -_MORE, _MORE) * own) / self._weights)
+
+    def quadratic(self, starts):
+        """Curvature and pull of the cost in the strength that the change has in each block of rows."""
+        columns, place = [], np.arange(self.n)
+        for low, high in zip(starts, np.append(starts[1:], self.n), strict=True):
+            inside = (place >= low) & (place < high)
+            # a gap stays one
+            columns.append(self.whitened({c: (b - self.after[c]) * inside for c, b in self.before.items()}))
+        moved = self.free(np.stack(columns, axis=1))
+        return moved.T @ moved, moved.T @ self.free(self.whitened(self.before))
+
+
+def course_of(evidence, onset, *, late=0):
+    """When a change acts that the search has acting from a row on.
+
+    Parameters
+    ----------
+    evidence : Evidence
+    onset : int or None
+        Row from which the hypothesis has it; None from the start.
+    late : int, default=0
+        Rows by which a moment may show later than it was.
+
+    Returns
+    -------
+    course : Course
+
+    Notes
+    -----
+    The rows are cut into blocks, and the strength in each, nought or all, is chosen by the quadratic of the
+    cost, a change of it at a price; then each moment moves to where the exact cost is least. Its interval
+    holds all moments within the distance that the largest of two random walks keeps with 95 %. A simulation
+    is never true: the price and the distance are raised as distances between explanations are.
+    """
+    n = evidence.n
+    starts = np.unique(np.linspace(0, n, min(_BLOCKS, n // _FEWEST_ROWS), endpoint=False).astype(int))
+    acts = np.arange(n) >= (onset or 0)
+    gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
+    raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * gain / DISTINGUISHABLE
+    blocks = acts[starts]
+    path = _switched(*evidence.quadratic(starts), blocks, _PRICE * raised)
+    edges = _edges(path, starts) if np.any(path != blocks) else ([onset] if onset else [])
+    begins = bool(path[0]) and not onset if np.all(path == blocks) else bool(path[0])
+    return _settled(evidence, edges, begins, raised, late, moved=bool(np.any(path != blocks)))
+
+
+def _switched(square, pull, blocks, price):
+    """Blocks in which a change acts: stretches are turned over as long as each earns its price."""
+    many = len(blocks)
+    low, high = np.triu_indices(many)
+    place = np.arange(many)
+    masks = ((place >= low[:, None]) & (place <= high[:, None])).astype(float)
+    acts = blocks.astype(float)
+    for _ in range(_MOST_SPELLS):
+        turned = masks * (1.0 - 2.0 * acts)
+        change = 0.5 * np.einsum("ij,ij->i", turned @ square, turned) + turned @ (square @ acts - pull)
+        after = np.abs(acts + turned)
+        more = np.abs(np.diff(after, axis=1)).sum(axis=1) - np.abs(np.diff(acts)).sum()
+        score = change + price * np.maximum(more, 1.0)
+        best = int(np.argmin(np.where(after.any(axis=1), score, np.inf)))
+        if score[best] >= 0.0:
+            break
+        acts = after[best]
+    return acts > 0.5
+
+
+def _edges(path, starts):
+    return [int(starts[k]) for k in np.flatnonzero(np.diff(path.astype(int))) + 1]
+
+
+def _settled(evidence, edges, begins, raised, late, *, moved):
+    """Every moment where the cost is least, with its interval, and the spells between them."""
+    n, ranges = evidence.n, []
+    for _ in range(2 if moved and len(edges) > 1 else 1):
+        ranges = []
+        for i in range(len(edges)):
+            low = edges[i - 1] + 1 if i else 1
+            high = edges[i + 1] if i + 1 < len(edges) else n
+            best, within = _moment(evidence, edges, begins, i, (low, high), raised)
+            # where the search itself fitted the only onset, that is the one of the simulation
+            edges[i] = best if moved else edges[i]
+            ranges.append((max(min(within[0], edges[i]) - late, 0), max(within[1], edges[i])))
+    marks = ([0] if begins else []) + edges
+    known = ([None] if begins else []) + ranges
+    if len(marks) % 2:
+        marks, known = [*marks, n], [*known, None]
+    spells = list(zip(marks[::2], marks[1::2], strict=True))
+    if len(spells) == 1 and spells[0][1] == n:
+        kind = "throughout" if begins else "from an onset on"
+    else:
+        kind = "in spells"
+    return Course(kind, spells, list(zip(known[::2], known[1::2], strict=True)))
+
+
+def _moment(evidence, edges, begins, i, between, raised):
+    """Likeliest row of one switching, and the rows within reach of it, the others held."""
+    costs = {}
+
+    def at(row):
+        if row not in costs:
+            costs[row] = evidence.cost(_acting(evidence.n, [*edges[:i], row, *edges[i + 1 :]], begins))
+        return costs[row]
+
+    low, high = between
+    for _ in range(4):
+        grid = np.unique(np.linspace(low, high - 1, min(_GRID, high - low)).astype(int)).tolist()
+        for row in {*grid, edges[i]}:
+            at(row)
+        least = min(costs.values())
+        within = [row for row, cost in costs.items() if 2.0 * (cost - least) <= _WITHIN_95 * raised]
+        step = max(int(np.ceil((high - low) / _GRID)), 1)
+        low, high = max(between[0], min(within) - step), min(between[1], max(within) + step + 1)
+        if step == 1:
+            break
+    return min(costs, key=costs.__getitem__), (min(within), max(within))
+
+
+def _acting(n, edges, begins):
+    marks = np.zeros(n + 1, dtype=int)
+    for edge in edges:
+        marks[edge] ^= 1
+    return (np.cumsum(marks[:n]) + int(begins)) % 2 == 1
+
+
+def growing_course(evidence, onset, candidates):
+    """When a change began that grows.
+
+    Parameters
+    ----------
+    evidence : Evidence
+        Its change is one that grew from the first row on.
+    onset : int or None
+        Row from which the hypothesis has it grow; None from the start.
+    candidates : sequence of int
+        Rows to be compared.
+
+    Returns
+    -------
+    course : Course
+    """
+    n, rows = evidence.n, np.arange(evidence.n)
+    begin = onset or 0
+    target, gains = evidence.free(evidence.whitened(evidence.before)), []
+    places = sorted({int(k) for k in candidates} | {begin})
+    for k in places:
+        strength = np.maximum(rows - k, 0) / np.maximum(rows, 1)
+        grown = {c: strength * (b - evidence.after[c]) for c, b in evidence.before.items()}
+        ramp = evidence.free(evidence.whitened(grown))
+        gains.append(0.5 * float(ramp @ target) ** 2 / max(float(ramp @ ramp), 1e-12))
+    raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * max(gains) / DISTINGUISHABLE
+    within = [k for k, g in zip(places, gains, strict=True) if 2.0 * (max(gains) - g) <= _SMOOTH_95 * raised]
+    return Course("growing", [(begin, n)], [((min(*within, begin), max(*within, begin)), None)])

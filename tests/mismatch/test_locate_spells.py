@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When something acts: onsets, spells and growth, and the intervals of their moments."""
+
+import numpy as np
+import pytest
+
+from sklvalve.mismatch.noise import NoiseModel
+from sklvalve.mismatch.spells import Evidence, course_of, growing_course
+
+ROWS = 1500
+NOISE = NoiseModel(np.full(ROWS, 1.0), np.ones(ROWS), 5.0, 0.2, 300.0, 0.2)
+
+
+def evidence(strength, size=3.0, seed=0):
+    """A change whose own signal swings, with this strength in each row."""
+    rng = np.random.default_rng(seed)
+    change = size * np.abs(np.sin(np.arange(ROWS) / 25.0)) + 0.3 * size
+    wander = 0.45 * np.cumsum(rng.standard_normal(ROWS)) / 30.0
+    noise = rng.standard_normal(ROWS) + wander - wander.mean()
+    left = noise + change * strength
+    return Evidence({"flow": NOISE}, {"flow": left}, {"flow": left - change}, {"flow": noise})
+
+
+def rows(*spells):
+    acts = np.zeros(ROWS)
+    for begin, end in spells:
+        acts[begin:end] = 1.0
+    return acts
+
+
+def test_from_the_start_stays_from_the_start():
+    course = course_of(evidence(rows((0, ROWS))), None)
+    assert course.kind == "throughout"
+    assert course.spells == [(0, ROWS)]
+    assert course.ranges == [(None, None)]
+
+
+@pytest.mark.parametrize("size", [0.7, 2.0, 6.0])
+def test_interval_of_an_onset_covers(size):
+    held, widths = 0, []
+    for seed in range(30):
+        onset = 200 + 37 * seed
+        course = course_of(evidence(rows((onset, ROWS)), size, seed), onset)
+        assert course.kind == "from an onset on"
+        low, high = course.ranges[0][0]
+        held += low <= onset <= high
+        widths.append(high - low)
+    # 95 % of 30; the chance of fewer than 25 is one in 500
+    assert held >= 25
+    # and a larger effect says more
+    assert np.median(widths) < {0.7: 600, 2.0: 60, 6.0: 25}[size]
+
+
+def test_end_and_spells_are_found_with_intervals():
+    true = [(300, 600), (900, 1200)]
+    course = course_of(evidence(rows(*true)), 300)
+    assert course.kind == "in spells"
+    assert len(course.spells) == 2
+    for spell, ranges, told in zip(course.spells, course.ranges, true, strict=True):
+        for moment, (low, high), was in zip(spell, ranges, told, strict=True):
+            assert low <= moment <= high
+            assert abs(moment - was) <= 15
+
+
+def test_a_strength_that_is_somewhat_wrong_makes_no_spells():
+    # the model of an effect is right to some 15 %: half its size is not needed to be far from nought
+    strength = 1.0 + 0.25 * np.sin(np.arange(ROWS) / 80.0)
+    course = course_of(evidence(strength, 4.0), None)
+    assert course.kind == "throughout"
+
+
+def test_growth_begins_within_its_interval():
+    held = 0
+    for seed in range(12):
+        onset = 300 + 40 * seed
+        since = np.maximum(np.arange(ROWS) - onset, 0.0)
+        rng = np.random.default_rng(seed)
+        noise = rng.standard_normal(ROWS)
+        slope = 6.0 / ROWS
+        left = noise + slope * since
+        made = Evidence(
+            {"flow": NOISE},
+            {"flow": left},
+            {"flow": left - slope * np.arange(ROWS)},
+            {"flow": noise},
+            # the calibration may answer with the level
+            NOISE.whiten(np.ones(ROWS))[:, None],
+        )
+        course = growing_course(made, onset + 60, np.linspace(0, 0.95 * ROWS, 61))
+        assert course.kind == "growing"
+        low, high = course.ranges[0][0]
+        held += low <= onset <= high
+        assert high - low < 0.8 * ROWS
+    assert held >= 10
