@@ -32,8 +32,4 @@ def _from_sound(workbench, model):
     """The calibration begun anew from a sound actuator, which may lie in another valley."""
     if not workbench.sound_values:
         return None
-    # the same question from another start
-    workbench.forget_fits()
-    other = workbench.fit((), start=workbench.sound(model))
-    workbench.forget_fits()
-    return other
+    return workbench.fit((), start=workbench.sound(model))

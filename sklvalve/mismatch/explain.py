@@ -12,6 +12,7 @@ from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.rivals import find_rivals
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.workbench import ACTUATOR_STAGES
+from sklvalve.simulation.side_by_side import side_by_side
 
 # of the effects screened, so many are fitted with the whole calibration free
 _FITTED = 4
@@ -68,19 +69,27 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
     explanation : Explanation
     """
     model, tried, seen = nominal, {}, {}
+    model = _taken_up(workbench, model, effects, threshold, most, tried, seen, report)
     for last in (False, False, True):
-        model = _taken_up(workbench, model, effects, threshold, most, tried, seen, report)
-        workbench.learn_noise(model)
-        model = workbench.fit(model.members, start=model)
-        model = _drop_what_no_longer_counts(workbench, model, threshold, last_too=True)
+        model = _what_stands(workbench, model, threshold)
         findings = find_rivals(workbench, model, effects, report, seen)
         better = _better_in_place(findings)
         if better is None or last:
             break
         model = _settle(workbench, better)
-        workbench.learn_noise(model, cautious=True)
+        model = _what_stands(workbench, model, threshold)
+        if model.members:
+            workbench.learn_noise(model, cautious=True)
+            model = _taken_up(workbench, model, effects, threshold, most, tried, seen, report)
     nominal = workbench.fit((), start=nominal)
     return Explanation(nominal, model, findings, tried)
+
+
+def _what_stands(workbench, model, threshold):
+    """What remains of a hypothesis that is judged by the noise it leaves."""
+    workbench.learn_noise(model)
+    model = workbench.fit(model.members, start=model)
+    return _drop_what_no_longer_counts(workbench, model, threshold, last_too=True)
 
 
 def _taken_up(workbench, model, effects, threshold, most, tried, seen, report):
@@ -148,11 +157,11 @@ def _step(workbench, model, effects, report, done):
     rough = _best_of_each(workbench, tried)
     onset = rough[0].members[-1].onset if rough else None
     refined = []
-    for i, m in enumerate(rough):
-        refined.append(_refine(workbench, model, m, onset) if i < _FITTED else m)
-        if report and i < _FITTED:
-            report(done + 0.1 + 0.1 * (i + 1) / _FITTED)
-    return sorted(refined, key=lambda m: worth(workbench, m), reverse=True)
+    for m in side_by_side(lambda m: _refine(workbench, model, m, onset), rough[:_FITTED]):
+        refined.append(m)
+        if report:
+            report(done + 0.1 + 0.1 * len(refined) / _FITTED)
+    return sorted(refined + rough[_FITTED:], key=lambda m: worth(workbench, m), reverse=True)
 
 
 def _best_of_each(workbench, tried):

@@ -19,6 +19,7 @@ from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_tr
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
 from sklvalve.mismatch.prove import errors, held_out_predictions
 from sklvalve.mismatch.sifting import sifted
+from sklvalve.mismatch.slip_finding import evident_slips, worth_searching
 from sklvalve.recording import require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.given_columns import with_given
@@ -183,17 +184,18 @@ class MissingPhysicsFinder(BaseEstimator):
 
     def _judge(self, workbench, effects, seed):
         """Search among the effects, and the judgement on what it finds."""
+        slips = evident_slips(workbench, effects, float(self.alpha)) if self.max_effects else None
         explanation = explain(
             workbench,
             calibrated(workbench),
-            effects,
+            worth_searching(effects, slips),
             threshold=self.evidence,
             most=self.max_effects,
             report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
         )
         self._say("looking for the unknown", 0.8)
         more = {"alpha": float(self.alpha), "random_state": seed}
-        return judge(workbench, explanation, effects, by_slips=self.max_effects > 0, **more)
+        return judge(workbench, explanation, len(effects), slips=slips, **more)
 
     def _say(self, stage, done):
         if self.callback is not None:

@@ -7,12 +7,12 @@ from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.detect import mismatch_p_value
 from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
-from sklvalve.mismatch.slip_finding import P_VALUE, beside_slips, evident_slips, with_slips
+from sklvalve.mismatch.slip_finding import P_VALUE, beside_slips, with_slips
 from sklvalve.mismatch.unknown import find_unknown
 from sklvalve.mismatch.verdict import class_of, verdict_of
 
 
-def judge(workbench, explanation, effects, *, alpha, random_state, by_slips=True):
+def judge(workbench, explanation, n_candidates, *, alpha, random_state, slips=None):
     """Verdict, what stands of the findings, and the model and the learnt rest that go with it.
 
     Slips of the stem that are evident name stiction where the search has not: then its findings in the
@@ -22,21 +22,20 @@ def judge(workbench, explanation, effects, *, alpha, random_state, by_slips=True
     ----------
     workbench : Workbench
     explanation : Explanation
-    effects : sequence of Effect
-        Candidates of the search.
+    n_candidates : int
+        Number of effects considered.
     alpha : float
         Level of the test.
     random_state : int
-    by_slips : bool, default=True
-        Whether slips may name stiction.
+    slips : Slips, default=None
+        Those that are evident, where they may name stiction.
 
     Returns
     -------
     judgement : Judgement
     """
-    told = {"alpha": alpha, "n_candidates": len(effects), "random_state": random_state}
+    told = {"alpha": alpha, "n_candidates": n_candidates, "random_state": random_state}
     searched = _judged(workbench, explanation, explanation.findings, explanation.model, **told)
-    slips = evident_slips(workbench, effects, alpha) if by_slips else None
     if slips is None or _names_stiction(searched):
         return searched
     findings, model = beside_slips(explanation.findings), explanation.model

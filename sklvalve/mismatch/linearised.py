@@ -4,7 +4,7 @@
 import numpy as np
 
 from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET
-from sklvalve.simulation.fitting import robust_cost, robust_weights, step_inside
+from sklvalve.simulation.robust import least_within, robust_cost, robust_weights
 
 
 class Linearised:
@@ -99,31 +99,12 @@ class Linearised:
         cost : float
         steps : ndarray of shape (n_parameters + m,)
         """
-        slopes, lowest, highest = self._slopes, self._low, self._high
-        if columns is not None:
-            slopes = np.hstack([slopes, columns])
+        lowest, highest = self._low, self._high
+        if columns is None:
+            columns = np.empty((len(errors), 0))
+        else:
             lowest, highest = np.concatenate([lowest, low]), np.concatenate([highest, high])
-        at, left = np.zeros(slopes.shape[1]), errors
-        cost, hessian = robust_cost(left), None
-        for _ in range(8):
-            weights = robust_weights(left)
-            fresh = hessian is None
-            if fresh:
-                hessian = slopes.T @ (weights[:, None] * slopes)
-                hessian[np.diag_indices_from(hessian)] += 1e-12 * np.trace(hessian) / len(hessian) + 1e-300
-            step = step_inside(hessian, slopes.T @ (weights * left), lowest - at, highest - at)
-            moved = left + slopes @ step
-            lower = robust_cost(moved)
-            if lower >= cost:
-                # weights grow as errors shrink: old ones promise too long a step
-                if fresh:
-                    break
-                hessian = None
-                continue
-            gained, cost, left, at = cost - lower, lower, moved, at + step
-            if gained < 0.05 + 1e-4 * cost:
-                break
-        return cost, at
+        return least_within(self._slopes, columns, errors, lowest, highest)
 
     def gain_at_any_size(self, errors):
         """What a change gains at the best share of it up to one and a half."""
@@ -158,6 +139,14 @@ class Linearised:
             found |= vector.values(moved[at : at + len(vector)])
             at += len(vector)
         return found
+
+    def between(self, here, there, share):
+        """Values that lie a share of the way from some of the calibration to others."""
+        way = {}
+        for vector in self._vectors:
+            start = vector.pack(here)
+            way |= vector.values(start + share * (vector.pack(there) - start))
+        return way
 
     def predictions(self, changed, steps):
         """Changed predictions after steps of the calibration."""

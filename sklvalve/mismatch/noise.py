@@ -13,7 +13,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _gains(white, step, fast_time, fast_size, slow_time, slow_size):
     """Kalman gains and innovation spreads; a row with an infinite white variance is a gap."""
     n = len(white)
@@ -50,7 +50,7 @@ def _gains(white, step, fast_time, fast_size, slow_time, slow_size):
     return gain, keep, spread
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _innovations(residuals, gain, keep, spread):
     out = np.zeros_like(residuals)
     f = 0.0
@@ -67,7 +67,7 @@ def _innovations(residuals, gain, keep, spread):
     return out
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_size, slow_time, slow_size):
     """Negative robust log likelihood of residuals, in one pass: gains, innovations and their spreads.
 
@@ -189,7 +189,7 @@ def movement(simulated, step, memory=4.5):
     return _forgotten(np.maximum(slope, 0.5 * ahead), np.exp(-step / memory))
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def _forgotten(values, keep):
     out = np.empty_like(values)
     held = 0.0

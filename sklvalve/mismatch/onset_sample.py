@@ -4,7 +4,7 @@
 import numpy as np
 
 from sklvalve.mismatch.hypothesis import Member
-from sklvalve.simulation.fitting import robust_cost
+from sklvalve.simulation.robust import robust_cost
 
 
 def to_the_sample(workbench, model, *, reach=3):

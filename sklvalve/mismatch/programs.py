@@ -144,7 +144,8 @@ def library(low, high, about, rows, step, limits):
         ("reversals", f"Let the command ramp to and fro about {100 * middle:.3g} %, by {told} % to either "
          f"side, {length / len(small):.0f} s each", middle + _reversals(small, rows))
     )  # fmt: skip
-    beat = max(20.0 * step, 20.0)
+    # a sound actuator comes to rest in between: haste shows what a simulation gets wrong of any
+    beat = max(20.0 * step, 60.0)
     found.append(
         ("square", f"Step the command between {across} and back every {beat:.0f} s for {length:.0f} s",
          np.where(np.arange(rows) * step // beat % 2 == 0, low, high).astype(float))

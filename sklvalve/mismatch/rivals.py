@@ -9,6 +9,7 @@ from sklvalve.mismatch.distance import distance
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, price
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
+from sklvalve.simulation.side_by_side import side_by_side
 
 # of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
 _FITTED = 4
@@ -96,29 +97,42 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
     bare = workbench.judged(workbench.simulate(rest, model.values))
     found = {}
     for base in (bare, without):
-        for k, rough in enumerate(screened(workbench, base, others, onset=member.onset)):
-            fitted, effect = rough, rough.members[-1].effect
-            near = rough.log_likelihood > model.log_likelihood - _WITHIN_REACH
-            alike = effect.alike and effect.alike == member.effect.alike
-            if k < _FITTED or near or alike:
-                fitted = to_the_sample(workbench, workbench.fit(rough.members, start=rough))
-            before = found.get(effect.key)
-            if before is None or fitted.log_likelihood > before.log_likelihood:
-                found[effect.key] = fitted
-    for effect in others:
-        if effect.alike and effect.alike == member.effect.alike and effect.key in seen:
-            fitted = _from_what_was_met(workbench, model, rest, Member(effect, member.onset), seen)
-            if fitted.log_likelihood > found[effect.key].log_likelihood:
-                found[effect.key] = fitted
+        rough = screened(workbench, base, others, onset=member.onset)
+        worth_it = [
+            k < _FITTED
+            or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
+            or _alike(m.members[-1].effect, member.effect)
+            for k, m in enumerate(rough)
+        ]
+        near = [m for m, fit in zip(rough, worth_it, strict=True) if fit]
+        far = [m for m, fit in zip(rough, worth_it, strict=True) if not fit]
+        _keep_the_best(found, (*side_by_side(lambda m: _fitted(workbench, m), near), *far))
+    met = [e for e in others if _alike(e, member.effect) and e.key in seen]
+    begun = [_where_it_was_met(workbench, model, rest, Member(e, member.onset), seen) for e in met]
+    _keep_the_best(found, side_by_side(lambda m: _fitted(workbench, m), begun))
     return [(fitted.members[-1], fitted) for fitted in found.values()]
 
 
-def _from_what_was_met(workbench, model, rest, member, seen):
-    """Fit of a rival that begins where the search met it."""
+def _alike(effect, other):
+    return bool(effect.alike) and effect.alike == other.alike
+
+
+def _fitted(workbench, begin):
+    return to_the_sample(workbench, workbench.fit(begin.members, start=begin))
+
+
+def _keep_the_best(found, models):
+    for m in models:
+        before = found.get(m.members[-1].effect.key)
+        if before is None or m.log_likelihood > before.log_likelihood:
+            found[m.members[-1].effect.key] = m
+
+
+def _where_it_was_met(workbench, model, rest, member, seen):
+    """A rival to be fitted from where the search met it."""
     own = (f"{member.effect.key}.", "actuator_")
     met = {name: value for name, value in seen[member.effect.key].values.items() if name.startswith(own)}
-    begin = workbench.simulate((*rest, member), model.values | met)
-    return to_the_sample(workbench, workbench.fit(begin.members, start=begin))
+    return workbench.simulate((*rest, member), model.values | met)
 
 
 def _weighed(workbench, places, gain):

@@ -12,6 +12,7 @@ import numpy as np
 from sklvalve.mismatch.hypothesis import Member, Model
 from sklvalve.mismatch.linearised import Linearised
 from sklvalve.simulation.fitting import Misfit
+from sklvalve.simulation.side_by_side import side_by_side
 
 # steps of an effect's own parameters; a fit of all that is promising follows
 _STEPS = 3
@@ -37,14 +38,16 @@ def screened(workbench, model, effects, *, onset=False, report=None):
     tried : list of Model
         One or two for each effect, their log likelihoods to first order.
     """
-    lines, tried = {}, []
-    for i, effect in enumerate(effects):
-        touched = workbench.channels_touched(effect)
-        if not touched:
-            continue
-        if touched not in lines:
-            lines[touched] = Linearised(workbench, model, touched)
-        tried += _of_one_effect(workbench, model, lines[touched], effect, onset)
+    touched = {e.key: workbench.channels_touched(e) for e in effects}
+    effects = [e for e in effects if touched[e.key]]
+    lines = {t: Linearised(workbench, model, t) for t in dict.fromkeys(touched[e.key] for e in effects)}
+
+    def of_one(effect):
+        return _of_one_effect(workbench, model, lines[touched[effect.key]], effect, onset)
+
+    tried = []
+    for i, found in enumerate(side_by_side(of_one, effects)):
+        tried += found
         if report:
             report((i + 1) / len(effects))
     return sorted(tried, key=lambda m: m.log_likelihood, reverse=True)

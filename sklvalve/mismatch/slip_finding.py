@@ -44,6 +44,22 @@ def evident_slips(workbench, effects, alpha):
     return slips if slips.evident else None
 
 
+def worth_searching(effects, slips):
+    """Effects still to be searched: beside evident slips, of the actuator's those alone that look alike.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+    slips : Slips or None
+
+    Returns
+    -------
+    searched : list of Effect
+    """
+    own = _BY_SLIPS
+    return [e for e in effects if slips is None or e.block != own.block or e.alike == own.alike]
+
+
 def with_slips(model, slips, workbench, random_state=0):
     """A fitted hypothesis with stiction told by its slips, and the finding of it.
 

@@ -21,10 +21,10 @@ from sklvalve.simulation.fitting import (
     PlainNoise,
     fit_chain,
     residual_of,
-    robust_cost,
     simulate_channels,
 )
 from sklvalve.simulation.given import chain_for
+from sklvalve.simulation.robust import robust_cost
 
 # a healthy simulation is wrong by about this share of what counts as an effect
 _INADEQUACY = 0.2
@@ -60,7 +60,7 @@ class Workbench(Sizes):
         self.channels = channels_of(recording)
         self.trim = choose_trim(recording, self.valve, tolerance)
         self.choking = "choked_flow" in physics
-        self.plain = self.chain(())
+        self.plain = self.chain((), recording)
         self.choking = self.plain.choking
         self.coupled = "opening" not in recording
         self.spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in self.channels}
@@ -72,8 +72,9 @@ class Workbench(Sizes):
 
     def chain(self, members, recording=None):
         """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
-        recording = self.recording if recording is None else recording
         effects, onsets = self.physics_of(members)
+        if recording is None:
+            return self.plain.beside(effects, onsets)
         return chain_for(
             recording,
             self.valve,
@@ -151,7 +152,7 @@ class Workbench(Sizes):
                 max_steps,
                 None if rows is None else rows.tobytes(),
                 tuple(self.noise[c] for c in channels),
-                self._origin(chain, start, own, channels),
+                self._origin(chain, begin, own, channels),
             )
             if sign not in self._known:
                 self._known[sign] = self._fit_group(
@@ -164,14 +165,9 @@ class Workbench(Sizes):
             likelihood += fit.log_likelihood
         return Model(members, chain, values, predictions, likelihood, spreads)
 
-    def _origin(self, chain, start, own, channels):
-        """What tells where a fit begins: effects of the start, and its values where it has all effects."""
-        if start is None or not own:
-            return None
-        signs = _signs(self._touching(start.members, channels))
-        if signs != _signs(own):
-            return signs
-        return signs, tuple(start.values.get(p.name) for p in self.parameters(chain, channels, own))
+    def _origin(self, chain, begin, own, channels):
+        """Where a fit begins: equal questions from equal starts have equal answers, whoever asks first."""
+        return tuple(begin.get(p.name) for p in self.parameters(chain, channels, own))
 
     def _touching(self, members, channels):
         return [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
@@ -262,10 +258,6 @@ class Workbench(Sizes):
             yield
         finally:
             self.noise = kept
-
-    def forget_fits(self):
-        """Fit anew what was fitted before."""
-        self._known.clear()
 
     def least_squares(self, model):
         """A hypothesis fitted for the least error itself, also from its effects' own starts."""

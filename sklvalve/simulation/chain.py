@@ -6,23 +6,23 @@
 An effect changes one stage. The chain hands it what the stage makes, from the moment the effect acts.
 """
 
-from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from datetime import UTC, datetime
 
 import numpy as np
-from joblib import cpu_count
 
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
 from sklvalve.simulation.free_run import free_run, key_of_free_run
-from sklvalve.simulation.stages import first_order_lag
+from sklvalve.simulation.side_by_side import side_by_side
+from sklvalve.simulation.stages import choked_drop, first_order_lag
 from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
 _ROOM = 293.15
-# compiled runs of the stem release the interpreter; more than a few wait for the rest of the fit
-_CORES = min(cpu_count(), 4)
+# free runs kept at hand, in numbers (8 bytes each)
+_NUMBERS_KEPT = 4_000_000
 
 
 def clock_of(recording):
@@ -70,7 +70,14 @@ class Chain:
         self.measured = recording.get("opening")
         self._properties()
         self._actuator_scale()
-        self._remembered = {}
+        self._runs = {}
+
+    def beside(self, effects, onsets=None):
+        """The same stages with other effects; free runs made by either are at hand for both."""
+        other = copy(self)
+        other.effects, other.onsets = tuple(effects), dict(onsets or {})
+        other._actuator_scale()
+        return other
 
     def _properties(self):
         recording, n = self.recording, len(self.recording)
@@ -154,20 +161,24 @@ class Chain:
     def stem_of_free_run(self, values):
         """Opening of the stem itself, free run from the command [1]."""
         key = key_of_free_run(self, values)
-        if key not in self._remembered:
-            if len(self._remembered) > 40:
-                self._remembered.clear()
-            self._remembered[key] = free_run(self, values, self._through)
-        return self._through("stem", self._remembered[key], values)
+        run = self._runs.get(key)
+        if run is None:
+            run = free_run(self, values, self._through)
+            self._keep([(key, run)])
+        return self._through("stem", run, values)
 
     def free_runs_ahead(self, several):
         """Run the stem for several sets of values side by side, to have the results at hand later."""
         wanted = {key_of_free_run(self, values): values for values in several}
-        missing = [key for key in wanted if key not in self._remembered]
-        if len(missing) > 1 and _CORES > 1:
-            with ThreadPoolExecutor(_CORES) as threads:
-                runs = list(threads.map(lambda key: free_run(self, wanted[key], self._through), missing))
-            self._remembered |= zip(missing, runs, strict=True)
+        missing = [key for key in wanted if key not in self._runs]
+        runs = side_by_side(lambda key: free_run(self, wanted[key], self._through), missing)
+        self._keep(zip(missing, runs, strict=True))
+
+    def _keep(self, runs):
+        if len(self._runs) > max(_NUMBERS_KEPT // len(self.time), 40):
+            for old in list(self._runs)[: len(self._runs) // 2]:
+                self._runs.pop(old, None)
+        self._runs |= runs
 
     def drive(self, values):
         """Opening of the stem that drives the flow side: the recorded one, corrected, or the free run."""
@@ -210,9 +221,6 @@ class Chain:
 
     def _root_of_drop(self, drop, fl, knee):
         size = np.abs(drop)
-        if np.isfinite(fl).any() and self.margin is not None:
-            with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-                ratio = size / np.maximum(fl * fl * self.margin, 1.0)
-                soft = size * (1.0 + ratio**knee) ** (-1.0 / knee)
-            size = np.where(np.isfinite(fl), soft, size)
+        if self.margin is not None and np.isfinite(fl).any():
+            size = choked_drop(drop, self.margin, fl, knee)
         return np.sign(drop) * np.sqrt(size / self.density)

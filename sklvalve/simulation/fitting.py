@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sklvalve.simulation.parameters import ParameterVector
+from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
 
-# residuals beyond three standard deviations weigh linearly: spikes must not steer a fit
-_ROBUST_FROM = 3.0
+# old derivatives serve on while a step gains more than this share of the first step that they led
+_STALE = 0.05
 
 
 @dataclass(frozen=True)
@@ -153,17 +154,6 @@ def fit_chain(
     )
 
 
-def robust_cost(left):
-    """Soft L1 cost of whitened residuals: half their squares where small, linear where large."""
-    scaled = (left / _ROBUST_FROM) ** 2
-    return float(np.sum(_ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)))
-
-
-def robust_weights(left):
-    """Weight of each whitened residual in the quadratic that touches the soft L1 cost from above."""
-    return 1.0 / np.sqrt(1.0 + (left / _ROBUST_FROM) ** 2)
-
-
 @dataclass(frozen=True)
 class Loss:
     """Cost of whitened residuals, and the weights of the quadratic that touches it from above."""
@@ -188,52 +178,47 @@ def _minimise(stacked, slopes, z, vector, max_steps, loss):
     """Levenberg-Marquardt steps inside bounds.
 
     There are thousands of rows and a score of parameters, so the normal equations cost next to nothing
-    beside the simulations. A parameter at its bound that would leave it sits out the step.
+    beside the simulations, and derivatives serve for as many steps as they are good for. A parameter at its
+    bound that would leave it sits out the step.
     """
     left = stacked(z)
     cost, damping, hessian, idle = loss.cost(left), 1e-3, np.eye(len(z)), 0
     for _ in range(max_steps):
-        columns = slopes(z, left)
-        weights = loss.weights(left)
-        gradient = columns.T @ (weights * left)
-        hessian = columns.T @ (weights[:, None] * columns)
-        gained = 0.0
-        for _try in range(6):
+        columns, first = slopes(z, left), 0.0
+        gained, before, tries = 0.0, cost, 0
+        while tries < 6:
+            weights = loss.weights(left)
+            gradient = columns.T @ (weights * left)
+            hessian = columns.T @ (weights[:, None] * columns)
             # relative to each parameter's own curvature, with a little of its scale where there is none
             damped = hessian + damping * np.diag(np.diag(hessian) + 1e-6 / vector.scale**2)
             moved = z + step_inside(damped, gradient, vector.low - z, vector.high - z)
             new_left = stacked(moved)
             new_cost = loss.cost(new_left)
+            way = (moved - z) / vector.scale
+            if way.any():
+                # what the step showed of the slopes along it (Broyden)
+                missed = new_left - left - columns @ (moved - z)
+                columns += np.outer(missed, way / vector.scale / (way @ way))
             if new_cost < cost:
                 gained = cost - new_cost
                 z, left, cost = moved, new_left, new_cost
                 damping = max(0.2 * damping, 1e-9)
+                first = first or gained
+                # old derivatives are left when they have given most of what they can
+                if gained < _STALE * first + 1e-3:
+                    break
+            elif first:
                 break
-            damping = max(10.0 * damping, 1e-4)
+            else:
+                tries += 1
+                damping = max(10.0 * damping, 1e-4)
+        gained = before - cost
         # one short step may be the damping's doing; two are the valley's floor
         idle = idle + 1 if gained < 1e-5 * cost + 1e-3 else 0
-        if idle == 2 or gained == 0.0:
+        if gained == 0.0 or idle == (1 if damping < 1e-3 else 2):
             break
     return z, cost, hessian
-
-
-def step_inside(hessian, gradient, lowest, highest):
-    """Newton step between bounds: parameters that would leave are set on theirs, the others solved again."""
-    # in each parameter's own curvature: in raw units a pascal beside a m3/s falls below the solver's rounding
-    unit = 1.0 / np.sqrt(np.maximum(np.diag(hessian), 1e-300))
-    hessian, gradient = hessian * np.outer(unit, unit), gradient * unit
-    lowest, highest = lowest / unit, highest / unit
-    step, free = np.zeros_like(gradient), np.ones(len(gradient), dtype=bool)
-    free &= ~((lowest >= 0.0) & (gradient > 0.0)) & ~((highest <= 0.0) & (gradient < 0.0))
-    for _ in range(len(gradient)):
-        pull = gradient[free] + hessian[np.ix_(free, ~free)] @ step[~free]
-        step[free] = np.linalg.lstsq(hessian[np.ix_(free, free)], -pull, rcond=None)[0]
-        outside = free & ((step < lowest) | (step > highest))
-        if not outside.any():
-            break
-        step[outside] = np.clip(step[outside], lowest[outside], highest[outside])
-        free &= ~outside
-    return np.clip(step, lowest, highest) * unit
 
 
 def log_likelihood(residuals, noise):

@@ -22,9 +22,12 @@ _STAGES = ("signal", "actuator")
 
 def key_of_free_run(chain, values):
     """What a free run hangs on: runs of equal keys are the same."""
-    names = [name for name in values if name.startswith("actuator_")]
-    names += [f"{e.key}.{p.name}" for e in chain.effects if e.stage in _STAGES for p in e.parameters]
-    return tuple(values[name] for name in names)
+    own = sorted(item for item in values.items() if item[0].startswith("actuator_"))
+    for e in chain.effects:
+        if e.stage in _STAGES:
+            own.append((e.key, chain.onsets.get(e.key)))
+            own += [(p.name, values[f"{e.key}.{p.name}"]) for p in e.parameters]
+    return tuple(own)
 
 
 def free_run(chain, values, through):

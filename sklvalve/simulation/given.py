@@ -66,8 +66,11 @@ class GivenChain(Chain):
         self.given_opening = recording.get("simulated_opening")
         choking = choking and self.given_flow is None
         super().__init__(recording, valve, trim, effects=effects, onsets=onsets, choking=choking)
-        self.electric = self.electric and self.given_opening is None
         self._given_capacity()
+
+    def _actuator_scale(self):
+        super()._actuator_scale()
+        self.electric = self.electric and self.given_opening is None
 
     def _given_capacity(self):
         """Capacity [m3/h] that the given flow stands for, where there is a drop that drives it."""

@@ -7,7 +7,7 @@ import numba as nb
 import numpy as np
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def play(inside, width):
     """Play between two parts: the outer one follows when the gap is used up.
 
@@ -38,7 +38,7 @@ def play(inside, width):
     return out
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def first_order_lag(values, step, time_constant, ahead):
     """First-order lag of a sampled signal.
 
@@ -77,7 +77,7 @@ def first_order_lag(values, step, time_constant, ahead):
     return out
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def limited_rate(values, step, up, down):
     """Signal that follows another one no faster than `up` and `down` [1/s]; gaps hold."""
     out = np.empty_like(values)
@@ -106,3 +106,29 @@ def delayed(values, time, dead_time):
     if dead_time <= 0.0 or not known.any():
         return values
     return np.interp(time - dead_time, time[known], values[known])
+
+
+@nb.njit(cache=True, nogil=True, error_model="numpy")
+def choked_drop(drop, span, fl, knee):
+    """Pressure drop that drives a flow: a choked one passes no more for a larger drop, by a soft corner.
+
+    Parameters
+    ----------
+    drop, span : ndarray of shape (n,)
+        Drop, either way, and p1 - FF pv [Pa].
+    fl, knee : ndarray of shape (n,)
+        Pressure recovery factor, infinite where nothing chokes, and hardness of the corner [1].
+
+    Returns
+    -------
+    driving : ndarray of shape (n,)
+        Its size [Pa].
+    """
+    out = np.abs(drop)
+    for k in range(len(out)):
+        if fl[k] < np.inf:
+            ratio = out[k] / max(fl[k] * fl[k] * span[k], 1.0)
+            # below a fifth even the softest corner takes less than rounding
+            if ratio > 0.2 or knee[k] < 16.0:
+                out[k] *= (1.0 + ratio ** knee[k]) ** (-1.0 / knee[k])
+    return out

@@ -68,22 +68,9 @@ def _displacement(push, tight, held, stiff):
 # no check for division by zero in the innermost loop: no divisor there can be zero
 @nb.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def positioner_and_actuator(
-    command,
-    step,
-    x0,
-    spring,
-    atmosphere,
-    supply,
-    coulomb,
-    extra_stick,
-    dead_band,
-    faults,
-    filter_time,
-    gain,
-    reset,
-    rate,
-    feedback,
-):
+    command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band, faults, filter_time, gain,
+    reset, rate, feedback,
+):  # fmt: skip
     r"""Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
 
     All in travels: a pressure of one carries the spring over one travel. The positioner opens a spool by the

@@ -13,7 +13,7 @@ from sklvalve.simulation.stages import play
 _SWING = 1.0
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def play_with_overshoot(inside, step, width, overshoot, first_side):
     """Play whose driving part swings beyond its samples after a stroke.
 

@@ -14,7 +14,7 @@ _STEEL = 4e7
 _BETWEEN_TAPS, _FASTEST = 20.0, 10.0
 
 
-@nb.njit(cache=True)
+@nb.njit(cache=True, nogil=True)
 def water_column(steady, step, drop, inertance):
     """Flow of a rigid column of liquid through a valve that would pass `steady` at rest.
 
