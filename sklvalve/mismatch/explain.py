@@ -3,10 +3,8 @@
 
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from sklvalve.mismatch.distance import SHARE_MISTAKEN, gain_in_spreads
-from sklvalve.mismatch.hypothesis import Member, Model, is_in, own_values, worth
+from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
+from sklvalve.mismatch.matters import beyond_tolerance, matters
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.rivals import find_rivals
@@ -16,13 +14,6 @@ from sklvalve.simulation.side_by_side import side_by_side
 
 # of the effects screened, so many are fitted with the whole calibration free
 _FITTED = 4
-# what the model of an effect gets wrong is no physics of its own: without a further effect this many times
-# as much (mean square) must be left over, or it must be a fair share of the strongest and gain in more than
-# one or two events, in deviations of the scatter (k equal events among many stretches make the root of k)
-_LEFT_WITHOUT = 2.0
-_SPREADS = 2.0
-# an explanation that needs all that is physically possible speaks against itself: share of its range
-_AT_AN_END = 1e-3
 
 
 @dataclass(eq=False)
@@ -104,14 +95,14 @@ def _taken_up(workbench, model, effects, threshold, most, tried, seen, report):
             seen.setdefault(m.members[-1].effect.key, m)
         if first and not model.members:
             # what a data sheet leaves open is no mismatch, however clear it is
-            beyond = [m for m in found if _beyond(workbench, m, m.members[-1])]
+            beyond = [m for m in found if beyond_tolerance(workbench, m, m.members[-1])]
             for m in beyond:
                 gain = m.log_likelihood - model.log_likelihood
                 tried[m.members[-1].effect.key] = gain, workbench.change(m, model)
         settled = None
-        for chosen in [m for m in found if _matters(workbench, m, model, threshold)][:3]:
-            settled, gain, sizes, matters = _under_its_own_noise(workbench, chosen, model, threshold)
-            if matters:
+        for chosen in [m for m in found if matters(workbench, m, model, threshold)][:3]:
+            settled, gain, sizes, counts = _under_its_own_noise(workbench, chosen, model, threshold)
+            if counts:
                 break
             if not model.members:
                 tried[chosen.members[-1].effect.key] = (gain, sizes)
@@ -130,8 +121,8 @@ def _under_its_own_noise(workbench, chosen, before, threshold):
     settled = _settle(workbench, chosen)
     without = workbench.fit(settled.members[:-1], start=before)
     gain = settled.log_likelihood - without.log_likelihood
-    matters = _matters(workbench, settled, without, threshold)
-    return settled, gain, workbench.change(settled, without), matters
+    counts = matters(workbench, settled, without, threshold)
+    return settled, gain, workbench.change(settled, without), counts
 
 
 def _better_in_place(findings):
@@ -183,42 +174,6 @@ def _refine(workbench, before, model, other_onset):
     return to_the_sample(workbench, max(fits, key=lambda m: m.log_likelihood))
 
 
-def _matters(workbench, model, without, threshold):
-    member = model.members[-1]
-    gain = worth(workbench, model) - worth(workbench, without)
-    sizes = workbench.change(model, without)
-    if not (gain > threshold and _beyond(workbench, model, member) and workbench.counts(sizes)):
-        return False
-    if _absurd(model, member):
-        return False
-    if not without.members:
-        return True
-    large = [c for c in sizes if workbench.counts({c: sizes[c]})]
-    if any(_leaves_most(workbench, model, without, c) for c in large):
-        return True
-    bare = workbench.fit((), start=without)
-    strongest = workbench.change(without, bare)
-    fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
-    # or in gain, which counts how long it acts as well
-    fair |= gain > SHARE_MISTAKEN**2 * (without.log_likelihood - bare.log_likelihood)
-    return fair and gain_in_spreads(workbench, model, without) >= _SPREADS
-
-
-def _absurd(model, member):
-    """Whether an effect's own size stands at the end of what is physically possible."""
-    first = member.effect.quantities(model.chain)[0]
-    size, low, high = model.values[f"{member.effect.key}.{first.name}"], first.low, first.high
-    if first.log:
-        size, low, high = np.log([size, low, high])
-    return min(size - low, high - size) < _AT_AN_END * (high - low)
-
-
-def _leaves_most(workbench, model, without, channel):
-    """Whether without its last effect at least twice as much (mean square) is left over in a channel."""
-    left = [np.nanmean(workbench.residuals(m)[channel] ** 2) for m in (model, without)]
-    return bool(left[1] > _LEFT_WITHOUT * left[0])
-
-
 def _settle(workbench, model):
     """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
     model = _in_turn(workbench, model)
@@ -262,12 +217,6 @@ def _drop_what_no_longer_counts(workbench, model, threshold, *, last_too=False):
     for member in model.members if last_too else model.members[:-1]:
         without = workbench.fit(tuple(m for m in model.members if m is not member), start=model)
         again = workbench.fit((*without.members, member), start=model)
-        if not (_matters(workbench, again, without, threshold) and _beyond(workbench, model, member)):
+        if not (matters(workbench, again, without, threshold) and beyond_tolerance(workbench, model, member)):
             model = without
     return model
-
-
-def _beyond(workbench, model, member):
-    """Whether an effect, as a model has it, lies beyond what a data sheet leaves open."""
-    late = member.onset is not None
-    return member.effect.beyond_tolerance(own_values(member, model), model.chain, workbench.tolerance, late)

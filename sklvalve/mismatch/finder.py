@@ -20,6 +20,7 @@ from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_t
 from sklvalve.mismatch.prove import errors, held_out_predictions
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.slip_finding import evident_slips, worth_searching
+from sklvalve.mismatch.stretches import over_the_whole, stretches_of
 from sklvalve.recording import require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.given_columns import with_given
@@ -49,6 +50,9 @@ class MissingPhysicsFinder(BaseEstimator):
         Largest number of effects at once.
     evidence : float, default=15.0
         Log likelihood that an effect must add beyond the price of its parameters.
+    search_rows : int or None, default=16384
+        In a recording with many more rows the search is done on so many, in stretches spread evenly over it;
+        what it finds is fitted to all rows, and proven on them. None searches all rows always.
     random_state : int, RandomState or None, default=0
         Seed of surrogates and bootstrap; the diagnosis names the one used.
     callback : callable, default=None
@@ -79,6 +83,7 @@ class MissingPhysicsFinder(BaseEstimator):
         "tolerance": [Tolerance, None],
         "max_effects": [Interval(Integral, 0, None, closed="left")],
         "evidence": [Interval(Real, 0, None, closed="left")],
+        "search_rows": [Interval(Integral, 1200, None, closed="left"), None],
         "random_state": ["random_state"],
         "callback": [callable, None],
     }
@@ -92,6 +97,7 @@ class MissingPhysicsFinder(BaseEstimator):
         tolerance=None,
         max_effects=4,
         evidence=15.0,
+        search_rows=16_384,
         random_state=0,
         callback=None,
     ):
@@ -101,6 +107,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self.tolerance = tolerance
         self.max_effects = max_effects
         self.evidence = evidence
+        self.search_rows = search_rows
         self.random_state = random_state
         self.callback = callback
 
@@ -147,7 +154,7 @@ class MissingPhysicsFinder(BaseEstimator):
         workbench = prepared_workbench(recording, ours, self.tolerance)
         effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
-        judged = blocked(workbench) if mend else self._judge(workbench, effects, seed)
+        judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, seed)
         self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
         self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
         self._say("proving on held-out rows", 0.85)
@@ -182,9 +189,17 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("done", 1.0)
         return self
 
-    def _judge(self, workbench, effects, seed):
-        """Search among the effects, and the judgement on what it finds."""
+    def _judged(self, workbench, ours, effects, seed):
+        """The judgement on a recording; of a long one stretches are searched."""
         slips = evident_slips(workbench, effects, float(self.alpha)) if self.max_effects else None
+        stretches = stretches_of(workbench.recording, self.search_rows)
+        if stretches is workbench.recording:
+            return self._judge(workbench, effects, slips, seed)
+        bench = prepared_workbench(stretches, ours, self.tolerance, trim=workbench.trim)
+        return over_the_whole(workbench, self._judge(bench, effects, slips, seed))
+
+    def _judge(self, workbench, effects, slips, seed):
+        """Search among the effects, and the judgement on what it finds."""
         explanation = explain(
             workbench,
             calibrated(workbench),

@@ -37,7 +37,7 @@ def rows_to_use(whole, until):
     return used
 
 
-def prepared_workbench(recording, simulation=None, tolerance=None):
+def prepared_workbench(recording, simulation=None, tolerance=None, trim=None):
     """Workbench for a recording and, where one is given, the simulation that it is to be held against.
 
     The simulation's own sheet, tolerance, effects and onsets count; where it was fitted, the values of its
@@ -49,6 +49,8 @@ def prepared_workbench(recording, simulation=None, tolerance=None):
     simulation : ValveSimulation, default=None
     tolerance : Tolerance, default=None
         Goes before that of the simulation.
+    trim : Trim, default=None
+        The one that the recording calls for unless given.
 
     Returns
     -------
@@ -74,9 +76,8 @@ def prepared_workbench(recording, simulation=None, tolerance=None):
             f"{valve.source}: [simulation] physics names {strange[0]!r}, which is no effect; "
             f"the effects are {', '.join(_NAMES)}"
         )
-    return Workbench(
-        recording, tolerance or Tolerance(), valve.physics, valve=valve, held=held, held_values=values
-    )
+    more = {"valve": valve, "held": held, "held_values": values, "trim": trim}
+    return Workbench(recording, tolerance or Tolerance(), valve.physics, **more)
 
 
 def _held(simulation, recording):

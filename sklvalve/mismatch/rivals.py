@@ -7,6 +7,7 @@ import numpy as np
 
 from sklvalve.mismatch.distance import distance
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, price
+from sklvalve.mismatch.matters import may_explain
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.side_by_side import side_by_side
@@ -82,7 +83,8 @@ def find_rivals(workbench, model, effects, report, seen=None):
         others = [e for e in effects if e.key != member.effect.key and not is_in(e, rest)]
         others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
         places = [(member, model)]
-        places += _others_in_place(workbench, model, rest, without, others, member, seen or {})
+        instead = _others_in_place(workbench, model, rest, without, others, member, seen or {})
+        places += [(who, fitted) for who, fitted in instead if may_explain(workbench, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = _weighed(workbench, places, gain)
         findings.append(Finding(member, rivals, gain, workbench.change(model, without)))

@@ -50,15 +50,19 @@ class Workbench(Sizes):
         Effects that are part of every hypothesis, calibrated with it and never judged.
     held_values : dict, default=None
         Values of their parameters to begin with.
+    trim : Trim, default=None
+        The one that the recording calls for unless given.
     """
 
-    def __init__(self, recording, tolerance, physics, rows=None, *, valve=None, held=(), held_values=None):
+    def __init__(
+        self, recording, tolerance, physics, rows=None, *, valve=None, held=(), held_values=None, trim=None
+    ):
         self.recording, self.tolerance = recording, tolerance
         self.valve = recording.valve if valve is None else valve
         self.rows = rows
         self.held, self.held_values = tuple(held), dict(held_values or {})
         self.channels = channels_of(recording)
-        self.trim = choose_trim(recording, self.valve, tolerance)
+        self.trim = trim or choose_trim(recording, self.valve, tolerance)
         self.choking = "choked_flow" in physics
         self.plain = self.chain((), recording)
         self.choking = self.plain.choking

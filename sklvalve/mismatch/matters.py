@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether an effect in a fitted hypothesis is one that counts."""
+
+import numpy as np
+
+from sklvalve.mismatch.distance import SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.hypothesis import own_values, worth
+
+# what the model of an effect gets wrong is no physics of its own: without a further effect this many times
+# as much (mean square) must be left over, or it must be a fair share of the strongest and gain in more than
+# one or two events, in deviations of the scatter (k equal events among many stretches make the root of k)
+_LEFT_WITHOUT = 2.0
+_SPREADS = 2.0
+# an explanation that needs all that is physically possible speaks against itself: share of its range
+_AT_AN_END = 1e-3
+
+
+def matters(workbench, model, without, threshold):
+    """Whether the last effect of a hypothesis is one more that the recording asks for.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model, without : Model
+        With the effect and without it.
+    threshold : float
+        Log likelihood that it must add beyond its price.
+
+    Returns
+    -------
+    matters : bool
+    """
+    gain = worth(workbench, model) - worth(workbench, without)
+    sizes = workbench.change(model, without)
+    if not (gain > threshold and may_explain(workbench, model, without)):
+        return False
+    if not without.members:
+        return True
+    large = [c for c in sizes if workbench.counts({c: sizes[c]})]
+    if any(_leaves_most(workbench, model, without, c) for c in large):
+        return True
+    bare = workbench.fit((), start=without)
+    strongest = workbench.change(without, bare)
+    fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
+    # or in gain, which counts how long it acts as well
+    fair |= gain > SHARE_MISTAKEN**2 * (without.log_likelihood - bare.log_likelihood)
+    return fair and gain_in_spreads(workbench, model, without) >= _SPREADS
+
+
+def may_explain(workbench, model, without):
+    """Whether the last effect is of a size to explain anything: what is small or absurd does not.
+
+    What a data sheet leaves open may gain a lot and is no mismatch; an explanation that needs all that is
+    physically possible speaks against itself.
+    """
+    member = model.members[-1]
+    counts = beyond_tolerance(workbench, model, member) and workbench.counts(workbench.change(model, without))
+    return counts and not _absurd(model, member)
+
+
+def _absurd(model, member):
+    """Whether an effect's own size stands at the end of what is physically possible."""
+    first = member.effect.quantities(model.chain)[0]
+    size, low, high = model.values[f"{member.effect.key}.{first.name}"], first.low, first.high
+    if first.log:
+        size, low, high = np.log([size, low, high])
+    return min(size - low, high - size) < _AT_AN_END * (high - low)
+
+
+def _leaves_most(workbench, model, without, channel):
+    """Whether without its last effect at least twice as much (mean square) is left over in a channel."""
+    left = [np.nanmean(workbench.residuals(m)[channel] ** 2) for m in (model, without)]
+    return bool(left[1] > _LEFT_WITHOUT * left[0])
+
+
+def beyond_tolerance(workbench, model, member):
+    """Whether an effect, as a model has it, lies beyond what a data sheet leaves open."""
+    late = member.onset is not None
+    return member.effect.beyond_tolerance(own_values(member, model), model.chain, workbench.tolerance, late)

@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Long recordings: searched on stretches spread over them, and what is found is fitted to every row."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sklvalve.mismatch.effects import EVENTS
+from sklvalve.mismatch.onset import best_onset
+from sklvalve.mismatch.onset_sample import to_the_sample
+from sklvalve.mismatch.prove import correction_holds_out, folded
+
+#: Rows of one stretch: long beside the slow wander of a meter, short beside a recording of a day.
+STRETCH = 640
+# a stem and a lag forget within this time where they were before [s], and within as many rows
+_FORGOTTEN, _FEWEST_FORGOTTEN = 40.0, 3
+_CHANNELS = ("opening", "flow")
+
+
+def stretches_of(recording, most):
+    """Evenly spread stretches of a recording, one behind the other, each with the times of its own.
+
+    Parameters
+    ----------
+    recording : Recording
+    most : int or None
+        Rows to keep, about.
+
+    Returns
+    -------
+    stretches : Recording
+        The recording itself where it has hardly more rows than `most`. Opening and flow are gaps in the
+        first rows of each stretch, in which a simulation still has to forget where it comes from.
+    """
+    n = len(recording)
+    if most is None or n <= 1.25 * most:
+        return recording
+    length = min(STRETCH, most)
+    many = max(most // length, 2)
+    starts = np.linspace(0, n - length, many).round().astype(int)
+    place = (starts[:, None] + np.arange(length)).ravel()
+    signals = {role: values[place] for role, values in recording.signals.items()}
+    time = recording.time[place]
+    since = time.reshape(many, length) - time[::length, None]
+    settling = (since < _FORGOTTEN) | (np.arange(length) < _FEWEST_FORGOTTEN)
+    settling[0] = False
+    for role in _CHANNELS:
+        if role in signals:
+            signals[role] = np.where(settling.ravel(), np.nan, signals[role])
+    return replace(recording, time=time, stamps=recording.stamps[place], signals=signals)
+
+
+def over_the_whole(workbench, judged):
+    """A judgement made on stretches, with its simulations fitted to every row.
+
+    Names, classes, and the test for any mismatch stay those of the stretches; parameters, their intervals,
+    onsets and what is learnt of an unknown effect's worth are of the whole.
+
+    Parameters
+    ----------
+    workbench : Workbench
+        Of the whole recording.
+    judged : Judgement
+
+    Returns
+    -------
+    judged : Judgement
+    """
+    nominal, model = judged.nominal, judged.model
+    nothing = model is nominal
+    model = _fitted(workbench, _simulated(model))
+    if not nothing:
+        model = _onsets_of_the_whole(workbench, model)
+    nominal = workbench.least_squares(model if nothing else workbench.fit((), start=nominal))
+    findings = [_finding(workbench, f, _with_events(workbench, model, judged.model)) for f in judged.findings]
+    model = nominal if nothing else _with_events(workbench, workbench.least_squares(model), judged.model)
+    judged = replace(judged, nominal=nominal, model=model, findings=findings)
+    if judged.unknown is None:
+        return replace(judged, tried=None)
+    tried = folded(workbench, model, judged.unknown.channel)
+    kept, told = correction_holds_out(workbench, tried, judged.unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=told)
+
+
+def _simulated(model):
+    """A hypothesis without what is told by its events and not simulated."""
+    return replace(model, members=tuple(m for m in model.members if m.effect not in EVENTS))
+
+
+def _with_events(workbench, model, searched):
+    """A hypothesis with the events that the search told, which change no simulation."""
+    told = tuple(m for m in searched.members if m.effect in EVENTS)
+    if not told:
+        return model
+    own = tuple(f"{m.effect.key}." for m in told)
+    members = (*told, *model.members)
+    return replace(
+        model,
+        members=members,
+        chain=workbench.chain(members),
+        values=model.values | {k: v for k, v in searched.values.items() if k.startswith(own)},
+        spreads=model.spreads | {k: v for k, v in searched.spreads.items() if k.startswith(own)},
+    )
+
+
+def _fitted(workbench, model):
+    """A hypothesis fitted to every row, by the noise that it leaves there."""
+    fitted = workbench.simulate(model.members, model.values)
+    for _ in range(2):
+        workbench.learn_noise(fitted)
+        fitted = workbench.fit(model.members, start=fitted)
+    return fitted
+
+
+def _onsets_of_the_whole(workbench, model):
+    """Between two stretches there was no row to tell from which on an effect acts; now there is."""
+    for member in model.members:
+        if member.onset is None or member.effect.grows:
+            continue
+        rest = tuple(m for m in model.members if m is not member)
+        without = workbench.simulate(rest, model.values)
+        throughout = workbench.simulate((*rest, replace(member, onset=None)), model.values)
+        moved = replace(member, onset=best_onset(workbench, without, throughout))
+        again = workbench.fit((*rest, moved), start=model)
+        if again.log_likelihood > model.log_likelihood:
+            model = again
+        else:
+            model = workbench.fit((*rest, member), start=model)
+        model = to_the_sample(workbench, model)
+    return model
+
+
+def _finding(workbench, finding, model):
+    """A finding with the parameters of the whole for the effect in place; its rivals stay, as simulated."""
+    own = {m.effect.key: m for m in model.members}[finding.member.effect.key]
+    rivals = []
+    for rival in finding.rivals:
+        if rival.member.effect.key == own.effect.key:
+            rivals.append(replace(rival, member=own, model=model))
+            continue
+        made = workbench.simulate(rival.model.members, rival.model.values)
+        made = replace(made, log_likelihood=rival.model.log_likelihood, spreads=rival.model.spreads)
+        rivals.append(replace(rival, model=made))
+    return replace(finding, member=own, rivals=rivals)
