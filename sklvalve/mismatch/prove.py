@@ -15,6 +15,8 @@ from sklvalve.simulation.robust import robust_cost
 from sklvalve.simulation.simulation import learnt_rest
 
 _FOLDS = 4
+# so often a fold of the veto comes back in the recording
+_TURNS = 4
 # a learnt correction must improve this many of the folds, and all of them together
 _IMPROVED = 3
 # of a step to first order so much is tried, as long as it makes the rows worse that it should make better
@@ -171,16 +173,19 @@ def held_out_predictions(workbench, whole, nominal, model, correction=None, trie
 def holds_out(workbench, nominal, model, least=0.5):
     """Whether a hypothesis predicts blocks it was not fitted to better than the calibrated nominal.
 
-    Contiguous quarters in turn; the sum of their losses must fall to the share `least` of the nominal's
+    Every fourth of sixteen contiguous blocks in turn, so that what acts for a while only, or from an onset
+    on, is both fitted and held out; the sum of their losses must fall to the share `least` of the nominal's
     excess over what a healthy simulation leaves over, in the channels that the hypothesis changes.
     """
     changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
     before = after = 0.0
     models = nominal, model
     both = [_lines(workbench, m) for m in models]
-    for held, others in blocks(len(workbench.recording)):
+    place = np.arange(len(workbench.recording)) * _FOLDS * _TURNS // len(workbench.recording)
+    for fold in range(_FOLDS):
+        held = place % _FOLDS == fold
         fits = [
-            workbench.simulate(m.members, _refitted(workbench, m, lines, others))
+            workbench.simulate(m.members, _refitted(workbench, m, lines, ~held))
             for m, lines in zip(models, both, strict=True)
         ]
         for channel in changed:

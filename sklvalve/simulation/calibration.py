@@ -115,6 +115,8 @@ def _air_parameters(recording, tolerance):
         # friction and pressure feedback that keep the static error within its tolerance
         Parameter("actuator_coulomb", "1", 1e-3, 2.5 * tolerance.static_error, 0.008, spread=1.0, log=True),
         Parameter("actuator_feedback", "1", 0.0, 0.25, 0.1, spread=0.1),
+        # spools fill and vent through ports of their own, and a stroke up seldom takes as long as one down
+        Parameter("actuator_vent", "1", 0.6, 1.7, 1.0, spread=0.2, log=True),
     ]
 
 

@@ -16,6 +16,7 @@ _IDEAL = {
     "actuator_rate": 0.9,
     "actuator_coulomb": 1e-3,
     "actuator_feedback": 0.0,
+    "actuator_vent": 1.0,
 }
 _STAGES = ("signal", "actuator")
 
@@ -92,5 +93,6 @@ def _driven_by_air(chain, command, values, through):
         values["actuator_reset"],
         values["actuator_rate"],
         values["actuator_feedback"],
+        values["actuator_vent"],
     )
     return 1.0 - stem if chain.air_closes else stem

@@ -33,10 +33,10 @@ def _supply_nozzle(pressure, ps):
 
 
 @nb.njit(cache=True, inline="always")
-def _vent_nozzle(pressure, atmosphere):
+def _vent_nozzle(pressure, atmosphere, width):
     ratio = atmosphere / pressure
     share, slope = _nozzle(ratio)
-    return pressure * share, share - slope * ratio
+    return width * pressure * share, width * (share - slope * ratio)
 
 
 @nb.njit(cache=True, inline="always")
@@ -69,7 +69,7 @@ def _displacement(push, tight, held, stiff):
 @nb.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def positioner_and_actuator(
     command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band, faults, filter_time, gain,
-    reset, rate, feedback,
+    reset, rate, feedback, vent,
 ):  # fmt: skip
     r"""Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
 
@@ -100,9 +100,10 @@ def positioner_and_actuator(
         spring]; half width of the positioner's dead band [1].
     faults : ndarray of shape (n, 10), or (0, 10) in a sound actuator
         Columns as `sklvalve.simulation.faults.FAULTS` has them.
-    filter_time, gain, reset, rate, feedback : float
+    filter_time, gain, reset, rate, feedback, vent : float
         Time constant of the input [s], spool opening for an error [1], spool for the error's integral [1/s],
-        capacity of the spool [1/s], and the error that a pressure of one counts for [1].
+        capacity of the spool that fills [1/s], the error that a pressure of one counts for [1], and the
+        capacity of the spool that vents, as a multiple of `rate` [1].
 
     Returns
     -------
@@ -161,13 +162,14 @@ def positioner_and_actuator(
             # how fast the pressure may change in this step decides on its length
             wish = gain * _beyond(near + short, band) + integral
             filling = wish >= 0.0
-            inlet, slope = _supply_nozzle(pressure, ps) if filling else _vent_nozzle(pressure, atmosphere)
+            if filling:
+                inlet, slope = _supply_nozzle(pressure, ps)
+            else:
+                inlet, slope = _vent_nozzle(pressure, atmosphere, vent)
             busy = capacity * min(max(wish, -1.0), 1.0) * inlet
             lost, lost_slope = 0.0, 0.0
             if leak > 0.0:
-                lost, lost_slope = _vent_nozzle(pressure, atmosphere)
-                lost *= leak * capacity
-                lost_slope *= leak * capacity
+                lost, lost_slope = _vent_nozzle(pressure, atmosphere, leak * capacity)
                 busy -= lost
             busy = abs(busy) * volume
             if target != wanted:
@@ -204,7 +206,10 @@ def positioner_and_actuator(
             moved = eased * (target - wanted)
             spool = gain * _beyond(near + short + 0.6 * (1.0 + feedback) * moved, band) + integral
             if (spool >= 0.0) != filling:
-                inlet, slope = _vent_nozzle(pressure, atmosphere) if filling else _supply_nozzle(pressure, ps)
+                if filling:
+                    inlet, slope = _vent_nozzle(pressure, atmosphere, vent)
+                else:
+                    inlet, slope = _supply_nozzle(pressure, ps)
             if faulty:
                 ground = slide + max(faults[k, 4] * (x - faults[k, 5]), 0.0)
                 limit = ground + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))

@@ -42,6 +42,7 @@ def _stem(
         reset,
         1.0,
         0.0,
+        1.0,
     )
 
 
@@ -248,6 +249,7 @@ def test_a_night_without_samples_settles_the_stem_and_keeps_it_finite(gap):
         0.3,
         1.0,
         0.0,
+        1.0,
     )
     assert np.all(np.isfinite(stem))
     np.testing.assert_allclose(stem[50:], 0.7, atol=0.01)

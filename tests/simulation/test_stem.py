@@ -33,6 +33,7 @@ def _run(command, valve, *, every=1.0, faults=SOUND):
         valve["reset"],
         valve["rate"],
         valve.get("feedback", 0.0),
+        valve.get("vent", 1.0),
     )
 
 
@@ -55,7 +56,7 @@ def _solved(command, valve):
         spool = min(max(valve["gain"] * error + integral, -1.0), 1.0)
         pressure = mass / (5.0 + x)
         filling = valve["supply"] * nozzle(pressure / valve["supply"])
-        inlet = filling if spool > 0.0 else pressure * nozzle(AIR / pressure)
+        inlet = filling if spool > 0.0 else valve.get("vent", 1.0) * pressure * nozzle(AIR / pressure)
         speed = (pressure - SPRING - x - 60.0 * bend) / 0.005
         slip = abs(speed) * 60.0 * bend / valve["coulomb"]
         lag = (target - wanted) / valve["filter_time"]
@@ -69,9 +70,10 @@ def _solved(command, valve):
     return np.array(out)
 
 
-def test_stem_follows_its_differential_equation():
-    command = _program()
-    off = _run(command, ORDINARY) - _solved(command, ORDINARY)
+@pytest.mark.parametrize("vent", [1.0, 0.8, 1.7])
+def test_stem_follows_its_differential_equation(vent):
+    command, valve = _program(), ORDINARY | {"vent": vent}
+    off = _run(command, valve) - _solved(command, valve)
     assert np.abs(off).max() < 2e-3
     assert np.sqrt(np.mean(off**2)) < 4e-4
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An actuator that answers slowly."""
 
+from sklvalve.mismatch.effects._response import slowest
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.stages import first_order_lag
 
@@ -30,7 +31,7 @@ class ActuatorLag(Effect):
         return first_order_lag(value, chain.step, p["time_constant"], 1.0)
 
     def beyond_tolerance(self, p, chain, tolerance, late):
-        return p["time_constant"] > tolerance.response
+        return p["time_constant"] > slowest(chain, tolerance, late)
 
     def possible(self, chain):
         return not chain.electric

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A command that arrives late."""
 
+from sklvalve.mismatch.effects._response import slowest
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.stages import delayed
 
@@ -35,4 +36,4 @@ class DeadTime(Effect):
     def beyond_tolerance(self, p, chain, tolerance, late):
         if chain.electric:
             return p["delay"] > _SCANS * chain.recording.sample_time
-        return p["delay"] > tolerance.response
+        return p["delay"] > slowest(chain, tolerance, late)

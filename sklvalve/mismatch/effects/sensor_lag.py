@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A flow signal that is damped by more than a meter's own response."""
 
+from sklvalve.mismatch.effects._response import slowest
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.stages import first_order_lag
 
@@ -28,4 +29,4 @@ class SensorLag(Effect):
         return first_order_lag(value, chain.step, p["lag"], 1.0)
 
     def beyond_tolerance(self, p, chain, tolerance, late):
-        return p["lag"] > tolerance.response
+        return p["lag"] > slowest(chain, tolerance, late)

@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from sklvalve.mismatch.effects._response import slowest
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.stages import limited_rate
 
@@ -32,7 +33,7 @@ class SlewLimit(Effect):
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         # positioner and actuator each may take their response time for a stroke
-        return p["speed"] * min(p["closing_ratio"], 1.0) < 0.5 / tolerance.response
+        return p["speed"] * min(p["closing_ratio"], 1.0) < 0.5 / slowest(chain, tolerance, late)
 
     def possible(self, chain):
         return not chain.electric

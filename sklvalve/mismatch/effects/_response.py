@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How slow an answer may be and still pass for calibration."""
+
+
+def slowest(chain, tolerance, late):
+    """Longest response that is no mismatch [s].
+
+    A data sheet leaves the response open, but not that it changes while the valve runs: of what began
+    within the recording only what is shorter than a sample passes unseen.
+    """
+    return min(chain.recording.sample_time, tolerance.response) if late else tolerance.response
