@@ -73,8 +73,9 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         \begin{bmatrix} 0 & 1^T \\ 1 & K + \mathrm{diag}(1 / (C s_i)) \end{bmatrix}
         \begin{bmatrix} b \\ \alpha \end{bmatrix} = \begin{bmatrix} 0 \\ y \end{bmatrix} ,
 
-    by one Cholesky factorisation in place. Where the matrix is not positive definite, a
-    :class:`scipy.linalg.LinAlgWarning` tells that the least-squares solution was taken.
+    by one Cholesky factorisation in place. Where the matrix is not positive definite, or its factor does not
+    solve the equations to a thousandth, a :class:`scipy.linalg.LinAlgWarning` tells that the least-squares
+    solution was taken.
 
     References
     ----------
@@ -143,7 +144,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         ------
         ValueError
             If the data are not finite numbers, a kernel matrix is not square, weights are negative or all
-            zero, or kernel values overflow.
+            zero, 1 / C is infinite, or kernel values overflow.
         """
         X, y = validate_data(self, X, y, dtype=np.float64, multi_output=True, y_numeric=True)
         ridge = self._ridge(sample_weight, X)
@@ -185,6 +186,11 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return (product[:, 0] if self.dual_coef_.ndim == 1 else product) + self.intercept_
 
     def _ridge(self, sample_weight, X):
+        with np.errstate(divide="ignore", over="ignore"):
+            if not np.isfinite(np.divide(1.0, self.C)):
+                raise ValueError(
+                    f"C = {self.C:g} is so small that 1 / C is infinite; give C = 1e-300 or more."
+                )
         if sample_weight is None:
             return np.full(len(X), 1.0 / self.C)
         weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True)

@@ -19,8 +19,11 @@ TILE = 2048
 
 # Beyond this ratio the solution is checked against the equations and refined.
 ILL_CONDITIONED = 1e10
-# Equations met worse than this, relative to the target, are worth a warning.
+# Equations met worse than this, relative to the target, are worth a warning, ...
 POORLY_MET = 1e-6
+# ... and worse than this least squares, which takes some twenty times as long as the factorisation.
+NOT_MET = 1e-3
+_MEND = "lower C, or merge repeated rows into one with their weight"
 
 
 def solve_lssvm(gram, product, y, ridge, *, bias="free"):
@@ -30,7 +33,7 @@ def solve_lssvm(gram, product, y, ridge, *, bias="free"):
     ----------
     gram : callable
         Returns a new array of shape (n, n), Fortran order, that holds the lower triangle of the kernel
-        matrix K. Called a second time only if the first factorisation fails.
+        matrix K. Called a second time only if the first factorisation fails, or solves too poorly.
     product : callable
         Returns K @ v for an array v of shape (n, m). Called only where the matrix is badly conditioned.
     y : ndarray of shape (n, n_targets)
@@ -53,7 +56,8 @@ def solve_lssvm(gram, product, y, ridge, *, bias="free"):
     Warns
     -----
     scipy.linalg.LinAlgWarning
-        If the matrix is not positive definite, or the equations are met poorly.
+        If the matrix is not positive definite or the equations are not met, so that the least-squares
+        solution is taken; and if they are met poorly.
 
     Notes
     -----
@@ -72,19 +76,16 @@ def solve_lssvm(gram, product, y, ridge, *, bias="free"):
     right = np.column_stack([y - shift, np.ones(len(y))])
     matrix = gram()
     _add_to_diagonal(matrix, ridge)
-    if cholesky(matrix):
-        solution = cholesky_solve(matrix, right)
-        _raise_unless_finite(solution)
-        if np.ptp(np.log(matrix.diagonal())) > 0.5 * np.log(ILL_CONDITIONED):
-            solution = _refined(solution, right, matrix, lambda v: product(v) + ridge[:, None] * v)
+    solution, trouble = _by_cholesky(matrix, right, lambda v: product(v) + ridge[:, None] * v)
+    if trouble is None:
         alpha, b = _with_bias(solution[:, :-1], solution[:, -1:], bias)
     else:
         warnings.warn(
-            "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C is "
-            "too large for it. The least-squares solution was taken, which is slower; lower C to avoid this.",
+            f"{trouble}. The least-squares solution was taken, which is slower; {_MEND}.",
             LinAlgWarning,
             stacklevel=4,
         )
+        del matrix, solution  # of a large problem, room for the eigenvectors
         matrix = gram()
         _add_to_diagonal(matrix, ridge)
         alpha, b = least_squares(matrix, right[:, :-1], bias=bias)
@@ -217,7 +218,31 @@ def _with_bias(t, s, bias):
     return t - s * b, b
 
 
+def _by_cholesky(matrix, right, apply):
+    """Solution by the factor of `matrix`, which is spoilt, and None or what is wrong with the solution."""
+    if not cholesky(matrix):
+        return None, (
+            "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C is "
+            "too large for it"
+        )
+    solution = cholesky_solve(matrix, right)
+    _raise_unless_finite(solution)
+    if np.ptp(np.log(matrix.diagonal())) <= 0.5 * np.log(ILL_CONDITIONED):
+        return solution, None
+    solution, worst = _refined(solution, right, matrix, apply)
+    trouble = (
+        f"The LS-SVM equations are met only to {worst:.1e} of the target: C is too large for this kernel or "
+        "for rows that repeat each other"
+    )
+    if worst > NOT_MET:  # weights of a factor that hardly was one can predict anything
+        return solution, trouble
+    if worst > POORLY_MET:
+        warnings.warn(f"{trouble}; {_MEND}.", LinAlgWarning, stacklevel=5)
+    return solution, None
+
+
 def _refined(solution, right, factor, apply):
+    """Solution after a few steps of iterative refinement, and its worst residual relative to the target."""
     size = np.maximum(np.abs(right).max(axis=0), np.finfo(float).tiny)
     residual = right - apply(solution)
     worst = (np.abs(residual) / size).max()
@@ -228,14 +253,7 @@ def _refined(solution, right, factor, apply):
         if not now < worst:
             break
         solution, worst = better, now
-    if worst > POORLY_MET:
-        warnings.warn(
-            f"The LS-SVM equations are met only to {worst:.1e} of the target: C is too large for this kernel "
-            "or for rows that repeat each other; lower C, or merge repeated rows into one with their weight.",
-            LinAlgWarning,
-            stacklevel=5,
-        )
-    return solution
+    return solution, worst
 
 
 def _add_to_diagonal(matrix, ridge):

@@ -212,8 +212,19 @@ def test_linear_kernel_with_a_large_c_is_ordinary_least_squares():
     with pytest.warns(LinAlgWarning, match="not positive definite"):
         singular = LSSVMRegressor("linear", C=1e17).fit(X, y)
     np.testing.assert_allclose(singular.predict(X), expected, atol=1e-9)
-    with pytest.warns(LinAlgWarning, match="met only to"):
-        LSSVMRegressor("linear", C=1e12).fit(X, y)
+    with pytest.warns(LinAlgWarning, match=r"met only to.*; lower C"):
+        LSSVMRegressor("linear", C=1e10).fit(X, y)
+
+
+@pytest.mark.parametrize("C", [1e13, 1e15, 1e300])
+@pytest.mark.parametrize("bias", ["free", "regularized", "none"])
+def test_rows_that_contradict_each_other_are_met_half_way(C, bias):
+    rng = np.random.default_rng(0)
+    X = rng.normal(size=(60, 2))
+    y = np.sin(X[:, 0])
+    with pytest.warns(LinAlgWarning, match=r"(not positive definite|met only to).* least-squares solution"):
+        model = LSSVMRegressor(C=C, bias=bias).fit(np.vstack([X, X]), np.concatenate([y, y + 1.0]))
+    np.testing.assert_allclose(model.predict(X), y + 0.5, atol=1e-3)
 
 
 def test_equations_that_cannot_be_met_are_told():
@@ -238,6 +249,11 @@ def test_bad_input_gets_one_plain_sentence():
         LSSVMRegressor("precomputed").fit(X, y)
     with pytest.raises(ValueError, match="The 'C' parameter"):
         LSSVMRegressor(C=0).fit(X, y)
+    for C in (1e-310, 1e-320):
+        with pytest.raises(ValueError, match=r"C = .* is so small"):
+            LSSVMRegressor(C=C).fit(X, y)
+        with pytest.raises(ValueError, match=r"C = .* is so small"):
+            LSSVMRegressor(C=C).fit(X, y, sample_weight=weight)
     with pytest.raises(ValueError, match="The 'bias' parameter"):
         LSSVMRegressor(bias="maybe").fit(X, y)
 

@@ -74,9 +74,10 @@ def test_refinement_reduces_the_residual():
     solvers.cholesky(factor)
     right = np.random.default_rng(0).normal(size=(20, 1))
     rough = solvers.cholesky_solve(factor, right)
-    refined = solvers._refined(rough, right, factor, lambda v: matrix @ v)
+    refined, worst = solvers._refined(rough, right, factor, lambda v: matrix @ v)
     before, after = (np.abs(matrix @ x - right).max() for x in (rough, refined))
     assert after < 1e-9 < before
+    assert worst == pytest.approx(after / np.abs(right).max())
 
 
 @pytest.mark.parametrize("kernel", ["rbf", "linear", "poly", "laplacian"])
