@@ -95,7 +95,8 @@ class Advisor:
         Returns
         -------
         distances : ndarray of shape (k, k)
-            Of the explanation in the column from the one in the row, where that is true.
+            Of the explanation in the column from the one in the row, where that is true; never below what
+            the present recording gives.
         """
         records = self.records(program, sensor)
         rivals = [*self.explanations, *([self.without] if self.without else [])]
@@ -109,7 +110,9 @@ class Advisor:
                 if slopes is None or rounds > 1:
                     slopes = answer.slopes()
                 costs[i, j] = answer.least(slopes, rounds)
-        return self._pooled(costs)
+        # a test in which the effect gains much and the pair little lowers the pooled distance by its
+        # denominator; but the present recording, by itself, still tells what it tells
+        return np.maximum(self._pooled(costs), self.now())
 
     def now(self):
         """Distances that the present recording gives, without a sign: the larger of both ways."""

@@ -8,6 +8,9 @@ from scipy.stats import norm
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 
+# a test is worth its trouble if one of two is taken for the other half as often, or less
+_HALF = 0.5
+
 
 @dataclass(frozen=True)
 class Pair:
@@ -114,6 +117,21 @@ def apart(names, distances):
     return groups
 
 
+def appreciable(now, after):
+    """Whether a test takes a pair appreciably further apart.
+
+    It sets apart what is not apart now, or halves the chance that one is taken for the other.
+
+    Parameters
+    ----------
+    now, after : float
+        Distances D.
+    """
+    if now >= DISTINGUISHABLE:
+        return False
+    return after >= DISTINGUISHABLE or confusion(after) <= _HALF * confusion(now)
+
+
 def told(text, names, now, after, advice, *, alone=False):
     """What to do and what comes of it, in words.
 
@@ -123,31 +141,46 @@ def told(text, names, now, after, advice, *, alone=False):
         The program's own, without a stop.
     names : sequence of str
     now, after : ndarray of shape (k, k)
-        Distances, the same both ways.
+        Distances, the same both ways; of one pair at least `after` is appreciably larger.
     advice : list of str
         For each of them what separates it by the catalogue, for where the program does not.
     alone : bool, default=False
         Say that no program of the command alone does as much.
     """
-    groups, k = apart(names, after), len(names)
-    where = {i: g for g, group in enumerate(groups) for i in group}
-    across = [(i, j) for i in range(k) for j in range(i) if where[i] != where[j] or len(groups) == 1]
-    least, before = min((after[pair], now[pair]) for pair in across)
-    if len(groups) == 1:
+    k = len(names)
+    left = [(j, i) for i in range(k) for j in range(i) if after[i, j] < DISTINGUISHABLE]
+    new = [(j, i) for i in range(k) for j in range(i) if now[i, j] < DISTINGUISHABLE <= after[i, j]]
+    if not new:
+        best = min(left, key=lambda pair: confusion(after[pair]) / confusion(now[pair]))
+        others = _pairs_listed(names, [pair for pair in left if pair != best])
         return (
-            f"{text}: of the programs within the limits it separates {_listed(names, 'and')} best, but the "
-            f"least distance only goes from D = {_short(before)} to {_short(least)}; 14 is needed. "
-            f"{advice[0]}"
+            f"{text}: of the programs within the limits it takes {_listed([names[i] for i in best], 'and')} "
+            f"furthest apart, but only from D = {_short(now[best])} to {_short(after[best])}; 14 is needed"
+            f"{f', and it does not part {others}' if others else ''}. {advice[0]}"
         )
-    spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
+    groups = apart(names, after)
+    where = {i: g for g, group in enumerate(groups) for i in group}
+    across = [pair for pair in new if where[pair[0]] != where[pair[1]]]
+    if across:
+        spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
+        shown, not_parted = min(across, key=lambda pair: after[pair]), ""
+    else:
+        # a third explanation stands between those that part
+        shown = max(new, key=lambda pair: after[pair])
+        spoken = _pairs_listed(names, new, " and ")
+        not_parted = f" It does not part {_pairs_listed(names, left)}."
     said = (
         f"{text}: this is expected to tell {spoken}{', which the command alone does not' if alone else ''} "
-        f"(distance D = {_short(before)} now, {_short(least)} with it: one would be taken for the other in "
-        f"{_percent(least)} of cases instead of {_percent(before)}). Diagnose its record together with the "
-        "present one."
+        f"(distance D = {_short(now[shown])} now, {_short(after[shown])} with it: one would be taken for the "
+        f"other in {_percent(after[shown])} of cases instead of {_percent(now[shown])}).{not_parted} "
+        "Diagnose its record together with the present one."
     )
     rest = dict.fromkeys(advice[group[0]] for group in groups if len(group) > 1)
     return f"{said} For the rest: {' '.join(rest)}" if rest else said
+
+
+def _pairs_listed(names, pairs, joined=", nor "):
+    return joined.join(" from ".join(names[i].replace("_", " ") for i in pair) for pair in pairs)
 
 
 def _listed(names, joined):

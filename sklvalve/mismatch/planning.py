@@ -8,7 +8,7 @@ import numpy as np
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
 from sklvalve.mismatch.foreseen import Surroundings
-from sklvalve.mismatch.plan import Pair, TestPlan, told
+from sklvalve.mismatch.plan import Pair, TestPlan, appreciable, confusion, told
 from sklvalve.mismatch.programs import MOST_ROWS, TestLimits, as_now, library
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.given import ROLES as GIVEN
@@ -21,8 +21,6 @@ _LOOKED_AT, _ROUNDS = 3, 3
 _LONGEST, _FEWEST, _LEAST = 3600.0, 120, 20
 # a distance with something in hand beyond what a class ends at
 _AMPLE = 20.0
-# a distance that grows by less is one that the test does not change
-_GROWS = 1.0
 # a size is worth a test that narrows its interval to this share
 _NARROWS = 0.7
 
@@ -109,6 +107,8 @@ class _Choice:
         self.given, self.limits = limits is not None, limits or TestLimits()
         self.ranges = _Ranges(advisor.workbench, self.limits)
         self.now = advisor.now()
+        # what the present recording tells apart already speaks for no test
+        self.open = self._least(self.now) < DISTINGUISHABLE
         # what was tried, and how much each asks of the process
         self.tried, self.asks = [], []
 
@@ -127,7 +127,8 @@ class _Choice:
                 break
         after = [self._least(d) for d in close.values()]
         best = list(close)[self._order(after, [self.asks[k] for k in close])[0]]
-        if np.all(self._least(close[best]) < self._least(self.now) + _GROWS):
+        pairs = zip(self._least(self.now), self._least(close[best]), strict=True)
+        if not any(appreciable(now, then) for now, then in pairs):
             return None
         return self._as_plan(*self.tried[best][:2], close[best], before)
 
@@ -155,24 +156,27 @@ class _Choice:
         """Numbers of the programs, the best first.
 
         What they tell apart counts first; then, where that is ample, how little they ask of the process; then
-        the least distance.
+        the least distance. Where none tells anything apart, the chance that explanations are confused counts.
         """
         table = np.array(found)
-        able = (table >= DISTINGUISHABLE).any(axis=0)
+        able = self._able(table)
         if able.any():
             weight = ((table >= DISTINGUISHABLE) * self.weights)[:, able].sum(axis=1)
             apart = np.where(table >= DISTINGUISHABLE, table, np.inf)[:, able].min(axis=1)
             least = np.where(weight > 0.0, apart, table[:, able].min(axis=1))
         else:
-            grows = (table > self._least(self.now) + _GROWS).any(axis=0)
             weight = np.zeros(len(table))
-            least = table[:, grows if grows.any() else slice(None)].min(axis=1)
+            least = -np.array([[confusion(d) for d in row] for row in table]) @ self.weights
         ample = least >= _AMPLE
 
         def rank(k):
             return -round(float(weight[k]), 6), asks[k] if ample[k] else len(asks), -float(least[k]), k
 
         return sorted(range(len(table)), key=rank)
+
+    def _able(self, table):
+        """Pairs that some program tells apart, and the present recording does not."""
+        return (table >= DISTINGUISHABLE).any(axis=0) & self.open
 
     def _advice(self):
         """What the catalogue says of how to tell each of the members."""
@@ -187,10 +191,10 @@ class _Choice:
         if np.isfinite(self.limits.rate):
             text += f", never faster than {100 * self.limits.rate:.3g} %/s"
         less = [self._least(d) for p, _, d in self.tried if not p.moved]
-        alone = bool(program.moved and less) and not np.any(np.array(less) >= DISTINGUISHABLE)
+        alone = bool(program.moved and less) and not self._able(np.array(less)).any()
         sentence = told(text, self.names, self.now, both, self._advice(), alone=alone)
         ranks = np.array(before)
-        able = (ranks >= DISTINGUISHABLE).any(axis=0)
+        able = self._able(ranks)
         shown = ranks[:, able if able.any() else slice(None)].min(axis=1)
         considered = {}
         for (tried, _, _), least in zip(self.tried, shown, strict=True):

@@ -15,8 +15,8 @@ from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.excitation import Advisor, Answer, Explanation
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.next_test import next_test
-from sklvalve.mismatch.plan import apart, confusion, told
-from sklvalve.mismatch.planning import planned
+from sklvalve.mismatch.plan import apart, appreciable, confusion, told
+from sklvalve.mismatch.planning import _Choice, planned
 from sklvalve.mismatch.preparation import prepared_workbench
 from sklvalve.mismatch.programs import library
 from sklvalve.recording import InputError
@@ -171,4 +171,58 @@ def test_words_say_what_is_told_apart_and_what_is_not():
     assert "D = 1 now, 40 with it" in said
     assert said.endswith("For the rest: First.")
     poor = told("Do this", ("erosion", "clogging"), now, np.full((2, 2), 6.0), ["First.", "Second."])
-    assert "only goes from D = 1 to 6; 14 is needed. First." in poor
+    assert "takes erosion and clogging furthest apart, but only from D = 1 to 6; 14 is needed. First." in poor
+
+
+def test_a_test_lowers_no_distance(lags):
+    still = library(0.45, 0.5, 0.47, 60, 1.0, TestLimits())[0]
+    now, then = lags.now(), lags.distances(still)
+    # much more of the effect, and nothing between the two: by the pooled formula alone D would fall
+    loud = Advisor(lags.workbench, lags.explanations, lags.without, 100.0 * lags.gain)
+    assert np.all(then >= now)
+    assert np.all(loud.distances(still) >= loud.now())
+
+
+def test_words_tell_the_pair_that_grows_and_those_that_stay():
+    names, advice = ("two_phase", "cavitation", "choked_flow"), ["Bleed.", "Listen.", "Lower p2."]
+    now = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 5.0], [9.0, 5.0, 0.0]])
+    after = np.array([[0.0, 2.3, 22.0], [2.3, 0.0, 6.0], [22.0, 6.0, 0.0]])
+    said = told("Do this", names, now, after, advice)
+    assert "expected to tell two phase from choked flow (distance D = 9 now, 22 with it" in said
+    assert "It does not part two phase from cavitation, nor cavitation from choked flow." in said
+    poor = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 12.0], [9.0, 12.0, 0.0]])
+    said = told("Do this", names, now, poor, advice)
+    assert "takes cavitation and choked flow furthest apart, but only from D = 5 to 12" in said
+    assert "it does not part two phase from cavitation, nor two phase from choked flow. Bleed." in said
+
+
+@pytest.mark.parametrize(
+    ("now", "after", "worth"),
+    [(2.3, 2.3, False), (2.3, 3.4, False), (2.3, 7.0, True), (13.5, 14.1, True), (15.0, 40.0, False)],
+)
+def test_only_what_halves_the_confusion_is_worth_a_test(now, after, worth):
+    assert appreciable(now, after) is worth
+
+
+class _Programs:
+    """Stands for an advisor whose programs reach given distances."""
+
+    def __init__(self, now, then):
+        recording = Stand({"clogging": 0.5}, 1, rows=300).recording
+        trim = SimpleNamespace(known=True)
+        self.workbench = SimpleNamespace(recording=recording, trim=trim, coupled=False)
+        self.explanations = [SimpleNamespace(name=n, probability=0.3) for n in ("a", "b", "c")]
+        self._now, self._then = np.array(now), np.array(then)
+
+    def now(self):
+        return self._now
+
+    def distances(self, program, sensor=None, rounds=1):
+        return self._then
+
+
+def test_no_plan_where_no_pair_gets_appreciably_larger():
+    now = [[0.0, 2.3, 9.0], [2.3, 0.0, 15.0], [9.0, 15.0, 0.0]]
+    # one was told apart before the test, another grows by more than one, but not by enough to be worth it
+    then = [[0.0, 3.5, 9.0], [3.5, 0.0, 90.0], [9.0, 90.0, 0.0]]
+    assert _Choice(_Programs(now, then), None, TestLimits()).plan() is None
