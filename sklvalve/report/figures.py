@@ -7,11 +7,29 @@ from sklvalve.report import signals
 from sklvalve.report.drawing import COLOURS, GRID, INK, decimate, pyplot_free_figure, styled, thin, to_svg
 from sklvalve.report.words import role_words
 
-_ALT_FLAGGED = "; shaded where what was found acts"
+_ALT_FLAGGED = "; shaded where what was found acts noticeably"
+
+
+def where_present(traces: dict, location: dict) -> dict:
+    """Traces whose rows are flagged only within the times that the page names.
+
+    Parameters
+    ----------
+    traces : dict
+    location : dict
+        Its ``intervals`` are those at which what was found is there [s from the first sample].
+    """
+    intervals = location.get("intervals")
+    if not intervals:
+        return traces
+    time = np.asarray(traces["time"], dtype=float)
+    begun = time - time[0]
+    inside = np.any([(begun >= start) & (begun <= stop) for start, stop in intervals], axis=0)
+    return traces | {"flagged": np.asarray(traces["flagged"], dtype=bool) & inside}
 
 
 def recording_figure(traces: dict) -> str:
-    """Recorded signals over time, flagged times shaded, the end of the rows used for finding marked."""
+    """Recorded signals over time, flagged rows shaded, the end of the rows used for finding marked."""
     recorded = traces["recorded"]
     panels = [
         group

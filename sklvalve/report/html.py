@@ -7,7 +7,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Protocol
 
-from sklvalve.report import figures, rows
+from sklvalve.report import figures, proof, rows
 from sklvalve.report.sentence import summary_sentence
 from sklvalve.report.words import verdict_words
 
@@ -72,7 +72,8 @@ def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | Non
         from markupsafe import Markup
     except ImportError:
         raise ImportError('the report needs jinja2: pip install "sklvalve[report]"') from None
-    d, traces = diagnosis.to_dict(), diagnosis.traces
+    d = proof.with_proof(diagnosis.to_dict(), diagnosis.traces)
+    traces = figures.where_present(diagnosis.traces, d.get("location") or {})
     drawn = {
         "recording": figures.recording_figure(traces),
         "residual": figures.residual_figure(traces),
@@ -93,13 +94,14 @@ def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | Non
         places=rows.places(d),
         models=list(rows.MODELS.values()),
         errors=rows.errors(d),
-        unseen=rows.unseen_words(d),
-        skills=rows.skills(d),
+        proof=proof.heading(d),
+        notes=rows.proof_notes(d),
         untestable=rows.untestable(d),
         next_test=d.get("next_test") or "",
         data=rows.data_findings(d),
         provenance=rows.provenance(d),
         figures={name: svg and Markup(svg) for name, svg in drawn.items()},
         maps=[(heading, Markup(svg)) for heading, svg in figures.map_figures(traces)],
-        held_out=bool(traces.get("until")),
+        until=bool(traces.get("until")),
+        held_out=d.get("proof") == proof.LATER_ROWS,
     )

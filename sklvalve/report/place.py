@@ -120,6 +120,15 @@ def _span(low: float, high: float) -> str:
     return f"{begin.split(' ')[0] if same else begin} to {end}"
 
 
+def since_known(d: dict) -> bool:
+    """Whether a diagnosis tells since when something acts.
+
+    What no effect explains is learnt from all rows alike, so that nothing tells when it began.
+    """
+    location = d.get("location") or {}
+    return d["verdict"] != "none_of_these" or location.get("onset") is not None
+
+
 def since_words(location: dict) -> str:
     """Since when, for a table."""
     onset = location.get("onset")
@@ -129,7 +138,7 @@ def since_words(location: dict) -> str:
 
 
 def intervals_words(location: dict, limit: int = 4) -> str:
-    """Times at which the mismatch acts, the first few of them."""
+    """Times at which the mismatch is there, the first few of them."""
     spans = [f"{duration(start)} to {duration(stop)}" for start, stop in location.get("intervals") or []]
     if len(spans) > limit:
         spans = [*spans[:limit], f"and {len(spans) - limit} more"]

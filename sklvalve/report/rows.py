@@ -4,7 +4,8 @@
 from typing import NamedTuple
 
 from sklvalve.report.parameters import parameters
-from sklvalve.report.place import intervals_words, region_words, share_words, since_words
+from sklvalve.report.place import intervals_words, region_words, share_words, since_known, since_words
+from sklvalve.report.proof import left_out, note
 from sklvalve.report.words import (
     block_words,
     chance,
@@ -63,10 +64,13 @@ def places(d: dict) -> list[tuple[str, str]]:
     for region in location.get("regions") or []:
         share = share_words(region)
         rows.append(("Region", region_words(region) + (f", {share}" if share else "")))
-    if location.get("blocks") or location.get("regions") or location.get("intervals"):
-        rows.append(("Since", since_words(location)))
+    if not rows and not location.get("intervals"):
+        return rows
+    if not since_known(d):
+        return [*rows, ("Since", "not known: it was learnt from all rows alike")]
+    rows.append(("Since", since_words(location)))
     if location.get("intervals"):
-        rows.append(("Times", intervals_words(location)))
+        rows.append(("Present", intervals_words(location)))
     return rows
 
 
@@ -109,12 +113,11 @@ def skills(d: dict) -> list[str]:
     return lines
 
 
-def unseen_words(d: dict) -> str:
-    """On how many rows the errors were taken, none of which served to find anything."""
-    counts = [
-        fit["held_out_rows"] for fit in (d.get("fit") or {}).values() if fit and fit.get("held_out_rows")
-    ]
-    return f"on {max(counts)} unseen rows" if counts else "on unseen rows"
+def proof_notes(d: dict) -> list[str]:
+    """What belongs below the table of errors: how they were taken, what they prove, what was left out."""
+    lost = left_out(d)
+    besides = f"Of what no effect explains: {lost}." if lost else ""
+    return [words for words in (note(d), *skills(d), besides) if words]
 
 
 def untestable(d: dict) -> list[tuple[str, str]]:

@@ -2,7 +2,8 @@
 """The first thing that a person reads: the diagnosis in one sentence."""
 
 from sklvalve.report.parameters import parameters
-from sklvalve.report.place import onset_words, regions_words
+from sklvalve.report.place import onset_words, regions_words, since_known
+from sklvalve.report.proof import error_words, left_out
 from sklvalve.report.words import (
     block_words,
     chance,
@@ -16,6 +17,8 @@ from sklvalve.report.words import (
     with_unit,
 )
 
+# an error that falls by less does not fall
+_NO_FALL = 0.98
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
 
 
@@ -23,7 +26,8 @@ def summary_sentence(d: dict) -> str:
     """Say the diagnosis in one plain sentence.
 
     What is missing, how large it is, where and since when it acts, how sure that is, and what including it
-    does to the error on rows that were not used to find it ("unseen").
+    does to the error: on rows that nothing has seen where there are such ("unseen"), else on blocks that were
+    held out of the fit in turn ("cross-validated").
 
     Parameters
     ----------
@@ -94,10 +98,11 @@ def _unknown(d: dict) -> str:
     besides = ""
     if d.get("effects"):
         besides = f"Besides {either([class_words(effect['members']) for effect in d['effects']], 'and')}, "
+    lost = left_out(d)
     return (
         f"{besides}{'something' if besides else 'Something'} is missing that no known effect explains: it "
         f"acts {_place(d, d['location']['blocks'])} and follows from {_inputs(d)}, so it is no noise "
-        f"({p_words(d['mismatch'].get('p_value'))}){_gain(d)}."
+        f"({p_words(d['mismatch'].get('p_value'))}){f', but {lost}' if lost else _gain(d)}."
     )
 
 
@@ -135,31 +140,49 @@ def _size(effect: dict, d: dict) -> str:
 
 
 def _place(d: dict, blocks: list[str]) -> str:
-    parts = [block_words(blocks), regions_words(d["location"]), onset_words(d["location"])]
+    parts = [block_words(blocks), regions_words(d["location"])]
+    if since_known(d):
+        parts.append(onset_words(d["location"]))
     return " ".join(part for part in parts if part)
 
 
 def _gain(d: dict) -> str:
     """What including the finding does to the error, for the signal that it helps most."""
-    best = None
-    for role, fit in (d.get("fit") or {}).items():
-        rmse = (fit or {}).get("rmse") or {}
-        before, after = rmse.get("nominal"), rmse.get("corrected")
-        if before and after is not None:
-            share = after / before
-            if best is None or share < best[0]:
-                best = (share, role, fit, before, after)
-    if best is None:
+    role = _helped(d)
+    if role is None:
         return ""
-    share, role, fit, before, after = best
+    fit = d["fit"][role]
+    before, after = fit["rmse"]["nominal"], fit["rmse"]["corrected"]
     them = "a learned correction" if d["verdict"] == "none_of_these" else "it"
     if d["verdict"] == "named" and len(d["effects"]) > 1:
         them = "them"
     scale, unit = (100.0, "%") if fit["unit"] == "1" else (1.0, fit["unit"])
-    rows = f"{fit['held_out_rows']} unseen rows" if fit.get("held_out_rows") else "unseen rows"
-    if share > 0.98:
-        return f", though the {role_words(role)} error on {rows} does not fall with {them}"
+    if after > _NO_FALL * before:
+        return f", though the {error_words(d, role)} does not fall with {them}"
     return (
-        f"; with {them} the {role_words(role)} error on {rows} falls from {number(scale * before)} "
+        f"; with {them} the {error_words(d, role)} falls from {number(scale * before)} "
         f"to {with_unit(scale * after, unit)}"
     )
+
+
+def _helped(d: dict) -> str | None:
+    """The signal to speak of: the unknown's own, else the one whose error falls by the largest share.
+
+    Where none falls it is the one that what was found touches first.
+    """
+    shares = {}
+    for role, fit in (d.get("fit") or {}).items():
+        rmse = (fit or {}).get("rmse") or {}
+        before, after = rmse.get("nominal"), rmse.get("corrected")
+        if before and after is not None:
+            shares[role] = after / before
+    if not shares:
+        return None
+    own = (d.get("unknown") or {}).get("signal")
+    if d["verdict"] == "none_of_these" and own in shares:
+        return own
+    best = min(shares, key=shares.__getitem__)
+    if shares[best] > _NO_FALL:
+        first = ("opening",) if d["location"]["blocks"] == ["actuator"] else ("flow", "process_value")
+        best = next((role for role in first if role in shares), best)
+    return best

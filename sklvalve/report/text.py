@@ -3,7 +3,7 @@
 
 from textwrap import fill
 
-from sklvalve.report import rows
+from sklvalve.report import proof, rows
 from sklvalve.report.sentence import summary_sentence
 
 __all__ = ["summary_sentence", "to_markdown", "to_text"]
@@ -98,8 +98,8 @@ def to_markdown(d: dict) -> str:
         parts.append("### Where\n\n" + _table(("what", "where"), rows.places(d)))
     if rows.errors(d):
         cells = [(name, *values) for name, values in rows.errors(d)]
-        table = _table((f"error {rows.unseen_words(d)}", *rows.MODELS.values()), cells)
-        parts.append("### Proof\n\n" + "\n\n".join([table, *rows.skills(d)]))
+        table = _table((f"error {proof.heading(d)}", *rows.MODELS.values()), cells)
+        parts.append("### Proof\n\n" + "\n\n".join([table, *rows.proof_notes(d)]))
     if rows.untestable(d):
         parts.append("### Not testable\n\n" + _table(("effect", "needs"), rows.untestable(d)))
     if d.get("next_test"):
@@ -153,13 +153,13 @@ def _error_lines(d: dict) -> list[str]:
     table = rows.errors(d)
     if not table:
         return []
-    unseen = rows.unseen_words(d)
-    width = max(len(unseen), *(len(name) for name, _ in table))
+    heading = proof.heading(d)
+    width = max(len(heading), *(len(name) for name, _ in table))
     head = " ".join(f"{name:>11}" for name in rows.MODELS.values())
-    lines = [f"{'Error':<{_INDENT}}{unseen:<{width}} {head}"]
+    lines = [f"{'Error':<{_INDENT}}{heading:<{width}} {head}"]
     for name, cells in table:
         lines.append(f"{'':<{_INDENT}}{name:<{width}} " + " ".join(f"{cell:>11}" for cell in cells))
-    return lines + [_line("", words) for words in rows.skills(d)]
+    return lines + [_line("", words) for words in rows.proof_notes(d)]
 
 
 def _table(head: tuple[str, ...], body: list) -> str:

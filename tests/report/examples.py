@@ -18,6 +18,7 @@ def _diagnosis(verdict, p_value, **parts):
         "mismatch": {"detected": p_value < 0.01, "p_value": p_value, "alpha": 0.01},
         "location": nothing,
         "effects": [],
+        "proof": "later_rows",
         "fit": {
             "flow": {
                 "unit": "m3/h",

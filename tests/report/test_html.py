@@ -8,6 +8,7 @@ import pytest
 
 from sklvalve.report import write_report
 from sklvalve.report.drawing import decimate
+from sklvalve.report.figures import where_present
 from sklvalve.report.signals import outline, residual_map
 from tests.report import examples
 
@@ -83,6 +84,38 @@ def test_page_with_signals_missing(lacking, tmp_path):
         }
     write_report(tmp_path / "report.html", made)
     assert "seat leakage" in _read(tmp_path / "report.html").text
+
+
+def test_page_says_on_which_rows_it_proves(tmp_path):
+    path = tmp_path / "report.html"
+    for until, expected, absent in (
+        (2400, "on 1440 unseen rows", "held out in turn"),
+        (None, "held out in turn", "unseen rows"),
+    ):
+        made = examples.named()
+        del made["proof"]
+        diagnosis = examples.diagnosis(made)
+        diagnosis.traces["until"] = until
+        write_report(path, diagnosis)
+        text = " ".join(_read(path).text.split())
+        assert expected in text
+        assert absent not in text
+    # a loop is not simulated behind the rows used, and nothing was proven there
+    diagnosis = examples.diagnosis(made)
+    diagnosis.traces["until"] = 2400
+    for model in ("nominal", "corrected"):
+        diagnosis.traces[model] = {"flow": np.where(np.arange(3000) < 2400, 1.0, np.nan)}
+    write_report(path, diagnosis)
+    text = " ".join(_read(path).text.split())
+    assert "held out in turn" in text
+    assert "were not used" in text
+
+
+def test_rows_are_shaded_only_while_the_page_says_it_is_there():
+    traces = examples.traces(3000) | {"flagged": np.ones(3000, dtype=bool)}
+    shown = where_present(traces, {"intervals": [[100.0, 200.0], [2500.0, 2999.0]]})["flagged"]
+    assert np.flatnonzero(shown).tolist() == [*range(100, 201), *range(2500, 3000)]
+    assert where_present(traces, {"intervals": []}) is traces
 
 
 def test_words_from_outside_are_escaped(tmp_path):

@@ -32,3 +32,32 @@ def test_mass_flow_is_not_turned_into_volume():
 
 def test_effect_without_parameters_has_none_to_show():
     assert parameters({}, {}) == []
+
+
+def _of(name, parameters_):
+    effect = {"members": [{"name": name, "probability": 1.0}], "parameters": parameters_}
+    return parameters(effect, {"fit": {}})
+
+
+def test_what_only_an_equation_gives_a_meaning_is_left_out():
+    play = {
+        "width": {"value": 0.03, "unit": "1", "ci95": None},
+        "overshoot": {"value": 0.1, "unit": "1", "ci95": [0.0, 0.2]},
+        "first_side": {"value": -1.0, "unit": "1", "ci95": [-1.0, -1.0]},
+    }
+    assert _of("backlash", play) == [("play", "3 % of travel")]
+
+
+@pytest.mark.parametrize(
+    ("effect", "name", "unit", "value", "shown"),
+    [
+        ("slew_limit", "speed", "1/s", 0.021, ("largest speed", "2.1 %/s")),
+        ("sedimentation", "rate", "1/h", 0.05, ("rate", "5 %/h")),
+        ("cavitation", "loss", "1", 0.08, ("largest loss of capacity", "8 %")),
+        ("line_loss", "loss", "1", 1.5, ("loss, as a multiple of the open valve's own,", "1.5")),
+        ("wrong_characteristic", "slope", "1", 0.0, ("rangeability, as a multiple of the sheet's,", "1")),
+        ("rod_bend", "begins", "1", 0.3, ("begins at", "30 % opening")),
+    ],
+)
+def test_one_unit_for_one_thing(effect, name, unit, value, shown):
+    assert _of(effect, {name: {"value": value, "unit": unit, "ci95": None}}) == [shown]

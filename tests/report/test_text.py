@@ -30,6 +30,57 @@ def test_sentence_names_class_size_place_onset_certainty_and_gain():
     )
 
 
+def test_without_later_rows_nothing_is_called_unseen():
+    made = examples.named() | {"proof": "four_blocks"}
+    sentence = summary_sentence(made)
+    assert sentence.endswith("with it the cross-validated flow error falls from 1.9 to 0.22 m3/h.")
+    for text in (to_text(made), to_markdown(made)):
+        words = " ".join(text.split())
+        assert "unseen" not in words
+        assert "on 1440 rows, held out in turn" in words
+        assert "each is predicted by parameters fitted to the other three, one step from the fit" in words
+        assert "was chosen on all rows" in words
+    loop = " ".join(to_text(made | {"reasons": ["A band explains the value."]}).split())
+    assert "fitted to the other three. What" in loop
+    silent = {key: value for key, value in made.items() if key != "proof"}
+    assert "flow error on 1440 held-out rows falls" in summary_sentence(silent)
+
+
+def test_what_could_not_be_learnt_is_told_of_its_own_signal():
+    made = examples.none_of_these()
+    made["fit"] = {
+        "opening": made["fit"]["flow"] | {"unit": "1", "rmse": {"nominal": 0.0015, "corrected": 0.0015}},
+        "flow": made["fit"]["flow"] | {"rmse": {"nominal": 1.64, "black_box": 3.7, "corrected": 1.64}},
+    }
+    made["location"] |= {"onset": None}
+    lost = {"added": False, "rmse_without": 1.637, "rmse_with": 1.737}
+    made["unknown"] = {"signal": "flow", "inputs": ["opening"], "correction": lost}
+    sentence = summary_sentence(made)
+    assert "opening error" not in sentence
+    assert "from the start" not in sentence, "learnt from all rows alike, it has no beginning"
+    assert sentence.endswith(
+        "but it could not be learnt well enough to predict: a correction learnt from three blocks at a time "
+        "made it no better (flow error 1.64 without it, 1.74 m3/h with it) and was left out."
+    )
+    text = " ".join(to_text(made).split())
+    assert "Of what no effect explains: it could not be learnt well enough" in text
+    assert "Since not known" in text
+    made["unknown"]["correction"] = lost | {"added": True, "rmse_with": 0.9}
+    made["fit"]["flow"]["rmse"]["corrected"] = 0.9
+    sentence = summary_sentence(made)
+    assert "with a learned correction the flow error on 1440 unseen rows falls from 1.64 to 0.9" in sentence
+
+
+def test_where_no_error_falls_the_signal_is_that_of_the_finding():
+    made = examples.named()
+    still = {"nominal": 0.002, "corrected": 0.002}
+    made["fit"] = {"opening": made["fit"]["flow"] | {"unit": "1", "rmse": still}, "flow": made["fit"]["flow"]}
+    made["fit"]["flow"]["rmse"]["corrected"] = 1.9
+    assert "though the flow error" in summary_sentence(made)
+    made["location"] = made["location"] | {"blocks": ["actuator"]}
+    assert "though the opening error" in summary_sentence(made)
+
+
 def test_sentence_lists_two_things():
     sentence = summary_sentence(examples.named_twice())
     assert "leaves out two things: 1. backlash in the actuator (" in sentence

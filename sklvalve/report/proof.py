@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""On which rows the errors of a diagnosis were taken, in words.
+
+``proof`` of a diagnosis says it: ``later_rows``, behind those that served for finding, which no step has
+seen, or ``four_blocks``, each predicted by fits to the other three while the effect was chosen on all rows.
+"""
+
+import numpy as np
+
+from sklvalve.report.words import number, role_words, with_unit
+
+LATER_ROWS, FOUR_BLOCKS = "later_rows", "four_blocks"
+
+
+def with_proof(d: dict, traces: dict) -> dict:
+    """A diagnosis that says on which rows its errors were taken, by its traces where it does not itself.
+
+    Parameters
+    ----------
+    d : dict
+    traces : dict
+        Of the same diagnosis. Where rows lie behind those used, a simulation that runs on through them was
+        judged there; one of which nothing is shown there was not.
+    """
+    if "proof" in d or "until" not in traces:
+        return d
+    until = traces["until"]
+    behind = [np.asarray(values, dtype=float)[until:] for values in traces.get("nominal", {}).values()]
+    ran_on = bool(until) and any(np.isfinite(values).any() for values in behind)
+    return d | {"proof": LATER_ROWS if ran_on else FOUR_BLOCKS}
+
+
+def held_out_rows(d: dict) -> int:
+    """Largest number of rows on which a signal's error was taken; 0 where that is not known."""
+    return max((fit.get("held_out_rows") or 0 for fit in (d.get("fit") or {}).values() if fit), default=0)
+
+
+def heading(d: dict) -> str:
+    """What goes above a table of errors, to stand behind 'Error' or 'Proof'."""
+    count = held_out_rows(d)
+    rows = f"{count} " if count else ""
+    if d.get("proof") == LATER_ROWS:
+        return f"on {rows}unseen rows"
+    return f"on {rows}rows, held out in turn" if d.get("proof") == FOUR_BLOCKS else f"on {rows}held-out rows"
+
+
+def note(d: dict) -> str:
+    """What the errors prove, and what they do not; empty where that is not known."""
+    if d.get("proof") == LATER_ROWS:
+        return "These rows served for nothing before: neither to find what is missing nor to fit it."
+    if d.get("proof") != FOUR_BLOCKS:
+        return ""
+    # a loop is fitted anew without each block; the simulation of a valve goes one step from its fit to all
+    step = "" if "reasons" in d else ", one step from the fit to all rows"
+    return (
+        "Cross-validated in four blocks: each is predicted by parameters fitted to the other three"
+        f"{step}. What is missing, and since when, was chosen on all rows; figures on rows that nothing has "
+        "seen come with --until."
+    )
+
+
+def error_words(d: dict, role: str) -> str:
+    """An error and the rows on which it was taken: ``flow error on 1440 unseen rows``."""
+    if d.get("proof") == FOUR_BLOCKS:
+        return f"cross-validated {role_words(role)} error"
+    kind = "unseen" if d.get("proof") == LATER_ROWS else "held-out"
+    count = ((d.get("fit") or {}).get(role) or {}).get("held_out_rows")
+    return f"{role_words(role)} error on {f'{count} ' if count else ''}{kind} rows"
+
+
+def left_out(d: dict) -> str:
+    """Why what no effect explains is not in the corrected simulation; empty where it is, or there is none."""
+    unknown = d.get("unknown") or {}
+    correction = unknown.get("correction") or {}
+    if correction.get("added", True):
+        return ""
+    role = unknown["signal"]
+    words = "it could not be learnt well enough to predict"
+    without, learnt = correction.get("rmse_without"), correction.get("rmse_with")
+    if without is None or learnt is None:
+        return f"{words} and is not in the corrected simulation"
+    unit = ((d.get("fit") or {}).get(role) or {}).get("unit")
+    scale, unit = (100.0, "%") if unit == "1" else (1.0, unit)
+    better = "helped too few of the four blocks" if learnt < without else "made it no better"
+    return (
+        f"{words}: a correction learnt from three blocks at a time {better} "
+        f"({role_words(role)} error {number(scale * without)} without it, "
+        f"{with_unit(scale * learnt, unit)} with it) and was left out"
+    )
