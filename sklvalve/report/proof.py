@@ -54,8 +54,8 @@ def note(d: dict) -> str:
     step = "" if "reasons" in d else ", one step from the fit to all rows"
     return (
         "Cross-validated in four blocks: each is predicted by parameters fitted to the other three"
-        f"{step}. What is missing, and since when, was chosen on all rows; figures on rows that nothing has "
-        "seen come with --until."
+        f"{step}. The verdict, with any effect and its onset, was reached on all rows; figures on rows that "
+        "nothing has seen come with --until."
     )
 
 
@@ -81,7 +81,7 @@ def left_out(d: dict) -> str:
         return f"{words} and is not in the corrected simulation"
     unit = ((d.get("fit") or {}).get(role) or {}).get("unit")
     scale, unit = (100.0, "%") if unit == "1" else (1.0, unit)
-    better = "helped too few of the four blocks" if learnt < without else "made it no better"
+    better = "helped too few of the four blocks" if learnt < without else "made it worse"
     return (
         f"{words}: a correction learnt from three blocks at a time {better} "
         f"({role_words(role)} error {number(scale * without)} without it, "
