@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from sklvalve.recording._agreement import require_liquid_at_inlet
 from sklvalve.recording.columns import to_numbers
 from sklvalve.recording.errors import InputError, hint
 from sklvalve.recording.signal import OPENING_ROLES, ROLES, Signal, si_signal
@@ -49,6 +50,8 @@ def assemble(columns: Mapping[str, object], valve: Valve, source: str) -> Parts:
         signals[role] = signal.to_si(values)
         _require_likely(signals[role], values, role, signal, where)
     _require_pressure_drop(signals, source)
+    if "p1" in signals:
+        require_liquid_at_inlet(valve.fluid, signals["p1"], valve.source)
     constants = frozenset(role for role, signal in valve.roles.items() if signal.column is None)
     return Parts(time, signals, constants, _flows_by_mass(valve))
 

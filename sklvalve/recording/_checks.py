@@ -11,13 +11,26 @@ from sklvalve.recording.errors import InputError, hint
 Check = Callable[[object, str], object]
 
 
+def shown(value: object) -> str:
+    """What stands in the file, as Python writes it, cut where nobody would read on."""
+    try:
+        words = repr(value)
+    except (ValueError, RecursionError):  # a number, or a nesting, too long to be written out
+        return "more than can be shown"
+    return words if len(words) <= 60 else f"{words[:57]}..."
+
+
 def plain_number(value: object, where: str) -> float:
     """A finite number; true and false are none, although Python counts with them."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where} must be a number; got {value!r}, so write it without quotes")
-    if not isfinite(value):
-        raise InputError(f"{where} must be a finite number; got {value!r}")
-    return float(value)
+        raise InputError(f"{where} must be a number; got {shown(value)}, so write it without quotes")
+    try:
+        number = float(value)
+    except OverflowError:
+        number = inf
+    if not isfinite(number):
+        raise InputError(f"{where} must be a finite number; got {shown(value)}")
+    return number
 
 
 @dataclass(frozen=True)
@@ -49,13 +62,13 @@ class Number:
 
 def text(value: object, where: str) -> str:
     if not isinstance(value, str) or not value.strip():
-        raise InputError(f"{where} must be a text in quotes; got {value!r}")
+        raise InputError(f"{where} must be a text in quotes; got {shown(value)}")
     return value
 
 
 def flag(value: object, where: str) -> bool:
     if not isinstance(value, bool):
-        raise InputError(f"{where} must be true or false, without quotes; got {value!r}")
+        raise InputError(f"{where} must be true or false, without quotes; got {shown(value)}")
     return value
 
 
@@ -64,7 +77,7 @@ def one_of(*names: str) -> Check:
 
     def check(value: object, where: str) -> object:
         if value not in names or not isinstance(value, str):
-            raise InputError(f"{where} must be one of {', '.join(names)}; got {value!r}")
+            raise InputError(f"{where} must be one of {', '.join(names)}; got {shown(value)}")
         return value
 
     return check
@@ -74,11 +87,11 @@ def table(value: object, where: str, *, content: Number, rising: bool) -> tuple[
     """Pairs of opening and value, openings rising from shut to open."""
     form = f"{where} must be a table of pairs [opening, value], at least two"
     if not isinstance(value, list | tuple) or len(value) < 2:
-        raise InputError(f"{form}; got {value!r}")
+        raise InputError(f"{form}; got {shown(value)}")
     pairs = []
     for number, pair in enumerate(value, start=1):
         if not isinstance(pair, list | tuple) or len(pair) != 2:
-            raise InputError(f"{form}; pair {number} is {pair!r}")
+            raise InputError(f"{form}; pair {number} is {shown(pair)}")
         opening = Number(low=0.0, high=1.0, open_low=False)(pair[0], f"{where}, pair {number}, opening")
         pairs.append((opening, content(pair[1], f"{where}, pair {number}, value")))
     for number, (before, after) in enumerate(pairwise(pairs), start=2):
@@ -101,7 +114,7 @@ def characteristic(value: object, where: str) -> object:
     if isinstance(value, str):
         if value not in names:
             near = hint(value, names)
-            raise InputError(f"{where} = {value!r} is no known characteristic; {near}")
+            raise InputError(f"{where} = {shown(value)} is no known characteristic; {near}")
         return value
     pairs = table(value, where, content=Number(low=0.0, high=1.0, open_low=False), rising=True)
     shut, wide = pairs[0][0], pairs[-1][0]
@@ -126,15 +139,21 @@ def number_or_table(content: Number) -> Check:
     return check
 
 
-def rising_pair(content: Number) -> Check:
-    """Two numbers, the lower one first."""
+def rising_pair(content: Number, apart: float = 0.0) -> Check:
+    """Two numbers, the lower one first, and so much apart, in the unit of the file."""
 
     def check(value: object, where: str) -> object:
         if not isinstance(value, list | tuple) or len(value) != 2:
-            raise InputError(f"{where} must be two numbers [low, high]; got {value!r}")
+            raise InputError(f"{where} must be two numbers [low, high]; got {shown(value)}")
         low, high = (content(item, where) for item in value)
         if high <= low:
-            raise InputError(f"{where} must give the lower number first; got {list(value)!r}")
+            raise InputError(f"{where} must give the lower number first; got {shown(list(value))}")
+        # a hair's breadth less passes: decimals have no exact difference
+        if high - low < apart * content.factor * (1.0 - 1e-9):
+            raise InputError(
+                f"{where} must be two numbers at least {apart:g} {content.unit} apart; "
+                f"got {shown(list(value))}, so check the unit"
+            )
         return low, high
 
     return check
@@ -143,10 +162,10 @@ def rising_pair(content: Number) -> Check:
 def names_list(value: object, where: str) -> tuple[str, ...]:
     """A list of effect names, each once."""
     if isinstance(value, str) or not isinstance(value, list | tuple):
-        raise InputError(f'{where} must be a list of names, such as ["choked_flow"]; got {value!r}')
+        raise InputError(f'{where} must be a list of names, such as ["choked_flow"]; got {shown(value)}')
     for item in value:
         if not isinstance(item, str) or not item.isidentifier():
-            raise InputError(f"{where} must hold names of effects in quotes; got {item!r}")
+            raise InputError(f"{where} must hold names of effects in quotes; got {shown(item)}")
     if len(set(value)) < len(value):
         raise InputError(f"{where} names an effect twice; write each once")
     return tuple(value)

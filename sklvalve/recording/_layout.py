@@ -10,15 +10,18 @@ from sklvalve.recording.units import UNITS, quantity_of
 
 _KV_OF_CV = 0.8649777  # m3/h of a US gallon a minute, at 1 bar instead of 1 psi
 _MM = check.Number("mm", 1e-3)
-_KPA = check.Number("kPa", 1e3)
+# wide of all that is built, and near enough for a simulation of the actuator to come to an end
+_AIR = check.Number("kPa", 1e3, low=10.0, high=2000.0, open_low=False)
+_SPRING = check.Number("kPa", 1e3, high=1000.0, open_low=False)
+_NARROWEST_SPRING = 5.0  # kPa
 _FACTOR = check.Number(high=1.0)
 
 # section -> key -> check; the checks give SI
 KEYS: dict[str, dict[str, check.Check]] = {
     "valve": {
         "tag": check.text,
-        "kv_rated": check.Number("m3/h"),
-        "cv_rated": check.Number("US gallons a minute at 1 psi", _KV_OF_CV),
+        "kv_rated": check.Number("m3/h", high=1e6),
+        "cv_rated": check.Number("US gallons a minute at 1 psi", _KV_OF_CV, high=1e6),
         "characteristic": check.characteristic,
         "rangeability": check.Number(low=1.0),
         "shutoff": check.Number(low=0.0, high=1.0, open_low=False, open_high=True),
@@ -35,15 +38,16 @@ KEYS: dict[str, dict[str, check.Check]] = {
         "density": check.Number("kg/m3"),
         "kinematic_viscosity": check.Number("m2/s"),
         "vapour_pressure": check.Number("kPa, absolute", 1e3, open_low=False),
-        "critical_pressure": check.Number("kPa, absolute", 1e3),
+        # that of helium, the lowest there is, is 227 kPa
+        "critical_pressure": check.Number("kPa, absolute", 1e3, low=200.0, open_low=False),
         "molar_mass": check.Number("kg/kmol", 1e-3),
         "heat_capacity_ratio": check.Number(low=1.0),
         "compressibility": check.Number(high=10.0),
     },
     "actuator": {
         "fail": check.one_of("closed", "open"),
-        "supply_pressure": _KPA,
-        "spring_range": check.rising_pair(check.Number("kPa", 1e3, open_low=False)),
+        "supply_pressure": _AIR,
+        "spring_range": check.rising_pair(_SPRING, _NARROWEST_SPRING),
         "effective_area": check.Number("cm2", 1e-4),
         "positioner": check.flag,
     },
@@ -65,7 +69,7 @@ SCALES = {
 def section(data: Mapping[str, object], name: str, source: str) -> Mapping[str, object]:
     section = data.get(name, {})
     if not isinstance(section, Mapping):
-        raise InputError(f"{source}: {name} must be a section [{name}]; got {section!r}")
+        raise InputError(f"{source}: {name} must be a section [{name}]; got {check.shown(section)}")
     return section
 
 
@@ -83,8 +87,8 @@ def require_known_fluid(fluid: Mapping[str, object], source: str) -> None:
     name = fluid.get("name", FLUIDS[0])
     if name not in FLUIDS and not {"density", *GAS_KEYS} & fluid.keys():
         raise InputError(
-            f"{source}: [fluid] name = {name!r} is no known fluid; give its density in kg/m3, or write a "
-            f"name that is known ({', '.join(FLUIDS)})"
+            f"{source}: [fluid] name = {check.shown(name)} is no known fluid; give its density in kg/m3, or "
+            f"write a name that is known ({', '.join(FLUIDS)})"
         )
 
 
@@ -93,7 +97,7 @@ def read_role(role: str, value: object, travel: object, source: str) -> Signal:
         raise InputError(f"{source}: [recording.{role}] is no known role; {hint(role, ROLES)}")
     where = f"{source}: [recording.{role}]"
     if not isinstance(value, Mapping):
-        raise InputError(f"{where} must be a section with column and unit; got {value!r}")
+        raise InputError(f"{where} must be a section with column and unit; got {check.shown(value)}")
     for key in value:
         if key not in _SIGNAL_KEYS:
             raise InputError(f"{where} knows no key {key!r}; {hint(key, _SIGNAL_KEYS)}")
@@ -128,7 +132,7 @@ def _read_unit(role: str, value: Mapping[str, object], where: str) -> str:
     if not isinstance(unit, str) or unit not in units:
         near = hint(unit, units)
         more = f" (known are {', '.join(units)})" if near.startswith("did") else ""
-        raise InputError(f"{where} unit = {unit!r} is no known unit of this role; {near}{more}")
+        raise InputError(f"{where} unit = {check.shown(unit)} is no known unit of this role; {near}{more}")
     return unit
 
 

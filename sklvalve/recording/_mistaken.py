@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.recording._screen_meaning import against_command, fractions_as_percent
+from sklvalve.recording._screen_tools import boiling_point
 from sklvalve.recording._tell import column_of, written
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.recording import Recording
@@ -16,6 +17,7 @@ from sklvalve.recording.recording import Recording
 _LARGEST = {"pressure": 1e11, "volume flow": 1e7, "mass flow": 1e10, "temperature": 1e5, "fraction": 1e3}
 _LEAST_FLOW = 1e-15  # m3/s or kg/s
 _LIQUID_WATER = (243.15, 647.1)  # K; with room for a sensor's error below freezing, none above critical
+_ABOVE_BOILING = 15.0  # K
 _FORMULAS = ("density", "vapour_pressure")
 _LONGEST_DELAY = 120.0  # s; the longest dead time that the catalogue knows
 
@@ -28,7 +30,8 @@ def require_likely_signals(recording: Recording) -> None:
     InputError
         Naming the column, and what to write instead.
     """
-    _require_magnitudes(recording)
+    require_magnitudes(recording)
+    _require_any_flow(recording)
     for role, low, high in fractions_as_percent(recording):
         raise InputError(
             f"{column_of(recording, role)} runs from {low:g} to {high:g} in unit '%', by which the valve "
@@ -39,7 +42,14 @@ def require_likely_signals(recording: Recording) -> None:
     _require_liquid_water(recording)
 
 
-def _require_magnitudes(recording: Recording) -> None:
+def require_magnitudes(recording: Recording) -> None:
+    """Refuse numbers that no plant reaches, whatever they are wanted for.
+
+    Raises
+    ------
+    InputError
+        Naming the column and the row.
+    """
     for role, values in recording.signals.items():
         limit = _LARGEST.get(recording.signal(role).quantity, np.inf)
         beyond = np.flatnonzero(np.abs(values) > limit)
@@ -49,6 +59,9 @@ def _require_magnitudes(recording: Recording) -> None:
                 f"{column_of(recording, role)}, row {row + 1}: {written(recording, role, values[row])} is "
                 "far beyond any plant; correct the value or the unit, or leave the cell empty"
             )
+
+
+def _require_any_flow(recording: Recording) -> None:
     flow = recording.get("flow")
     if flow is not None and not (np.abs(flow) > _LEAST_FLOW).any():
         raise InputError(
@@ -110,10 +123,30 @@ def _require_liquid_water(recording: Recording) -> None:
         return
     low, high = _LIQUID_WATER
     middle = float(np.nanmedian(recording["temperature"]))
+    where = "where water is no liquid; correct"
+    # a little above boiling may be the error of a sensor, or condensate
+    for pressure, what in _pressures_above_boiling(recording):
+        boiling = boiling_point(pressure)
+        if low <= middle <= high and middle > boiling + _ABOVE_BOILING:
+            high = boiling
+            where = f"where water boils, for {what} is {pressure / 1e3:.4g} kPa, absolute; correct that,"
     if not low <= middle <= high:
         unit = recording.unit("temperature")
         raise InputError(
             f"{column_of(recording, 'temperature')} lies around {written(recording, 'temperature', middle)}, "
-            f"where water is no liquid; correct the unit ({unit!r}) or the column, or give density and "
+            f"{where} the unit ({unit!r}) or the column, or give density and "
             "vapour_pressure of the liquid in [fluid]"
         )
+
+
+def _pressures_above_boiling(recording: Recording) -> list[tuple[float, str]]:
+    """Pressures [Pa] under which the fluid must be liquid, and what they are called."""
+    pressures: list[tuple[float, str]] = []
+    if "vapour_pressure" in recording.valve.fluid:
+        return pressures
+    if "p1" in recording:
+        pressures.append((float(np.nanmedian(recording["p1"])), "p1 in the middle"))
+    critical = recording.valve.fluid.get("critical_pressure")
+    if isinstance(critical, float):
+        pressures.append((critical, "[fluid] critical_pressure"))
+    return pressures

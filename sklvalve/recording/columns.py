@@ -52,7 +52,7 @@ def to_numbers(values: object, where: str, mend: str = _MEND) -> NDArray[np.floa
     for row, item in enumerate(column):
         try:
             numbers[row] = np.nan if is_gap(item) else _number(item)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise InputError(f"{where}, row {row + 1}: {_not_a_number(item, mend)}") from None
     return numbers
 
@@ -64,7 +64,10 @@ def _number(item: object) -> float:
 
 
 def _not_a_number(item: object, mend: str) -> str:
-    shown = repr(item) if isinstance(item, str) else f"{item}"
+    try:
+        shown = repr(item) if isinstance(item, str) else f"{item}"
+    except ValueError:  # Python does not write out an integer of thousands of digits
+        shown = "an integer of thousands of digits"
     if len(shown) > 60:
         shown = shown[:57] + "..."
     if isinstance(item, str) and re.fullmatch(r"\s*[+-]?\d+,\d+\s*", item):

@@ -98,7 +98,7 @@ def seconds_at(value: object, first: object, offset: float) -> float:
         return offset + (moment - start).total_seconds()
     try:
         number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         number = np.nan
     if not np.isfinite(number):
         raise InputError(
@@ -127,6 +127,8 @@ def _looks_numeric(column: NDArray) -> bool:
         if not is_gap(item):
             try:
                 float(item)
+            except OverflowError:
+                return True
             except (TypeError, ValueError):
                 return False
             return True

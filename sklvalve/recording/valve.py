@@ -9,6 +9,7 @@ from os import PathLike
 from pathlib import Path
 
 from sklvalve.recording import _checks as check
+from sklvalve.recording._agreement import require_agreement
 from sklvalve.recording._layout import (
     KEYS,
     SCALES,
@@ -116,8 +117,9 @@ class Valve:
         Raises
         ------
         InputError
-            If a section, key, role or fluid is not known, a value has the wrong type or is out of range, or
-            an equal-percentage trim has no rangeability.
+            If a section, key, role or fluid is not known, a value has the wrong type or is out of range, an
+            equal-percentage trim has no rangeability, two roles name one column, or two values contradict
+            each other.
 
         Examples
         --------
@@ -148,6 +150,7 @@ class Valve:
         time = check.text(recording.pop("time", "time"), f"{source}: [recording] time")
         travel = valve.get("travel")
         roles = {role: read_role(role, value, travel, source) for role, value in recording.items()}
+        require_agreement(found["fluid"], found["actuator"], roles, time, source)
         fields = {**valve, **found["actuator"], **found["simulation"]}
         return cls(**fields, fluid=found["fluid"], roles=roles, time=time, source=source)  # type: ignore[arg-type]
 
@@ -231,6 +234,9 @@ def read_valve(path: str | PathLike[str]) -> Valve:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         raise InputError(_toml_sentence(file, text, str(error))) from None
+    except (ValueError, RecursionError) as error:
+        what = "brackets are nested" if isinstance(error, RecursionError) else "a number is"
+        raise InputError(f"{file}: {what} beyond what can be read; correct it") from None
     return Valve.from_dict(data, source=str(file))
 
 

@@ -148,9 +148,9 @@ def test_percent_read_as_fraction(tmp_path):
 
 
 def test_flows_of_two_kinds(tmp_path):
-    valve = {"recording": {**VALVE["recording"], "simulated_flow": {"column": "F", "unit": "t/h"}}}
+    valve = {"recording": {**VALVE["recording"], "simulated_flow": {"column": "S", "unit": "t/h"}}}
     file = tmp_path / "recording.csv"
-    file.write_text(table())
+    file.write_text(table(S=["1.0"] * ROWS))
     with pytest.raises(InputError, match="one is by mass, one by volume"):
         read_recording(file, Valve.from_dict(valve))
 

@@ -95,8 +95,8 @@ def test_sheet_that_would_be_ignored(sheet, words):
 
 @pytest.mark.parametrize("role", ["simulated_flow", "simulated_opening"])
 def test_simulation_of_ones_own(role):
-    same = ROLES[role.removeprefix("simulated_")]
-    require_diagnosable(made(roles={role: same}))
+    told = ROLES[role.removeprefix("simulated_")]
+    require_diagnosable(made(roles={role: told | {"column": "SIM"}}, SIM=healthy()[told["column"]]))
 
 
 def test_sheet_that_is_used_or_does_no_harm():
@@ -126,6 +126,10 @@ MISTAKEN = {
     ),
     "steam": ({"T": np.full(N, 500.0)}, ["'T' (temperature) lies around 500 degC", "('degC')"]),
     "deep cold": ({"T": np.full(N, -200.0)}, ["'T' (temperature) lies around -200 degC"]),
+    "steam under pressure": (
+        {"T": np.full(N, 190.0)},
+        ["'T' (temperature) lies around 190 degC, where water boils, for p1 in the middle is"],
+    ),
     "no pressure drop": ({"P2": GOOD["P1"]}, ["'P1' (p1): p1 is nowhere above p2"]),
     "held command": ({"CV": np.full(N, 50.0)}, ["'CV' (command) holds one value, 50 %"]),
     "frozen opening": ({"X": np.full(N, 50.0)}, ["'X' (opening) holds one value, 50 %"]),
@@ -169,6 +173,20 @@ def test_rows_in_which_a_signal_is_absent():
 def test_hot_liquid_with_properties_of_its_own():
     fluid = {"name": "salt", "density": 1800.0, "vapour_pressure": 0.1}
     require_diagnosable(made({"fluid": fluid}, T=np.full(N, 500.0)))
+
+
+def test_vapour_pressure_above_the_inlet():
+    for pressure in (2339.0, 650.0):
+        with pytest.raises(InputError, match=r"^valve.toml: \[fluid\] vapour_pressure = .* p1 lies around"):
+            made({"fluid": {"vapour_pressure": pressure}})
+    # a few rows at start and stop do no harm, and a liquid near boiling is one
+    require_diagnosable(made({"fluid": {"vapour_pressure": 580.0}}))
+    require_diagnosable(made({"fluid": {"vapour_pressure": 2.0}}, P1=np.where(np.arange(N) < 90, 1.0, 600.0)))
+
+
+def test_critical_pressure_below_that_of_the_liquid_at_hand():
+    sentence = sentence_for(made({"fluid": {"critical_pressure": 220.64}}, T=np.full(N, 150.0)))
+    assert "where water boils, for [fluid] critical_pressure is 220.6 kPa" in sentence
 
 
 def test_single_glitch_of_temperature_or_flow_passes():
