@@ -6,12 +6,12 @@ parameters and calibration answer: as far as the present recording leaves them o
 says, and within their bounds.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from sklvalve.mismatch.distance import distance
+from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.foreseen import Foreseen
 from sklvalve.mismatch.hypothesis import Member, Model
 from sklvalve.simulation.fitting import Misfit, robust_cost, robust_weights, step_inside
@@ -112,27 +112,45 @@ class Advisor:
                 costs[i, j] = answer.least(slopes, rounds)
         # a test in which the effect gains much and the pair little lowers the pooled distance by its
         # denominator; but the present recording, by itself, still tells what it tells
-        return np.maximum(self._pooled(costs), self.now())
+        return np.maximum(self._pooled(costs) - self._distrusted, self._now)
 
     def now(self):
         """Distances that the present recording gives, without a sign: the larger of both ways."""
+        return self._now.copy()
+
+    @cached_property
+    def _now(self):
+        """As `distance` has them for classes: no more than the scatter of a difference over time allows."""
+        found = self._pooled_now.copy()
+        for i, j in np.argwhere(found >= DISTINGUISHABLE):
+            pair = self.explanations[i].model, self.explanations[j].model
+            found[i, j] = min(found[i, j], 4.0 * gain_in_spreads(self.workbench, *pair) ** 2)
+        return found
+
+    @property
+    def _distrusted(self):
+        """What of the present distances one or two events have decided: it is not counted with a test."""
+        return self._pooled_now - self._now
+
+    @cached_property
+    def _pooled_now(self):
         k = len(self.explanations)
         one_way = self._pooled(np.zeros((k, k + 1)))
         return np.maximum(one_way, one_way.T)
 
     def _pooled(self, costs):
-        """Distances from the present recording and the test together."""
+        """Distances from the present recording and the test together, as if every row of theirs counted."""
         k = len(self.explanations)
         likelihood = [e.model.log_likelihood for e in self.explanations]
         found = np.zeros((k, k))
         for i in range(k):
             gain = self.gain + likelihood[i] - likelihood[0]
             gain += costs[i, k] if self.without else 0.0
+            mistaken = SHARE_MISTAKEN**2 * 2.0 * max(gain, 0.0)
             for j in range(k):
                 if i != j:
-                    true, other = self.explanations[i].model, self.explanations[j].model
-                    worse = replace(other, log_likelihood=likelihood[j] - costs[i, j])
-                    found[i, j] = distance(true, worse, gain)
+                    between = 2.0 * max(likelihood[i] - likelihood[j] + costs[i, j], 0.0)
+                    found[i, j] = between / (1.0 + mistaken / DISTINGUISHABLE)
         return found
 
     def spread_after(self, program, name):

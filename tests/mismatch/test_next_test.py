@@ -183,6 +183,18 @@ def test_a_test_lowers_no_distance(lags):
     assert np.all(loud.distances(still) >= loud.now())
 
 
+def test_what_few_events_decided_is_counted_neither_now_nor_with_a_test(lags, monkeypatch):
+    still = library(0.45, 0.5, 0.47, 60, 1.0, TestLimits())[0]
+    doubted = Advisor(lags.workbench, lags.explanations, lags.without, 0.0)
+    assert lags.workbench is doubted.workbench
+    plain = doubted._pooled_now[0, 1]
+    assert plain > 14.0, "without a gain nothing is mistaken, and the lags are clearly apart"
+    monkeypatch.setattr("sklvalve.mismatch.excitation.gain_in_spreads", lambda *_: 1.0)
+    assert doubted.now()[0, 1] == pytest.approx(4.0)
+    # a test that shows next to nothing does not make up for it
+    assert doubted.distances(still).min(initial=np.inf, where=~np.eye(2, dtype=bool)) < 14.0
+
+
 def test_words_tell_the_pair_that_grows_and_those_that_stay():
     names, advice = ("two_phase", "cavitation", "choked_flow"), ["Bleed.", "Listen.", "Lower p2."]
     now = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 5.0], [9.0, 5.0, 0.0]])

@@ -41,7 +41,7 @@ def test_without_later_rows_nothing_is_called_unseen():
         assert "each is predicted by parameters fitted to the other three, one step from the fit" in words
         assert "was reached on all rows" in words
     loop = " ".join(to_text(made | {"reasons": ["A band explains the value."]}).split())
-    assert "fitted to the other three. What" in loop
+    assert "fitted to the other three. The verdict" in loop
     silent = {key: value for key, value in made.items() if key != "proof"}
     assert "flow error on 1440 held-out rows falls" in summary_sentence(silent)
 
