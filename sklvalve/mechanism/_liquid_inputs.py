@@ -9,6 +9,7 @@ SENSELESS = (
     "hold what cannot be (a pressure below zero absolute, a p_vapour outside 0 to p_critical, or a bore, "
     "factor or kv_rated that is not positive) and give NaN."
 )
+BOILS = "have liquid at or below its vapour pressure before the valve; those at or below F_F p_v give NaN."
 
 
 def positive(value):

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from sklvalve.mechanism._liquid_inputs import BOILS
 from sklvalve.mechanism._liquid_valve import LiquidValve
 from sklvalve.mechanism._rows import ValveRows
 from sklvalve.mechanism.cavitation import cavitation_index, incipient_xfz, pressure_ratio_xf
@@ -16,7 +17,7 @@ from sklvalve.mechanism.opening import opening_for_flow
 from sklvalve.mechanism.orifice import vena_contracta_pressure
 from sklvalve.mechanism.states import liquid_state
 from sklvalve.mechanism.travel import at_travel
-from sklvalve.mechanism.validity import MissingDatum
+from sklvalve.mechanism.validity import MissingDatum, warn_rows
 
 
 class LiquidRows(ValveRows):
@@ -111,6 +112,8 @@ class LiquidRows(ValveRows):
     @cached_property
     def pressure_ratio(self):
         above_boiling = self.upstream - self.ff * self.vapour_pressure
+        if self._settings.warn:
+            warn_rows(self.upstream <= self.vapour_pressure, "pressure_ratio", BOILS)
         return self.dp / np.where(above_boiling > 0.0, above_boiling, np.nan)
 
     @cached_property

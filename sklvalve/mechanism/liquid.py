@@ -9,7 +9,7 @@ of these functions with ``kv * fp`` and ``fl=flp / fp``.
 import numpy as np
 
 from sklvalve.mechanism._constants import FLOW_CONSTANT
-from sklvalve.mechanism._liquid_inputs import Screen
+from sklvalve.mechanism._liquid_inputs import BOILS, Screen
 from sklvalve.mechanism._liquid_sizing import SizingDuty, required_kv
 from sklvalve.mechanism._liquid_valve import LiquidValve
 from sklvalve.mechanism.choking import (
@@ -163,7 +163,7 @@ def liquid_flow(
         )
     if warn:
         if chokes:
-            warn_rows(upstream <= boiling[0], "liquid_flow", _BOILS)
+            warn_rows(upstream <= boiling[0], "liquid_flow", BOILS)
         warn_rows(kv < 0.0, "liquid_flow", "have a negative kv; the linear continuation is returned.")
         warn_rows(density <= 0.0, "liquid_flow", "have a density that is not positive and give NaN.")
         screen.warn("liquid_flow", flow)
@@ -272,7 +272,7 @@ def liquid_kv(
         warn_rows(kv < 0.0, "liquid_kv", "have the flow against the pressure drop; their kv is negative.")
         warn_rows(density <= 0.0, "liquid_kv", "have a density that is not positive and give NaN.")
         if chokes:
-            warn_rows(upstream <= boiling[0], "liquid_kv", _BOILS)
+            warn_rows(upstream <= boiling[0], "liquid_kv", BOILS)
         screen.warn("liquid_kv", kv)
         valve.warn(kv, "liquid_kv")
         if valve.extended:
@@ -289,6 +289,3 @@ def _turbulent_flow(kv, dp, upstream, density, fl, boiling):
     # a density of zero must not pass as an infinite flow
     root = np.sqrt(drop / np.where(density > 0.0, density, np.nan))
     return FLOW_CONSTANT * kv * np.copysign(root, dp)
-
-
-_BOILS = "have liquid at or below its vapour pressure before the valve; those at or below F_F p_v give NaN."

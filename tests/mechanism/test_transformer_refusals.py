@@ -16,6 +16,14 @@ class TestOutsideValidity:
             by_position(features=["kv", "flow"]).fit(X).transform(X)
         assert len(said) == 1
 
+    @pytest.mark.parametrize("method", ["transform", "predict"])
+    def test_pressures_in_kilopascal_are_said(self, method):
+        X = duties()
+        valve = by_position().fit(X)
+        X[:, 2:4] /= 1e3
+        with pytest.warns(ValidityWarning, match="200 of 200 rows have liquid at or below its vapour"):
+            getattr(valve, method)(X)
+
     def test_choked_outlet_pressure_is_said(self):
         X = duties()
         valve = by_position(output="outlet_pressure").fit(X)
