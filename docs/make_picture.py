@@ -11,16 +11,18 @@ from pathlib import Path
 from sklvalve.cli import main
 
 TARGET = Path(__file__).with_name("report.png")
-WIDTH, HEIGHT = 960, 1500
+# down to the end of the recorded signals
+WIDTH, HEIGHT = 960, 1750
 
 
-def take(seed: int, target: Path) -> None:
+def take(seed: int | None, target: Path) -> None:
     """Run the demo and photograph its report."""
     browser = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
     if browser is None:
         sys.exit("no Chromium found: install it (apt-get install chromium), then run this again")
     with tempfile.TemporaryDirectory() as folder:
-        if main(["demo", "--seed", str(seed), "--out", folder]) != 0:
+        drawn = [] if seed is None else ["--seed", str(seed)]
+        if main(["demo", *drawn, "--out", folder]) != 0:
             sys.exit("the demo failed")
         page = Path(folder, "report.html").as_uri()
         words = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
@@ -30,5 +32,5 @@ def take(seed: int, target: Path) -> None:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--seed", type=int, help="of the draw, instead of the one that the demo takes")
     take(parser.parse_args().seed, TARGET)

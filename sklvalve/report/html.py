@@ -2,6 +2,7 @@
 """A diagnosis as one HTML file that needs nothing else: no network, no script, no fonts."""
 
 import os
+import re
 import secrets
 from importlib.resources import files
 from pathlib import Path
@@ -84,6 +85,7 @@ def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | Non
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
+    environment.filters["with_units"] = _with_units
     return environment.from_string(template).render(
         title=title or "Control valve",
         source=source,
@@ -105,3 +107,8 @@ def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | Non
         until=bool(traces.get("until")),
         held_out=d.get("proof") == proof.LATER_ROWS,
     )
+
+
+def _with_units(words: str) -> str:
+    """Words whose numbers stay on one line with their units."""
+    return re.sub(r"(?<=\d) (?=(?:%|s|h|m3/h|kPa)(?!\w))", "\N{NO-BREAK SPACE}", words)

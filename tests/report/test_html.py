@@ -111,6 +111,16 @@ def test_page_says_on_which_rows_it_proves(tmp_path):
     assert "were not used" in text
 
 
+def test_a_number_stays_with_its_unit(tmp_path):
+    path = tmp_path / "report.html"
+    write_report(path, examples.diagnosis(examples.named(), n=400))
+    page = path.read_text(encoding="utf-8")
+    assert "for 60\N{NO-BREAK SPACE}s." in page
+    assert "0.22\N{NO-BREAK SPACE}m3/h" in page
+    # the share beside a bar has no room for a second line
+    assert re.search(r"\.bars \.value {[^}]*white-space: nowrap", page)
+
+
 def test_rows_are_shaded_only_while_the_page_says_it_is_there():
     traces = examples.traces(3000) | {"flagged": np.ones(3000, dtype=bool)}
     shown = where_present(traces, {"intervals": [[100.0, 200.0], [2500.0, 2999.0]]})["flagged"]
