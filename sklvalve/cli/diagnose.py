@@ -118,11 +118,20 @@ def require_extras() -> None:
 
 
 def _rows_until(recording: "Recording", time: str | None) -> int | None:
-    """Rows that serve for finding; both sides of the time must hold some."""
+    """Rows that serve for finding; both sides of the time must hold some, and the first side enough."""
+    from sklvalve.recording import InputError
+    from sklvalve.recording.diagnosable import FEWEST_ROWS
+
     if time is None:
         return None
     recording.after(time)
-    return len(recording.until(time))
+    rows = len(recording.until(time))
+    if rows < FEWEST_ROWS < len(recording):
+        raise InputError(
+            f"--until {time}: only {rows} of {len(recording)} rows of {recording.source} stand at or before "
+            f"it, too few to find anything in; give {recording.stamps[FEWEST_ROWS - 1]} or a later time"
+        )
+    return rows
 
 
 def _json(found: dict) -> str:

@@ -24,8 +24,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     status : int
-        0 it ran, whatever the verdict; 1 a mismatch, only with ``--exit-code``; 2 bad input or a missing
-        extra, with one sentence on standard error; 130 interrupted.
+        0 it ran, whatever the verdict; 1 a mismatch, only with ``--exit-code``; 2 bad input, a missing extra
+        or a fault of the package, with one sentence on standard error; 130 interrupted.
+
+    Notes
+    -----
+    With the environment variable SKLVALVE_DEBUG set, or Python's development mode, an error that nobody
+    foresaw comes with its traceback.
 
     Examples
     --------
@@ -37,22 +42,31 @@ def main(argv: Sequence[str] | None = None) -> int:
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a diagnosis
     try:
-        return _run(argv)
-    except UsageError as error:
-        return _complain(str(error))
+        status = _run(argv)
+        if sys.stdout is not None:
+            sys.stdout.flush()  # else a full disk would be told only while Python shuts down
+        return status
     except KeyboardInterrupt:
         print("interrupted; nothing was written", file=sys.stderr)
         return 130
     except BrokenPipeError:
         # whoever read the output has seen enough, as `| head` does
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
         return 0
-    except SystemExit as end:  # argparse ends so after --help and --version
-        return int(end.code or 0)
+    except OSError as error:
+        if not _output_fails():
+            raise
+        _drop_output()
+        return _complain(f"standard output cannot be written ({error.strerror or error}); send it elsewhere")
 
 
 def _run(argv: Sequence[str] | None) -> int:
-    args = build_parser().parse_args(argv)
+    try:
+        args = build_parser().parse_args(argv)
+    except UsageError as error:
+        return _complain(str(error))
+    except SystemExit as end:  # argparse ends so after --help and --version
+        return int(end.code or 0)
     # only now: reading errors.py loads numpy, and --help must be instant
     from numpy.linalg import LinAlgError
 
@@ -65,7 +79,7 @@ def _run(argv: Sequence[str] | None) -> int:
         return _complain(str(error))
     except ImportError as error:
         if (error.name or "").startswith("sklvalve"):
-            raise  # a fault of the package, no missing extra
+            return _unforeseen(error)  # a fault of the package, no missing extra
         more = "" if "pip install" in str(error) else ': pip install "sklvalve[all]"'
         return _complain(f"{error}{more}")
     except (ArithmeticError, LinAlgError) as error:
@@ -75,6 +89,10 @@ def _run(argv: Sequence[str] | None) -> int:
         )
     except MemoryError:
         return _complain("the memory does not suffice; give a shorter recording or fewer samples a second")
+    except Exception as error:
+        if isinstance(error, BrokenPipeError) or (isinstance(error, OSError) and _output_fails()):
+            raise
+        return _unforeseen(error)
 
 
 def build_parser() -> Parser:
@@ -98,6 +116,30 @@ def _version() -> str:
 def _complain(sentence: str) -> int:
     print(f"sklvalve: {' '.join(sentence.split())}", file=sys.stderr)
     return 2
+
+
+def _unforeseen(error: Exception) -> int:
+    """The last resort: a person gets a sentence, whoever looks for the fault its traceback."""
+    if os.environ.get("SKLVALVE_DEBUG") or sys.flags.dev_mode:
+        raise error
+    return _complain(
+        f"an error that nobody foresaw ({type(error).__name__}: {error}); check columns, units and values, or "
+        "set SKLVALVE_DEBUG=1 to see where it comes from, and report it"
+    )
+
+
+def _output_fails() -> bool:
+    try:
+        if sys.stdout is not None:
+            sys.stdout.flush()
+    except OSError:
+        return True
+    return False
+
+
+def _drop_output() -> None:
+    """Let what is left in the buffer go nowhere, so that Python does not stumble over it once more."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 @contextmanager

@@ -75,9 +75,11 @@ def read_for_prediction(path: str, valve: "Valve") -> "Recording":
     Raises
     ------
     InputError
-        If the file cannot be read, or lacks pressures or temperature, or both command and opening.
+        If the file cannot be read, lacks pressures or temperature, or both command and opening, or holds
+        values of which only nonsense can be predicted.
     """
     from sklvalve.recording import read_recording
+    from sklvalve.recording.diagnosable import require_predictable
     from sklvalve.recording.reader import read_columns
 
     columns = read_columns(path).columns
@@ -89,6 +91,7 @@ def read_for_prediction(path: str, valve: "Valve") -> "Recording":
     if not {"command", "opening"} & present.keys():
         present = {role: signal for role, signal in valve.roles.items() if role in {*present, "command"}}
     recording = read_recording(path, replace(valve, roles=present))
+    require_predictable(recording)
     # units of what is predicted are the valve's own, also of a role that this file lacks
     by_mass = any(valve.roles[role].mass_flow for role in ("flow", "simulated_flow") if role in valve.roles)
     return replace(recording, valve=valve, mass_flow=by_mass)

@@ -63,3 +63,15 @@ def distance(best, other, gain):
     own_error = SHARE_MISTAKEN**2 * 2.0 * max(gain, 0.0)
     between = 2.0 * max(best.log_likelihood - other.log_likelihood, 0.0)
     return between / (1.0 + own_error / DISTINGUISHABLE)
+
+
+def recorded_distance(workbench, best, other, gain):
+    """Distance of two explanations in a recording, where one or two events must not decide.
+
+    As `distance`; and z deviations of the scatter of their difference over time are a D of 4 z^2 at most,
+    for both stand for a chance of mistaking them of Phi(-z).
+    """
+    between = distance(best, other, gain)
+    if between < DISTINGUISHABLE:
+        return between
+    return min(between, 4.0 * max(gain_in_spreads(workbench, best, other), 0.0) ** 2)

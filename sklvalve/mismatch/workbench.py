@@ -99,13 +99,13 @@ class Workbench(Sizes):
             return self.channels
         if effect.stage in ACTUATOR_STAGES:
             return tuple(c for c in self.channels if c == "opening")
-        if effect.stage == "position_sensor":
+        if effect.stage == "position_sensor" or effect.in_loop:
             return self.channels
         return tuple(c for c in self.channels if c == "flow")
 
     def _groups(self, members):
-        stages = {m.effect.stage for m in (*self.held, *members)}
-        joined = self.coupled or "position_sensor" in stages
+        every = [m.effect for m in (*self.held, *members)]
+        joined = self.coupled or any(e.stage == "position_sensor" or e.in_loop for e in every)
         return (self.channels,) if joined else tuple((c,) for c in self.channels)
 
     def calibration(self, channels):

@@ -39,7 +39,7 @@ def require_likely_signals(recording: Recording) -> None:
         )
     _require_sense(recording)
     _require_direction(recording)
-    _require_liquid_water(recording)
+    require_liquid_water(recording)
 
 
 def require_magnitudes(recording: Recording) -> None:
@@ -116,7 +116,14 @@ def _require_direction(recording: Recording) -> None:
         )
 
 
-def _require_liquid_water(recording: Recording) -> None:
+def require_liquid_water(recording: Recording) -> None:
+    """Refuse water that is no liquid at its temperature, or not under its pressure.
+
+    Raises
+    ------
+    InputError
+        Naming the column, and what it contradicts.
+    """
     fluid = recording.valve.fluid
     by_formula = fluid.get("name", "water") == "water" and any(key not in fluid for key in _FORMULAS)
     if "temperature" not in recording or not by_formula:

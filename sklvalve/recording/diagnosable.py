@@ -3,7 +3,11 @@
 
 import numpy as np
 
-from sklvalve.recording._mistaken import require_likely_signals
+from sklvalve.recording._mistaken import (
+    require_likely_signals,
+    require_liquid_water,
+    require_magnitudes,
+)
 from sklvalve.recording._supported import require_supported
 from sklvalve.recording._tell import column_of, written
 from sklvalve.recording.errors import InputError
@@ -11,7 +15,7 @@ from sklvalve.recording.recording import Recording
 from sklvalve.recording.standing import stem_may_stand
 
 # rows with all that a channel needs: in all, and left when any quarter of the recording is held out
-_FEWEST, _FEWEST_LEFT = 40, 20
+FEWEST_ROWS, _FEWEST_LEFT = 40, 20
 _BLOCKS = 4
 
 
@@ -62,6 +66,22 @@ def require_diagnosable(recording: Recording) -> None:
                 break
 
 
+def require_predictable(recording: Recording) -> None:
+    """Refuse a recording for which no simulation gives more than nonsense, whichever of its signals it needs.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Raises
+    ------
+    InputError
+        If a value is far beyond any plant, or water would boil before the valve.
+    """
+    require_magnitudes(recording)
+    require_liquid_water(recording)
+
+
 def _require_target(recording: Recording) -> None:
     for role in ("flow", "opening"):
         if f"simulated_{role}" in recording and role not in recording:
@@ -94,10 +114,10 @@ def _require_channel(recording: Recording, channel: str, driver: str) -> None:
                 needed.append(role)
     left = together.sum() - max(part.sum() for part in np.array_split(together, _BLOCKS))
     others = ", ".join(needed)
-    if together.sum() < _FEWEST:
+    if together.sum() < FEWEST_ROWS:
         raise InputError(
             f"{column_of(recording, channel)}: only {together.sum()} of {len(recording)} rows hold it "
-            f"together with {others}; give at least {_FEWEST} such rows"
+            f"together with {others}; give at least {FEWEST_ROWS} such rows"
             + (", or leave the role out" if channel == "opening" or together.sum() == 0 else "")
         )
     if left < _FEWEST_LEFT:

@@ -124,12 +124,20 @@ class Chain:
         onset = self.onsets.get(effect.key)
         return None if onset is None else self.clock >= onset
 
+    def first_row(self, effect):
+        """First row in which an effect acts; the number of rows where it never does."""
+        onset = self.onsets.get(effect.key)
+        return 0 if onset is None else int(np.searchsorted(self.clock, onset))
+
+    @staticmethod
+    def _own(effect, values):
+        return {p.name: values[f"{effect.key}.{p.name}"] for p in effect.parameters}
+
     def _through(self, stage, value, values):
         """What a stage makes, changed by the effects on it."""
         for effect in self.effects:
             if effect.stage == stage:
-                own = {p.name: values[f"{effect.key}.{p.name}"] for p in effect.parameters}
-                changed = effect.apply(value, own, self)
+                changed = effect.apply(value, self._own(effect, values), self)
                 acting = self.active(effect)
                 if acting is None:
                     value = changed
@@ -152,6 +160,12 @@ class Chain:
     def opening(self, values):
         """Opening as the position sensor would show it, free run from the command [1]."""
         shown = self._through("position_sensor", self.stem_of_free_run(values), values)
+        for effect in self.effects:
+            if effect.in_loop:
+                low, high = sorted(effect.stops(self._own(effect, values), self))
+                acting = self.active(effect)
+                held = np.clip(shown, low, high)
+                shown = held if acting is None else np.where(acting, held, shown)
         return shown + values.get("position_zero", 0.0)
 
     def drive_of_free_run(self, values):
@@ -187,8 +201,7 @@ class Chain:
         stem = self.measured - values.get("stem_zero", 0.0)
         for effect in self.effects:
             if effect.stage == "position_sensor":
-                own = {p.name: values[f"{effect.key}.{p.name}"] for p in effect.parameters}
-                true, acting = effect.invert(stem, own, self), self.active(effect)
+                true, acting = effect.invert(stem, self._own(effect, values), self), self.active(effect)
                 stem = true if acting is None else np.where(acting, true, stem)
         return stem
 

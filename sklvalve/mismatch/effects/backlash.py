@@ -83,7 +83,12 @@ class Backlash(Effect):
     damadics = "f4"
 
     def apply(self, value, p, chain):
-        return play_with_overshoot(value, chain.step, p["width"], p["overshoot"], p["first_side"])
+        changed, begun = value.copy(), slice(chain.first_row(self), None)
+        # a gap that opens opens around the plug: where it stood in none before says nothing
+        changed[begun] = play_with_overshoot(
+            value[begun], chain.step[begun], p["width"], p["overshoot"], p["first_side"]
+        )
+        return changed
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return p["width"] > tolerance.static_error
@@ -100,7 +105,9 @@ class LinkageBacklash(Backlash):
     phrase = "there is play of {width:.1%} of travel between actuator and stem"
 
     def apply(self, value, p, chain):
-        return play(value, p["width"])
+        changed, begun = value.copy(), slice(chain.first_row(self), None)
+        changed[begun] = play(value[begun], p["width"])
+        return changed
 
     def possible(self, chain):
         return chain.measured is not None

@@ -62,6 +62,9 @@ class Effect:
         another one stands.
     may_begin : bool
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
+    in_loop : bool
+        Whether it is a sensor's that positioner and recording share; then `stops` says what it reads at both
+        stops of the stem.
     grows : bool
         Whether it grows from its onset on, so that with another onset it is another signal.
     damadics : str
@@ -77,6 +80,7 @@ class Effect:
     requires = "a data sheet with the characteristic and the fluid"
     may_begin = True
     grows = False
+    in_loop = False
     needs: tuple = ()
     parameters: tuple = ()
 

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A position sensor that reads off by a constant."""
 
+import numpy as np
+
 from sklvalve.mismatch.effects.base import Effect, Quantity
 
 
@@ -35,13 +37,21 @@ class PositionSensorBias(Effect):
 
 
 class InLoop:
-    """A wrong position sensor that is the positioner's too: the plug stands where its reading is right."""
+    """A wrong position sensor that is the positioner's too: the plug stands where its reading is right.
+
+    Only the stops of the stem betray it in the position: no reading is below that of a shut valve.
+    """
 
     stage = "plug"
     needs = ("opening", "flow")
+    in_loop = True
 
     def apply(self, value, p, chain):
         return self.invert(value, p, chain)
+
+    def stops(self, p, chain):
+        """Readings at both stops of the stem [1]."""
+        return super().apply(np.array([0.0, 1.0]), p, chain)
 
 
 class PositionSensorBiasInLoop(InLoop, PositionSensorBias):
