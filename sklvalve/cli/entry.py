@@ -123,8 +123,8 @@ def _unforeseen(error: Exception) -> int:
     if os.environ.get("SKLVALVE_DEBUG") or sys.flags.dev_mode:
         raise error
     return _complain(
-        f"an error that nobody foresaw ({type(error).__name__}: {error}); check columns, units and values, or "
-        "set SKLVALVE_DEBUG=1 to see where it comes from, and report it"
+        f"an error that nobody foresaw ({type(error).__name__}: {error}); check columns, units and values, "
+        "or set SKLVALVE_DEBUG=1 to see where it comes from, and report it"
     )
 
 

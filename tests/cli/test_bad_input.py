@@ -2,6 +2,9 @@
 """Bad input of every kind: exit status 2, one line on standard error, nothing written."""
 
 import os
+import subprocess
+import sys
+from types import SimpleNamespace
 
 import pytest
 from numpy.linalg import LinAlgError
@@ -63,6 +66,32 @@ VALVES = {
     "unknown fluid": (stand_in.VALVE + '[fluid]\nname = "wather"\n', "'wather'"),
     "gas": (stand_in.VALVE + "[fluid]\nmolar_mass = 29.0\n", "a gas flows"),
     "no positioner": (stand_in.VALVE + "[actuator]\npositioner = false\n", "positioner = false"),
+    "vapour pressure in Pa": (
+        stand_in.VALVE + "[fluid]\nvapour_pressure = 25000\n",
+        "vapour_pressure = 25000 kPa is not below the critical pressure of water",
+    ),
+    "critical pressure in MPa": (
+        stand_in.VALVE + "[fluid]\ncritical_pressure = 22.064\n",
+        "critical_pressure must be at least 200 kPa",
+    ),
+    "spring without a range": (
+        stand_in.VALVE + "[actuator]\nspring_range = [99.99, 100.0]\n",
+        "spring_range must be two numbers at least 5 kPa apart",
+    ),
+    "giant supply": (stand_in.VALVE + "[actuator]\nsupply_pressure = 1e9\n", "at most 2000 kPa"),
+    "giant capacity": (
+        stand_in.VALVE.replace("tag =", f"kv_rated = 1{'0' * 400}\ntag ="),
+        "valve.toml: [valve] kv_rated must be a finite number",
+    ),
+    "endless number": (
+        stand_in.VALVE.replace("tag =", f"kv_rated = {'9' * 5000}\ntag ="),
+        "valve.toml: a number",
+    ),
+    "endless nesting": (stand_in.VALVE.replace("tag =", f"fl = {'[' * 5000}\ntag ="), "valve.toml: brackets"),
+    "one column twice": (
+        stand_in.VALVE.replace('column = "X"', 'column = "CV"'),
+        "[recording.opening] names column 'CV', which is the command already",
+    ),
     "no signals": ('[valve]\ntag = "FV"\n', "names no signal"),
 }
 ARGUMENTS = {
@@ -124,9 +153,24 @@ def test_valve(folder, capsys, content, words):
     _refused(DIAGNOSE, words, capsys)
 
 
+@pytest.mark.parametrize("arguments", [DIAGNOSE, ["screen", *DIAGNOSE[1:4]]], ids=["diagnose", "screen"])
+def test_liquid_that_would_boil_before_the_valve(folder, capsys, arguments):
+    (folder / "valve.toml").write_text(stand_in.VALVE + "[fluid]\nvapour_pressure = 2339\n")
+    _refused(arguments, "vapour_pressure = 2339 kPa, but p1 lies around 500 kPa", capsys)
+
+
 @pytest.mark.parametrize(("arguments", "words"), ARGUMENTS.values(), ids=ARGUMENTS)
 def test_arguments(folder, capsys, arguments, words):
     _refused(arguments, words, capsys)
+
+
+@pytest.mark.parametrize(("until", "rows"), [("100", 1), ("138", 39)])
+def test_too_few_rows_before_a_time(folder, capsys, until, rows):
+    (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(50)))
+    words = f"--until {until}: only {rows} of 50 rows of recording.csv stand at or before it"
+    _refused([*DIAGNOSE, "--until", until], words, capsys)
+    _refused([*DIAGNOSE, "--until", until], "give 139.0 or a later time", capsys)
+    assert main([*DIAGNOSE, "--until", "139"]) == 0
 
 
 def test_result_that_is_a_folder(folder, capsys):
@@ -155,3 +199,36 @@ def test_numbers_that_break_down_all_the_same(folder, capsys, monkeypatch, error
 
     monkeypatch.setattr(stand_in.Finder, "fit", breaks)
     _refused(DIAGNOSE, "break the computation down", capsys)
+
+
+@pytest.mark.parametrize(
+    "error", [ValueError("array of\nsample points"), OSError(5, "Input/output error"), KeyError(3)]
+)
+def test_error_that_nobody_foresaw(folder, capsys, monkeypatch, error):
+    def breaks(path, valve):
+        raise error
+
+    monkeypatch.delenv("SKLVALVE_DEBUG", raising=False)
+    monkeypatch.setattr("sklvalve.recording.read_recording", breaks)
+    monkeypatch.setattr("sys.flags", SimpleNamespace(dev_mode=False))
+    _refused(["screen", *DIAGNOSE[1:4]], f"an error that nobody foresaw ({type(error).__name__}: ", capsys)
+    monkeypatch.setenv("SKLVALVE_DEBUG", "1")
+    with pytest.raises(type(error)):
+        main(["screen", *DIAGNOSE[1:4]])
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full, a device that is always full")
+@pytest.mark.parametrize("arguments", [["--version"], ["screen", *DIAGNOSE[1:4]]], ids=["version", "screen"])
+def test_output_that_cannot_be_written(folder, arguments):
+    with open("/dev/full", "w") as full:
+        run = subprocess.run(
+            [sys.executable, "-m", "sklvalve", *arguments],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+            env=os.environ | {"PYTHONUNBUFFERED": ""},
+        )
+    assert run.returncode == 2
+    assert run.stderr.startswith("sklvalve: standard output cannot be written (No space left")
+    assert run.stderr.count("\n") == 1

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import csv
+import os
 
 import numpy as np
 import pytest
@@ -110,3 +111,30 @@ def test_flow_by_mass_stays_by_mass(folder):
     (folder / "later.csv").write_text(stand_in.csv_text(table))
     assert main(PREDICT) == 0
     assert float(_read()["flow"][-1]) == pytest.approx(36.0, rel=1e-6)  # 0.01 kg/s at full travel
+
+
+@pytest.mark.parametrize(
+    ("pressure", "words"),
+    [(1e300, "'P1' (p1), row 1: 1e+300 kPa is far beyond any plant"), (50.0, "p2 lies above p1")],
+)
+def test_pressures_of_no_plant(later, capsys, pressure, words):
+    later(P1=np.full(40, pressure))
+    capsys.readouterr()
+    assert main(PREDICT) == 2
+    assert words in capsys.readouterr().err
+    assert not os.path.exists("predictions.csv")
+
+
+def test_water_that_boils_is_not_predicted(later, capsys):
+    valve = stand_in.VALVE + '[recording.temperature]\ncolumn = "T"\nunit = "degC"\n'
+    with open("valve.toml", "w", encoding="utf-8") as file:
+        file.write(valve)
+    with open("recording.csv", "w", encoding="utf-8") as file:
+        file.write(stand_in.csv_text(stand_in.columns() | {"T": np.full(40, 20.0)}))
+    assert main(["diagnose", "recording.csv", "--valve", "valve.toml", "--out", "out"]) == 0
+    later(T=np.full(40, 20.0))
+    assert main(PREDICT) == 0
+    later(T=np.full(40, 190.0))
+    capsys.readouterr()
+    assert main(PREDICT) == 2
+    assert "where water boils, for p1" in capsys.readouterr().err
