@@ -65,11 +65,12 @@ def distance(best, other, gain):
     return between / (1.0 + own_error / DISTINGUISHABLE)
 
 
-def recorded_distance(workbench, best, other, gain):
-    """Distance of two explanations in a recording, where one or two events must not decide.
+def distance_of_strokes(workbench, best, other, gain):
+    """Distance of two explanations of a stem's movement, where one or two strokes must not decide.
 
     As `distance`; and z deviations of the scatter of their difference over time are a D of 4 z^2 at most,
-    for both stand for a chance of mistaking them of Phi(-z).
+    for both stand for a chance of mistaking them of Phi(-z). Where a stem comes to rest hangs on what no
+    simulation knows, and until the next stroke every row repeats it.
     """
     between = distance(best, other, gain)
     if between < DISTINGUISHABLE:

@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass, field
 
+from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
 from sklvalve.mismatch.matters import beyond_tolerance, matters
 from sklvalve.mismatch.onset import fit_with_onset
@@ -64,7 +65,7 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
     for last in (False, False, True):
         model = _what_stands(workbench, model, threshold)
         findings = find_rivals(workbench, model, effects, report, seen)
-        better = _better_in_place(findings)
+        better = _better_in_place(findings) or _simpler(workbench, findings, seen, threshold)
         if better is None or last:
             break
         model = _settle(workbench, better)
@@ -134,6 +135,27 @@ def _better_in_place(findings):
         same = first.member.effect.name == finding.member.effect.name
         if not same and first.probability > 2.0 * own.probability:
             return first.model
+    return None
+
+
+def _simpler(workbench, findings, seen, threshold):
+    """A hypothesis with a rival in place of one effect that leaves no need for another one; else None.
+
+    What a poor choice among rivals gets wrong may pass for a second effect.
+    """
+    for finding in findings:
+        inside = [r for r in finding.rivals if r.distance < DISTINGUISHABLE]
+        for rival in inside if len(findings) > 1 else ():
+            for other in rival.model.members:
+                if other is rival.member:
+                    continue
+                rest = tuple(m for m in rival.model.members if m is not other)
+                starts = [rival.model] + [seen[m.effect.key] for m in rest if m.effect.key in seen]
+                fits = [workbench.fit(rest, start=start) for start in starts]
+                without = max(fits, key=lambda m: m.log_likelihood)
+                full = workbench.fit((*rest, other), start=rival.model)
+                if not matters(workbench, full, without, threshold):
+                    return without
     return None
 
 

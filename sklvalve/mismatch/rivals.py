@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sklvalve.mismatch.distance import recorded_distance
+from sklvalve.mismatch.distance import distance, distance_of_strokes
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, price
 from sklvalve.mismatch.matters import may_explain
 from sklvalve.mismatch.onset_sample import to_the_sample
@@ -140,7 +140,7 @@ def _where_it_was_met(workbench, model, rest, member, seen):
 def _weighed(workbench, places, gain):
     """Explanations in one place, with distances from the best and probabilities, the most probable first."""
     best = max((m for _, m in places), key=lambda m: m.log_likelihood)
-    distances = [recorded_distance(workbench, best, m, gain) for _, m in places]
+    distances = [_distance(workbench, best, m, gain, who) for who, m in places]
     # the price of parameters counts as it does in the search
     scores = -0.5 * np.array(distances) - np.array([price(workbench, who) for who, _ in places])
     weights = np.exp(scores - scores.max())
@@ -150,6 +150,12 @@ def _weighed(workbench, places, gain):
         for (who, fitted), w, d in zip(places, weights, distances, strict=True)
     ]
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
+
+
+def _distance(workbench, best, other, gain, who):
+    if who.effect.block == "actuator":
+        return distance_of_strokes(workbench, best, other, gain)
+    return distance(best, other, gain)
 
 
 def _touch_the_same(workbench, effect, other):
