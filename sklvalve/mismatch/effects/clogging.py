@@ -18,6 +18,15 @@ class Clogging(Effect):
         "Open the valve slowly to 100 %: a blockage has a sharp corner, a line loss bends smoothly."
     )
     requires = "a data sheet with the trim's characteristic"
+    # a limit has no slope where no row is beyond it: shares of the rows that it begins by leaving alone
+    _left_alone: tuple = (0.995, 0.97, 0.85, 0.5)
+
+    def quantities(self, chain):
+        (limit,) = self.parameters
+        opening = chain.command if chain.measured is None else chain.measured
+        starts = np.nanquantile(opening, self._left_alone)
+        starts = tuple(float(v) for v in np.clip(starts, limit.low + 1e-3, limit.high - 1e-3))
+        return (Quantity("limit", "1", limit.low, limit.high, starts),)
 
     def apply(self, value, p, chain):
         return np.minimum(value, chain.capacity_at(p["limit"]))
@@ -41,6 +50,7 @@ class ClosingBlocked(Clogging):
     separated_by = "Close the valve slowly and open it by hand wheel: the stem stops at one place, both ways."
     damadics = "f1"
     requires = "commands below 95 % opening"
+    _left_alone = (0.005, 0.03, 0.15, 0.5)
 
     def apply(self, value, p, chain):
         return np.maximum(value, p["limit"])
