@@ -6,12 +6,12 @@ parameters and calibration answer: as far as the present recording leaves them o
 says, and within their bounds.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.distance import distance, distance_of_strokes
 from sklvalve.mismatch.foreseen import Foreseen
 from sklvalve.mismatch.hypothesis import Member, Model
 from sklvalve.simulation.fitting import Misfit, robust_cost, robust_weights, step_inside
@@ -45,6 +45,11 @@ class Explanation:
         return tuple(
             Member(m.effect, first) if m.effect.grows and m.onset is None else m for m in self.model.members
         )
+
+    @property
+    def in_actuator(self):
+        """Whether the effect of its name sits in the actuator."""
+        return any(m.effect.name == self.name and m.effect.block == "actuator" for m in self.model.members)
 
     @cached_property
     def groups(self):
@@ -120,37 +125,39 @@ class Advisor:
 
     @cached_property
     def _now(self):
-        """As `distance` has them for classes: no more than the scatter of a difference over time allows."""
-        found = self._pooled_now.copy()
-        for i, j in np.argwhere(found >= DISTINGUISHABLE):
-            pair = self.explanations[i].model, self.explanations[j].model
-            found[i, j] = min(found[i, j], 4.0 * gain_in_spreads(self.workbench, *pair) ** 2)
-        return found
+        """As classes have it: between explanations of a stem one or two strokes do not decide."""
 
-    @property
-    def _distrusted(self):
-        """What of the present distances one or two events have decided: it is not counted with a test."""
-        return self._pooled_now - self._now
+        def of_classes(best, other, gain, who):
+            if who.in_actuator:
+                return distance_of_strokes(self.workbench, best, other, gain)
+            return distance(best, other, gain)
+
+        return self._present(of_classes)
 
     @cached_property
-    def _pooled_now(self):
+    def _distrusted(self):
+        """What of the present distances one or two strokes have decided: it is not counted with a test."""
+        return self._present() - self._now
+
+    def _present(self, measure=None):
         k = len(self.explanations)
-        one_way = self._pooled(np.zeros((k, k + 1)))
+        one_way = self._pooled(np.zeros((k, k + 1)), measure)
         return np.maximum(one_way, one_way.T)
 
-    def _pooled(self, costs):
-        """Distances from the present recording and the test together, as if every row of theirs counted."""
+    def _pooled(self, costs, measure=None):
+        """Distances from the present recording and the test together."""
+        measure = measure or (lambda best, other, gain, who: distance(best, other, gain))
         k = len(self.explanations)
         likelihood = [e.model.log_likelihood for e in self.explanations]
         found = np.zeros((k, k))
         for i in range(k):
             gain = self.gain + likelihood[i] - likelihood[0]
             gain += costs[i, k] if self.without else 0.0
-            mistaken = SHARE_MISTAKEN**2 * 2.0 * max(gain, 0.0)
             for j in range(k):
                 if i != j:
-                    between = 2.0 * max(likelihood[i] - likelihood[j] + costs[i, j], 0.0)
-                    found[i, j] = between / (1.0 + mistaken / DISTINGUISHABLE)
+                    true, other = self.explanations[i].model, self.explanations[j].model
+                    worse = replace(other, log_likelihood=likelihood[j] - costs[i, j])
+                    found[i, j] = measure(true, worse, gain, self.explanations[j])
         return found
 
     def spread_after(self, program, name):
