@@ -43,7 +43,7 @@ def gain_in_spreads(workbench, better, other):
     return float(each.sum() / scatter) if scatter > 0.0 else 0.0
 
 
-def distance(best, other, gain):
+def distance(best, other, gain, share=SHARE_MISTAKEN):
     """Profile-likelihood distance D of an explanation from the best one, as far as it can be trusted.
 
     Two simulations of an effect that differ by less than a simulation gets wrong of any effect are not told
@@ -54,25 +54,44 @@ def distance(best, other, gain):
     best, other : Model
     gain : float
         Log likelihood that the best explanation adds to the simulation without it.
+    share : float, default=0.15
+        What a simulation gets wrong of the effect, share of its size [1].
 
     Returns
     -------
     distance : float
         Two explanations are taken for each other with a probability of about Phi(-sqrt(D)/2).
     """
-    own_error = SHARE_MISTAKEN**2 * 2.0 * max(gain, 0.0)
+    own_error = share**2 * 2.0 * max(gain, 0.0)
     between = 2.0 * max(best.log_likelihood - other.log_likelihood, 0.0)
     return between / (1.0 + own_error / DISTINGUISHABLE)
 
 
-def distance_of_strokes(workbench, best, other, gain):
+def distance_of_strokes(workbench, best, other, without):
     """Distance of two explanations of a stem's movement, where one or two strokes must not decide.
 
-    As `distance`; and z deviations of the scatter of their difference over time are a D of 4 z^2 at most,
-    for both stand for a chance of mistaking them of Phi(-z). Where a stem comes to rest hangs on what no
-    simulation knows, and until the next stroke every row repeats it.
+    As `distance`; but where the best explanation leaves more of the effect than a simulation usually gets
+    wrong, that much is wrong. And z deviations of the scatter of the difference over time are a D of
+    4 z^2 at most, for both stand for a chance of mistaking them of Phi(-z): where a stem comes to rest hangs
+    on what no simulation knows, and until the next stroke every row repeats it.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    best, other, without : Model
+        Two hypotheses with the effect or its rival, and that without either.
     """
-    between = distance(best, other, gain)
+    share = max(SHARE_MISTAKEN, min(_left_of_opening(workbench, best, without), 1.0))
+    between = distance(best, other, best.log_likelihood - without.log_likelihood, share)
     if between < DISTINGUISHABLE:
         return between
     return min(between, 4.0 * max(gain_in_spreads(workbench, best, other), 0.0) ** 2)
+
+
+def _left_of_opening(workbench, best, without):
+    """What is left over of the opening beyond the sensor's noise, share of what the effect changes."""
+    if "opening" not in workbench.channels:
+        return 0.0
+    left = np.nanmean(workbench.residuals(best)["opening"] ** 2) - workbench.noise["opening"].floor ** 2
+    changed = np.nanmean((best.predictions["opening"] - without.predictions["opening"]) ** 2)
+    return float(np.sqrt(max(left, 0.0) / max(changed, 1e-30)))

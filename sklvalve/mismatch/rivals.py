@@ -86,7 +86,7 @@ def find_rivals(workbench, model, effects, report, seen=None):
         instead = _others_in_place(workbench, model, rest, without, others, member, seen or {})
         places += [(who, fitted) for who, fitted in instead if may_explain(workbench, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
-        rivals = _weighed(workbench, places, gain)
+        rivals = _weighed(workbench, places, without)
         findings.append(Finding(member, rivals, gain, workbench.change(model, without)))
         if report:
             report(0.8 + 0.2 * (i + 1) / len(model.members))
@@ -137,10 +137,10 @@ def _where_it_was_met(workbench, model, rest, member, seen):
     return workbench.simulate((*rest, member), model.values | met)
 
 
-def _weighed(workbench, places, gain):
+def _weighed(workbench, places, without):
     """Explanations in one place, with distances from the best and probabilities, the most probable first."""
     best = max((m for _, m in places), key=lambda m: m.log_likelihood)
-    distances = [_distance(workbench, best, m, gain, who) for who, m in places]
+    distances = [_distance(workbench, best, m, without, who) for who, m in places]
     # the price of parameters counts as it does in the search
     scores = -0.5 * np.array(distances) - np.array([price(workbench, who) for who, _ in places])
     weights = np.exp(scores - scores.max())
@@ -152,10 +152,10 @@ def _weighed(workbench, places, gain):
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
 
 
-def _distance(workbench, best, other, gain, who):
+def _distance(workbench, best, other, without, who):
     if who.effect.block == "actuator":
-        return distance_of_strokes(workbench, best, other, gain)
-    return distance(best, other, gain)
+        return distance_of_strokes(workbench, best, other, without)
+    return distance(best, other, best.log_likelihood - without.log_likelihood)
 
 
 def _touch_the_same(workbench, effect, other):
