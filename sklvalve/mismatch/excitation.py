@@ -117,7 +117,7 @@ class Advisor:
                 costs[i, j] = answer.least(slopes, rounds)
         # a test in which the effect gains much and the pair little lowers the pooled distance by its
         # denominator; but the present recording, by itself, still tells what it tells
-        return np.maximum(self._pooled(costs) - self._distrusted, self._now)
+        return np.maximum(self._pooled(costs) * self._trusted, self._now)
 
     def now(self):
         """Distances that the present recording gives, without a sign: the larger of both ways."""
@@ -125,19 +125,20 @@ class Advisor:
 
     @cached_property
     def _now(self):
-        """As classes have it: between explanations of a stem one or two strokes do not decide."""
+        """As classes have it: what a simulation gets wrong of a stem, stroke by stroke, counts against it."""
 
         def of_classes(best, other, gain, who):
-            if who.in_actuator:
-                return distance_of_strokes(self.workbench, best, other, gain)
+            if who.in_actuator and self.without:
+                return distance_of_strokes(self.workbench, best, other, self.without.model)
             return distance(best, other, gain)
 
         return self._present(of_classes)
 
     @cached_property
-    def _distrusted(self):
-        """What of the present distances one or two strokes have decided: it is not counted with a test."""
-        return self._present() - self._now
+    def _trusted(self):
+        """Share of a distance that is believed; a test repeats what the simulation gets wrong of a stem."""
+        plain = self._present()
+        return np.divide(self._now, plain, out=np.ones_like(plain), where=plain > 0.0)
 
     def _present(self, measure=None):
         k = len(self.explanations)
