@@ -100,6 +100,7 @@ def content_of(
         "location": location,
         "effects": entries,
         "fit": fit,
+        "proof": "later_rows" if len(whole) > len(workbench.recording) else "four_blocks",
         "not_testable": not_testable,
         "next_test": mend or next_test(classes, judgement.verdict, unknown, workbench, judgement.findings),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],

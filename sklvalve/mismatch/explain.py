@@ -3,14 +3,14 @@
 
 from dataclasses import dataclass, field
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE
+from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
-from sklvalve.mismatch.matters import beyond_tolerance, matters
+from sklvalve.mismatch.matters import SPREADS, beyond_tolerance, matters
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.rivals import find_rivals
 from sklvalve.mismatch.screening import screened
-from sklvalve.mismatch.workbench import ACTUATOR_STAGES
+from sklvalve.mismatch.sharing import ACTUATOR_STAGES
 from sklvalve.simulation.side_by_side import side_by_side
 
 # of the effects screened, so many are fitted with the whole calibration free
@@ -218,15 +218,22 @@ def _throughout_if_likelier(workbench, model):
     """The same effect without its onset, where that is likelier when each is judged by its own noise.
 
     Under the noise of a simulation that lacks the effect, an onset may hide rows in which the effect is
-    modelled poorly: what is left there is no stranger than the nominal's own errors.
+    modelled poorly: what is left there is no stranger than the nominal's own errors. So an onset that gains
+    little beside the effect itself must gain in more than one or two events.
     """
     noise, with_onset = workbench.noise, _own_worth(workbench, model)
     *rest, last = model.members
-    throughout = workbench.fit((*rest, Member(last.effect)), start=model)
-    throughout = _in_turn(workbench, throughout)
-    if _own_worth(workbench, throughout) > with_onset:
+    throughout = _in_turn(workbench, workbench.fit((*rest, Member(last.effect)), start=model))
+    gained = with_onset - _own_worth(workbench, throughout)
+    if gained < 0.0:
         return throughout
+    learnt = workbench.noise
     workbench.use_noise(noise)
+    bare = workbench.fit(rest, start=model)
+    little = gained < SHARE_MISTAKEN * (model.log_likelihood - bare.log_likelihood)
+    if little and gain_in_spreads(workbench, model, throughout) < SPREADS:
+        workbench.use_noise(learnt)
+        return throughout
     return model
 
 

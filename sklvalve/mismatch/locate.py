@@ -115,22 +115,33 @@ def course_of_cause(workbench, model, cause):
 def _slopes_of_calibration(workbench, model, cause):
     """Derivatives of the whitened residuals of a cause's channels with regard to all but its own size."""
     own, channels, columns = f"{cause.member.effect.key}.", list(cause.before), []
-    for misfit in workbench.misfits(model, channels):
-        z = misfit.vector.pack(model.values)
+    misfits = workbench.misfits(model, channels)
+    still, priors = np.zeros(len(model.chain.clock)), [0] * len(misfits)
+    for i, misfit in enumerate(misfits):
+        z, here = misfit.vector.pack(model.values), [c for c in channels if c in misfit.channels]
         base = misfit.predictions(z)
-        white = {c: workbench.noise[c].whiten(workbench.recording[c] - base[c]) for c in channels}
+        white = {c: workbench.noise[c].whiten(workbench.recording[c] - base[c]) for c in here}
         prior = misfit.vector.prior_residuals(z)
+        priors[i] = len(prior)
         moved, reach = misfit.neighbours(z)
         for name, at, r in zip(misfit.vector.names, moved, reach, strict=True):
             if name.startswith(own):
                 continue
             beside = misfit.predictions(at)
-            parts = [
-                (workbench.noise[c].whiten(workbench.recording[c] - beside[c]) - white[c]) / r
-                for c in channels
-            ]
-            columns.append(np.concatenate([*parts, (misfit.vector.prior_residuals(at) - prior) / r]))
-    return np.stack(columns, axis=1) if columns else None
+            parts = {
+                c: (workbench.noise[c].whiten(workbench.recording[c] - beside[c]) - white[c]) / r
+                for c in here
+            }
+            columns.append((i, parts, (misfit.vector.prior_residuals(at) - prior) / r))
+    # groups share no parameter: what one moves leaves the others' channels and priors as they are
+    stacked = [
+        np.concatenate(
+            [parts.get(c, still) for c in channels]
+            + [pull if i == k else np.zeros(priors[k]) for k in range(len(misfits))]
+        )
+        for i, parts, pull in columns
+    ]
+    return np.stack(stacked, axis=1) if stacked else None
 
 
 def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):

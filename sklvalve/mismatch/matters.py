@@ -10,7 +10,7 @@ from sklvalve.mismatch.hypothesis import own_values, worth
 # as much (mean square) must be left over, or it must be a fair share of the strongest and gain in more than
 # one or two events, in deviations of the scatter (k equal events among many stretches make the root of k)
 _LEFT_WITHOUT = 2.0
-_SPREADS = 2.0
+SPREADS = 2.0
 # an explanation that needs all that is physically possible speaks against itself: share of its range
 _AT_AN_END = 1e-3
 
@@ -42,9 +42,10 @@ def matters(workbench, model, without, threshold):
     bare = workbench.fit((), start=without)
     strongest = workbench.change(without, bare)
     fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
-    # or in gain, which counts how long it acts as well
-    fair |= gain > SHARE_MISTAKEN**2 * (without.log_likelihood - bare.log_likelihood)
-    return fair and gain_in_spreads(workbench, model, without) >= _SPREADS
+    if large != ["opening"]:
+        # or in gain, which counts how long it acts as well; where a stroke is missed, its rest repeats it
+        fair |= gain > SHARE_MISTAKEN**2 * (without.log_likelihood - bare.log_likelihood)
+    return fair and gain_in_spreads(workbench, model, without) >= SPREADS
 
 
 def may_explain(workbench, model, without):

@@ -8,12 +8,11 @@ import numpy as np
 
 from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.noise import fit_noise
+from sklvalve.mismatch.sharing import Sharing
 from sklvalve.mismatch.sizes import Sizes
 from sklvalve.simulation.calibration import (
     channels_of,
     choose_trim,
-    flow_parameters,
-    opening_parameters,
     span_of,
 )
 from sklvalve.simulation.fitting import (
@@ -30,10 +29,9 @@ from sklvalve.simulation.robust import robust_cost
 _INADEQUACY = 0.2
 # and no sensor's noise is larger than this many times what counts
 _LARGEST = 2.0
-ACTUATOR_STAGES = ("signal", "actuator", "stem")
 
 
-class Workbench(Sizes):
+class Workbench(Sharing, Sizes):
     """One recording, its calibration, its noise, and the fits made so far.
 
     Parameters
@@ -93,34 +91,6 @@ class Workbench(Sizes):
         every = (*self.held, *members)
         return [m.effect for m in every], {m.effect.key: m.onset for m in every if m.onset is not None}
 
-    def channels_touched(self, effect):
-        """Channels whose simulation an effect changes."""
-        if self.coupled:
-            return self.channels
-        if effect.stage in ACTUATOR_STAGES:
-            return tuple(c for c in self.channels if c == "opening")
-        if effect.stage == "position_sensor" or effect.in_loop:
-            return self.channels
-        return tuple(c for c in self.channels if c == "flow")
-
-    def _groups(self, members):
-        every = [m.effect for m in (*self.held, *members)]
-        joined = self.coupled or any(e.stage == "position_sensor" or e.in_loop for e in every)
-        return (self.channels,) if joined else tuple((c,) for c in self.channels)
-
-    def calibration(self, channels):
-        """Parameters that the data sheet leaves open for some channels."""
-        found = []
-        if "opening" in channels or self.coupled:
-            found += opening_parameters(self.recording, self.valve, self.tolerance)
-        if "flow" in channels:
-            choking = self.plain.choking and self.plain.margin is not None
-            found += flow_parameters(self.recording, self.valve, self.tolerance, self.trim, choking=choking)
-        for member in self.held:
-            if set(self.channels_touched(member.effect)) & set(channels):
-                found += [q.parameter_of(member.effect.key) for q in member.effect.quantities(self.plain)]
-        return found
-
     def fit(self, members, *, start=None, attempt=0, hold=None, rows=None, max_steps=20):
         """Fit of a hypothesis.
 
@@ -147,10 +117,12 @@ class Workbench(Sizes):
         begin = dict(start.values) if start is not None else {}
         values, spreads, predictions, likelihood = {}, {}, {}, 0.0
         for channels in self._groups(members):
-            own = self._touching(members, channels)
+            own = self._telling(members, channels)
+            fixed = self._told_elsewhere(members, channels, values)
             sign = (
                 channels,
-                _signs(own),
+                _signs(self._touching(members, channels)),
+                tuple(fixed.items()),
                 attempt if own else 0,
                 hold,
                 max_steps,
@@ -160,7 +132,7 @@ class Workbench(Sizes):
             )
             if sign not in self._known:
                 self._known[sign] = self._fit_group(
-                    chain, channels, own, begin, attempt, hold, rows, max_steps
+                    chain, channels, own, begin, attempt, hold, fixed, rows, max_steps
                 )
             fit = self._known[sign]
             values |= fit.values
@@ -173,22 +145,16 @@ class Workbench(Sizes):
         """Where a fit begins: equal questions from equal starts have equal answers, whoever asks first."""
         return tuple(begin.get(p.name) for p in self.parameters(chain, channels, own))
 
-    def _touching(self, members, channels):
-        return [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
-
-    def _fit_group(self, chain, channels, members, begin, attempt, hold, rows, max_steps):
-        parameters, fixed = self.parameters(chain, channels, members, attempt), {}
+    def _fit_group(self, chain, channels, members, begin, attempt, hold, fixed, rows, max_steps):
+        parameters = self.parameters(chain, channels, members, attempt)
         if hold is not None:
-            fixed = {p.name: begin[p.name] for p in parameters if p.name.startswith(hold) and p.name in begin}
+            fixed = fixed | {
+                p.name: begin[p.name] for p in parameters if p.name.startswith(hold) and p.name in begin
+            }
             parameters = [p for p in parameters if p.name not in fixed]
         return fit_chain(
             chain, parameters, channels, self.noise, start=begin, fixed=fixed, rows=rows, max_steps=max_steps
         )
-
-    def parameters(self, chain, channels, members, attempt=0):
-        """All that a fit of some channels moves: what the sheet leaves open, and what the effects bring."""
-        brought = [q.parameter_of(m.effect.key, attempt) for m in members for q in m.effect.quantities(chain)]
-        return self.calibration(channels) + brought
 
     def misfits(self, model, channels):
         """Errors of a fitted hypothesis as functions of its parameters, for the groups of channels named.
@@ -202,7 +168,7 @@ class Workbench(Sizes):
         return [
             Misfit(
                 model.chain,
-                self.parameters(model.chain, group, self._touching(model.members, group)),
+                self.parameters(model.chain, group, self._telling(model.members, group)),
                 group,
                 self.noise,
                 fixed=model.values,

@@ -29,7 +29,8 @@ class _Bench:
 
     def fit(self, members, *, start=None, **options):
         members = tuple(members)
-        return SimpleNamespace(members=members, values={}, log_likelihood=self.likelihoods[members[-1].onset])
+        which = members[-1].onset if members else "without"
+        return SimpleNamespace(members=members, values={}, log_likelihood=self.likelihoods[which])
 
     def simulate(self, members, values):
         return None
@@ -60,10 +61,17 @@ def test_onset_moves_only_where_the_fit_becomes_likelier(monkeypatch):
     assert found.log_likelihood == -80.0
 
 
-@pytest.mark.parametrize(("spread", "kept"), [(900.0, None), (1100.0, 400.0)])
-def test_an_onset_is_judged_by_the_noise_that_it_leaves(spread, kept):
-    # by the same noise the onset is the likelier one; with its own, what acts throughout leaves less or more
-    bench = _Bench({400.0: -50.0, None: -60.0}, {400.0: 1000.0, None: spread})
+# what acts throughout leaves less; more, in many events; more, in one event; more, and that is most of it
+@pytest.mark.parametrize(
+    ("spread", "without", "events", "kept"),
+    [(900.0, -900.0, 9.0, None), (1100.0, -900.0, 9.0, 400.0), (1100.0, -900.0, 1.0, None),
+     (1100.0, -90.0, 1.0, 400.0)],
+)  # fmt: skip
+def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, without, events, kept):
+    # by the same noise the onset is the likelier one
+    likelihoods = {400.0: -50.0, None: -60.0, "without": without}
+    bench = _Bench(likelihoods, {400.0: 1000.0, None: spread})
+    monkeypatch.setattr(explain, "gain_in_spreads", lambda *args: events)
     model = bench.fit((Member(LEAK, 400.0),))
     bench.learn_noise(model)
     before = bench.noise

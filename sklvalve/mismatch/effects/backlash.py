@@ -83,12 +83,7 @@ class Backlash(Effect):
     damadics = "f4"
 
     def apply(self, value, p, chain):
-        changed, begun = value.copy(), slice(chain.first_row(self), None)
-        # a gap that opens opens around the plug: where it stood in none before says nothing
-        changed[begun] = play_with_overshoot(
-            value[begun], chain.step[begun], p["width"], p["overshoot"], p["first_side"]
-        )
-        return changed
+        return play_with_overshoot(value, chain.step, p["width"], p["overshoot"], p["first_side"])
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return p["width"] > tolerance.static_error
@@ -106,6 +101,7 @@ class LinkageBacklash(Backlash):
 
     def apply(self, value, p, chain):
         changed, begun = value.copy(), slice(chain.first_row(self), None)
+        # a gap that opens opens around the stem: where it stood in none before says nothing
         changed[begun] = play(value[begun], p["width"])
         return changed
 

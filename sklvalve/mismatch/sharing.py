@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which channels share parameters, and which parameters a fit of some channels moves."""
+
+from sklvalve.simulation.calibration import flow_parameters, opening_parameters
+
+ACTUATOR_STAGES = ("signal", "actuator", "stem")
+
+
+class Sharing:
+    """Part of a workbench: it has ``recording, valve, tolerance, trim, plain, channels, coupled, held``."""
+
+    def channels_touched(self, effect):
+        """Channels whose simulation an effect changes."""
+        if self.coupled:
+            return self.channels
+        if effect.stage in ACTUATOR_STAGES:
+            return tuple(c for c in self.channels if c == "opening")
+        if effect.stage == "position_sensor" or effect.in_loop:
+            return self.channels
+        return tuple(c for c in self.channels if c == "flow")
+
+    def _groups(self, members):
+        stages = {m.effect.stage for m in (*self.held, *members)}
+        joined = self.coupled or "position_sensor" in stages
+        return (self.channels,) if joined else tuple((c,) for c in sorted(self.channels))
+
+    def calibration(self, channels):
+        """Parameters that the data sheet leaves open for some channels."""
+        found = []
+        if "opening" in channels or self.coupled:
+            found += opening_parameters(self.recording, self.valve, self.tolerance)
+        if "flow" in channels:
+            choking = self.plain.choking and self.plain.margin is not None
+            found += flow_parameters(self.recording, self.valve, self.tolerance, self.trim, choking=choking)
+        for member in self._telling(self.held, channels):
+            found += [q.parameter_of(member.effect.key) for q in member.effect.quantities(self.plain)]
+        return found
+
+    def parameters(self, chain, channels, members, attempt=0):
+        """All that a fit of some channels moves: what the sheet leaves open, and what the effects bring."""
+        brought = [q.parameter_of(m.effect.key, attempt) for m in members for q in m.effect.quantities(chain)]
+        return self.calibration(channels) + brought
+
+    def _touching(self, members, channels):
+        return [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
+
+    def _telling(self, members, channels):
+        """Members whose parameters a fit of some channels moves."""
+        return [
+            m for m in self._touching(members, channels) if not self._is_told_elsewhere(m.effect, channels)
+        ]
+
+    def _is_told_elsewhere(self, effect, channels):
+        # what a sensor in the loop reads off is the flow's to tell; the opening shows its stops
+        return effect.in_loop and channels == ("opening",) and "flow" in self.channels
+
+    def _told_elsewhere(self, members, channels, values):
+        """Parameters, already fitted, of members that these channels show and do not tell."""
+        every = [m.effect for m in (*self.held, *members)]
+        shown = tuple(f"{e.key}." for e in every if self._is_told_elsewhere(e, channels))
+        return {name: value for name, value in values.items() if shown and name.startswith(shown)}
