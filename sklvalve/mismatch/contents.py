@@ -84,7 +84,7 @@ def content_of(
 ):
     """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``; `mend`: what to do to the data."""
     unknown, found = judgement.unknown, judgement.found
-    entries = [effect_entry(f, whole) for f in judgement.findings]
+    entries = [effect_entry(f, whole, workbench) for f in judgement.findings]
     blocks = sorted({b for e in entries for b in e["blocks"]})
     if not blocks and unknown is not None:
         blocks = ["valve" if unknown.channel == "flow" else "actuator"]

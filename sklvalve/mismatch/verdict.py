@@ -5,6 +5,7 @@ import numpy as np
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.hypothesis import own_values
+from sklvalve.mismatch.intervals import interval_of
 
 # a class is named from this probability on
 NAMED_FROM = 0.8
@@ -48,7 +49,7 @@ def verdict_of(findings, unknown, p_value, alpha, explained):
     return ("named" if any(named) else "cannot_tell"), findings
 
 
-def effect_entry(finding, recording):
+def effect_entry(finding, recording, workbench):
     """The entry of diagnosis.json for one finding."""
     members = class_of(finding)
     _, who, fitted = next(iter(members.values()))
@@ -63,7 +64,9 @@ def effect_entry(finding, recording):
         "separated_by": who.effect.separated_by,
     }
     for q in who.effect.quantities(fitted.chain):
-        entry["parameters"][q.name] = _with_interval(q, f"{who.effect.key}.{q.name}", fitted, recording)
+        value = fitted.values[f"{who.effect.key}.{q.name}"]
+        told = interval_of(workbench, who, fitted, q)
+        entry["parameters"][q.name] = _in_units(q, value, told, recording)
     return entry
 
 
@@ -72,21 +75,12 @@ def _sentence(who, values):
     return text[0].upper() + text[1:] + "."
 
 
-def _with_interval(quantity, key, fitted, recording):
-    value, spread = fitted.values[key], 1.96 * fitted.spreads.get(key, np.nan)
-    ends = (
-        (value * np.exp(-spread), value * np.exp(spread))
-        if quantity.log
-        else (value - spread, value + spread)
-    )
-    low, high = (float(np.clip(e, quantity.low, quantity.high)) for e in ends)
-    unit = quantity.unit
+def _in_units(quantity, value, interval, recording):
+    """A parameter with its interval; a flow in the recording's own unit."""
+    unit, told = quantity.unit, [value, *(interval or ())]
     if unit.startswith(("m3/s", "kg/s")):
-        # a flow is told in the recording's own unit
         zero = recording.in_recorded_units("flow", np.zeros(1))[0]
-        value, low, high = (
-            float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in (value, low, high)
-        )
+        told = [float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in told]
         unit = recording.unit("flow") + ("/h" if unit.endswith("/s/h") else "")
-    interval = sorted((low, high)) if np.isfinite(spread) else None
-    return {"value": float(value), "unit": unit, "ci95": interval}
+    value, *ends = told
+    return {"value": float(value), "unit": unit, "ci95": sorted(ends) if ends else None}
