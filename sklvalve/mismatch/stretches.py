@@ -69,8 +69,6 @@ def over_the_whole(workbench, judged):
     nominal, model = judged.nominal, judged.model
     nothing = model is nominal
     model = _fitted(workbench, _simulated(model))
-    if not nothing:
-        model = _onsets_of_the_whole(workbench, model)
     nominal = workbench.least_squares(model if nothing else workbench.fit((), start=nominal))
     findings = [_finding(workbench, f, _with_events(workbench, model, judged.model)) for f in judged.findings]
     model = nominal if nothing else _with_events(workbench, workbench.least_squares(model), judged.model)
@@ -105,15 +103,20 @@ def _with_events(workbench, model, searched):
 
 def _fitted(workbench, model):
     """A hypothesis fitted to every row, by the noise that it leaves there."""
-    fitted = workbench.simulate(model.members, model.values)
+    # rows between a stretch and the onset that it suggested must not pass for noise
+    fitted = _dated(workbench, workbench.simulate(model.members, model.values))
     for _ in range(2):
         workbench.learn_noise(fitted)
-        fitted = workbench.fit(model.members, start=fitted)
+        fitted = workbench.fit(fitted.members, start=fitted)
+    for member in fitted.members:
+        if member.onset is not None and not member.effect.grows:
+            *rest, last = (*(m for m in fitted.members if m is not member), member)
+            fitted = to_the_sample(workbench, workbench.fit((*rest, last), start=fitted))
     return fitted
 
 
-def _onsets_of_the_whole(workbench, model):
-    """Between two stretches there was no row to tell from which on an effect acts; now there is."""
+def _dated(workbench, model):
+    """A simulated hypothesis with the onsets that all rows tell; stretches leave hours between them."""
     for member in model.members:
         if member.onset is None or member.effect.grows:
             continue
@@ -121,12 +124,7 @@ def _onsets_of_the_whole(workbench, model):
         without = workbench.simulate(rest, model.values)
         throughout = workbench.simulate((*rest, replace(member, onset=None)), model.values)
         moved = replace(member, onset=best_onset(workbench, without, throughout))
-        again = workbench.fit((*rest, moved), start=model)
-        if again.log_likelihood > model.log_likelihood:
-            model = again
-        else:
-            model = workbench.fit((*rest, member), start=model)
-        model = to_the_sample(workbench, model)
+        model = workbench.simulate((*rest, moved), model.values)
     return model
 
 

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Long recordings: what is searched of them, and that what is found holds for all rows."""
+
+import numpy as np
+import pytest
+
+from sklvalve.datasets import make_valve_recording
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch.stretches import STRETCH, stretches_of
+from sklvalve.recording import Recording, Valve
+
+ONSET = 2100.0
+
+
+@pytest.fixture(scope="module")
+def leaky():
+    """A seat that leaks from a moment on which lies between two of the stretches searched."""
+    made = make_valve_recording(
+        "seat_leakage", 0.06, onset=ONSET, loop="wide", n_samples=4200, n_later=0, random_state=5
+    )
+    return Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+
+
+def test_short_recordings_are_searched_whole(leaky):
+    assert stretches_of(leaky, None) is leaky
+    assert stretches_of(leaky, len(leaky)) is leaky
+    assert stretches_of(leaky, int(0.9 * len(leaky))) is leaky
+
+
+def test_stretches_lie_evenly_with_their_own_times_and_settle_unseen(leaky):
+    part = stretches_of(leaky, 2 * STRETCH)
+    assert len(part) == 2 * STRETCH
+    place = np.searchsorted(leaky.time, part.time)
+    np.testing.assert_array_equal(leaky.time[place], part.time)
+    np.testing.assert_array_equal(np.flatnonzero(np.diff(place) > 1), [STRETCH - 1])
+    assert (place[0], place[-1]) == (0, len(leaky) - 1)
+    for role in ("opening", "flow"):
+        hidden = np.isnan(part[role])
+        np.testing.assert_array_equal(np.flatnonzero(hidden), np.arange(STRETCH, STRETCH + 40))
+        np.testing.assert_array_equal(part[role][~hidden], leaky[role][place][~hidden])
+    np.testing.assert_array_equal(part["command"], leaky["command"][place])
+
+
+@pytest.mark.slow
+def test_what_stretches_show_is_fitted_to_all_rows_and_dated_by_them(leaky):
+    stages = []
+    finder = MissingPhysicsFinder(
+        effects=["clogging", "seat_leakage", "piping_reducers", "flow_meter_gain"],
+        search_rows=1200,
+        callback=lambda stage, done: stages.append(done),
+    ).fit(leaky)
+    content = finder.diagnosis_.content
+    assert content["verdict"] == "named"
+    assert finder.diagnosis_.effects[0][0] == "seat_leakage"
+    assert content["provenance"]["rows"] == len(leaky)
+    assert content["fit"]["flow"]["held_out_rows"] == len(leaky)
+    errors = content["fit"]["flow"]["rmse"]
+    assert errors["corrected"] < 0.3 * errors["nominal"]
+    # no row between 1,020 and 3,579 s was searched
+    low, high = content["location"]["onset_ci95"]
+    assert low <= ONSET <= high
+    assert abs(content["location"]["onset"] - ONSET) < 300.0
+    assert stages == sorted(stages)
+
+
+def test_too_few_rows_to_search_are_refused():
+    with pytest.raises(ValueError, match="search_rows"):
+        MissingPhysicsFinder(search_rows=100).fit(None)
