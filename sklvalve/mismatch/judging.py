@@ -62,7 +62,8 @@ def blocked(workbench):
 
 def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, random_state, channels=None):
     def rest_of(model):
-        return find_unknown(workbench, model, alpha=alpha, random_state=random_state, channels=channels)
+        rest = find_unknown(workbench, model, alpha=alpha, random_state=random_state, channels=channels)
+        return rest if rest is not None and _predicts(workbench, model, rest) else None
 
     def p_value_of(findings, unknown):
         return mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
@@ -91,6 +92,12 @@ def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, ran
     tried = folded(workbench, model, unknown.channel)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
+
+
+def _predicts(workbench, model, unknown):
+    """Whether a rest, once learnt, predicts blocks that it was not learnt from: else it is no physics."""
+    tried = folded(workbench, workbench.least_squares(model), unknown.channel)
+    return correction_holds_out(workbench, tried, unknown.channel)[0]
 
 
 def _else_as(workbench, model, nominal):
