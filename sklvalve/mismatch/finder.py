@@ -13,6 +13,7 @@ from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
 from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.explain import explain
+from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
 from sklvalve.mismatch.judging import blocked, judge
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
@@ -164,7 +165,7 @@ class MissingPhysicsFinder(BaseEstimator):
             workbench,
             judged,
             flagged,
-            {} if mend else _proof(workbench, whole, judged, seed),
+            {} if mend else _proof(workbench, whole, judged, flagged, seed),
             data=data,
             not_testable=not_testable,
             alpha=float(self.alpha),
@@ -222,14 +223,18 @@ class MissingPhysicsFinder(BaseEstimator):
         return int(check_random_state(self.random_state).randint(2**31 - 1))
 
 
-def _proof(workbench, whole, judged, seed):
+def _proof(workbench, whole, judged, flagged, seed):
     """The ``fit`` entries of diagnosis.json, from rows that no fit has seen."""
     models = judged.nominal, judged.model
     made, held = held_out_predictions(workbench, whole, *models, judged.correction, judged.tried)
-    return {
+    fit = {
         c: errors(whole, made, held, c, workbench.noise[c].floor, random_state=seed)
         for c in workbench.channels
     }
+    if judged.found:
+        more = further_proof(workbench, whole, judged, made, held, flagged)
+        fit = {c: entry | more[c] for c, entry in fit.items()}
+    return fit
 
 
 def _simulation_of(workbench, fitted, correction, given):

@@ -60,9 +60,9 @@ def folded(workbench, model, channel=None):
     n = len(workbench.recording)
     made, rest = {c: np.full(n, np.nan) for c in workbench.channels}, np.zeros(n)
     with workbench.every_row_alike(model):
-        lines = _lines(workbench, model)
+        lines = lines_of(workbench, model)
     for held, others in blocks(n):
-        again = workbench.simulate(model.members, _refitted(workbench, model, lines, others))
+        again = workbench.simulate(model.members, refitted(workbench, model, lines, others))
         for c in workbench.channels:
             made[c][held] = again.predictions[c][held]
         part = None if channel is None else learn_rest(workbench, again, channel, others)
@@ -71,7 +71,7 @@ def folded(workbench, model, channel=None):
     return Folded(made, rest)
 
 
-def _lines(workbench, model):
+def lines_of(workbench, model):
     """A hypothesis linearised, channels that share no parameter each by itself."""
     lines = {}
     for channel in workbench.channels:
@@ -80,7 +80,7 @@ def _lines(workbench, model):
     return list(lines.values())
 
 
-def _refitted(workbench, model, lines, rows):
+def refitted(workbench, model, lines, rows):
     """Values fitted to some rows only: one step, shortened where the simulation bends before its end."""
     values = dict(model.values)
     for line in lines:
@@ -126,7 +126,7 @@ def correction_holds_out(workbench, tried, channel):
     return bool(sum(better) >= _IMPROVED and errors[1] < errors[0]), errors
 
 
-def held_out_predictions(workbench, whole, nominal, model, correction=None, tried=None):
+def held_out_predictions(workbench, whole, nominal, model, correction=None, tried=None, *, black_box=True):
     """Predictions of held-out rows by simulations fitted without them.
 
     With rows behind those of the workbench (`whole` is longer) these are held out; else contiguous blocks in
@@ -141,6 +141,8 @@ def held_out_predictions(workbench, whole, nominal, model, correction=None, trie
         What is learnt beside `model`, from the rows of the workbench.
     tried : Folded, default=None
         `model` block by block, if that was done already.
+    black_box : bool, default=True
+        Whether the black box is asked as well.
 
     Returns
     -------
@@ -154,7 +156,8 @@ def held_out_predictions(workbench, whole, nominal, model, correction=None, trie
         if correction is not None:
             chain = workbench.chain(model.members, whole)
             made["corrected"][correction["channel"]] += learnt_rest(correction, chain, model.values)
-        made["black_box"] = {c: black_box_prediction(whole, c, ~held) for c in workbench.channels}
+        if black_box:
+            made["black_box"] = {c: black_box_prediction(whole, c, ~held) for c in workbench.channels}
         return made, held
     if tried is None:
         tried = folded(workbench, model)
@@ -163,6 +166,8 @@ def held_out_predictions(workbench, whole, nominal, model, correction=None, trie
         corrected[correction["channel"]] += tried.rest
     plain = corrected if model is nominal and correction is None else folded(workbench, nominal).predictions
     made = {"nominal": plain, "corrected": corrected}
+    if not black_box:
+        return made, np.ones(n, dtype=bool)
     made["black_box"] = {c: np.full(n, np.nan) for c in workbench.channels}
     for rows, others in blocks(n):
         for c in workbench.channels:
@@ -180,12 +185,12 @@ def holds_out(workbench, nominal, model, least=0.5):
     changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
     before = after = 0.0
     models = nominal, model
-    both = [_lines(workbench, m) for m in models]
+    both = [lines_of(workbench, m) for m in models]
     place = np.arange(len(workbench.recording)) * _FOLDS * _TURNS // len(workbench.recording)
     for fold in range(_FOLDS):
         held = place % _FOLDS == fold
         fits = [
-            workbench.simulate(m.members, _refitted(workbench, m, lines, ~held))
+            workbench.simulate(m.members, refitted(workbench, m, lines, ~held))
             for m, lines in zip(models, both, strict=True)
         ]
         for channel in changed:

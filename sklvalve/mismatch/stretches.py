@@ -110,8 +110,8 @@ def _fitted(workbench, model):
         fitted = workbench.fit(fitted.members, start=fitted)
     for member in fitted.members:
         if member.onset is not None and not member.effect.grows:
-            *rest, last = (*(m for m in fitted.members if m is not member), member)
-            fitted = to_the_sample(workbench, workbench.fit((*rest, last), start=fitted))
+            rest = tuple(m for m in fitted.members if m is not member)
+            fitted = to_the_sample(workbench, workbench.fit((*rest, member), start=fitted))
     return fitted
 
 

@@ -7,7 +7,7 @@ seen, or ``four_blocks``, each predicted by fits to the other three while the ef
 
 import numpy as np
 
-from sklvalve.report.words import number, role_words, with_unit
+from sklvalve.report.words import number, role_words, spoken, with_unit
 
 LATER_ROWS, FOUR_BLOCKS = "later_rows", "four_blocks"
 
@@ -87,3 +87,35 @@ def left_out(d: dict) -> str:
         f"({role_words(role)} error {number(scale * without)} without it, "
         f"{with_unit(scale * learnt, unit)} with it) and was left out"
     )
+
+
+def further(d: dict) -> list[str]:
+    """What else an error was taken of, a sentence each: outside the range fitted, elsewhere, of a rival."""
+    lines = []
+    for role, fit in (d.get("fit") or {}).items():
+        rmse = (fit or {}).get("rmse") or {}
+        if rmse.get("nominal") == rmse.get("corrected"):
+            continue
+        scale, unit = (100.0, "%") if fit.get("unit") == "1" else (1.0, fit.get("unit"))
+        name = role_words(role)
+        if "extrapolation" in fit:
+            far = fit["extrapolation"]
+            error = {kind: number(scale * value) for kind, value in far["rmse"].items()}
+            lines.append(
+                f"Fitted between {number(100.0 * far['fitted_from'])} and {number(100.0 * far['to'])} % "
+                f"{role_words(far['signal'])} only, the {name} error outside that range is "
+                f"{error['corrected']} {unit} (nominal {error['nominal']}, black box {error['black_box']})."
+            )
+        if "elsewhere" in fit:
+            error = {kind: number(scale * value) for kind, value in fit["elsewhere"]["rmse"].items()}
+            lines.append(
+                f"Where nothing acts, the {name} error is {error['corrected']} {unit} "
+                f"(nominal {error['nominal']})."
+            )
+        if "ruled_out" in fit:
+            rival = fit["ruled_out"]
+            lines.append(
+                f"The best explanation that was ruled out ({spoken(rival['name'])}) leaves a {name} error of "
+                f"{with_unit(scale * rival['rmse'], unit)}."
+            )
+    return lines

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from sklvalve.report.parameters import parameters
 from sklvalve.report.place import intervals_words, region_words, share_words, since_known, since_words
-from sklvalve.report.proof import left_out, note
+from sklvalve.report.proof import further, left_out, note
 from sklvalve.report.words import (
     block_words,
     chance,
@@ -117,7 +117,7 @@ def proof_notes(d: dict) -> list[str]:
     """What belongs below the table of errors: how they were taken, what they prove, what was left out."""
     lost = left_out(d)
     besides = f"Of what no effect explains: {lost}." if lost else ""
-    return [words for words in (note(d), *skills(d), besides) if words]
+    return [words for words in (note(d), *skills(d), *further(d), besides) if words]
 
 
 def untestable(d: dict) -> list[tuple[str, str]]:

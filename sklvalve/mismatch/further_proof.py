@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What else a correction must stand: beyond the range of its fit, where nothing acts, beside its rivals."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sklvalve.mismatch.black_box import black_box_prediction
+from sklvalve.mismatch.distance import DISTINGUISHABLE
+from sklvalve.mismatch.effects import EVENTS
+from sklvalve.mismatch.prove import held_out_predictions, lines_of, refitted
+from sklvalve.mismatch.unknown import learn_rest
+from sklvalve.simulation.simulation import learnt_rest
+
+# of the range that the opening covers, at both ends left out of the fit
+_END = 0.15
+_FEWEST_INSIDE, _FEWEST_OUTSIDE = 120, 40
+
+
+def further_proof(workbench, whole, judged, made, held, flagged):
+    """Entries beside the errors of held-out rows, for each channel.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    whole : Recording
+    judged : Judgement
+        In which something was found.
+    made : dict
+        Kind -> channel -> prediction of held-out rows.
+    held : ndarray of bool
+    flagged : ndarray of bool
+        Rows of the workbench in which what was found acts.
+
+    Returns
+    -------
+    entries : dict
+        Channel -> dict with those of these that can be told: ``extrapolation`` (fitted on the inner 70 % of
+        the opening's range, rmse outside it), ``elsewhere`` (rmse where nothing acts), and ``ruled_out`` (the
+        best explanation that was ruled out, and its rmse), in the recording's own units.
+    """
+    rival = _best_ruled_out(judged)
+    others = None
+    if rival is not None:
+        others = held_out_predictions(workbench, whole, rival.model, rival.model, black_box=False)[0][
+            "nominal"
+        ]
+    inside, outside = _ranges(workbench.recording)
+    beyond = None if inside is None else _beyond(workbench, judged, inside)
+    entries = {}
+    for c in workbench.channels:
+        unit = np.diff(whole.in_recorded_units(c, np.array([0.0, 1.0])))[0]
+        entry = {}
+        if beyond is not None:
+            low, high, driver = _limits(workbench.recording)
+            rmse = {kind: _rmse(workbench.recording[c] - v[c], outside, unit) for kind, v in beyond.items()}
+            if None not in rmse.values():
+                entry["extrapolation"] = {"signal": driver, "fitted_from": low, "to": high, "rmse": rmse}
+        if len(whole) == len(flagged) and (held & ~flagged).sum() >= _FEWEST_OUTSIDE:
+            rows = held & ~flagged
+            kinds = ("nominal", "corrected")
+            rmse = {kind: _rmse(whole[c] - made[kind][c], rows, unit) for kind in kinds}
+            if None not in rmse.values():
+                entry["elsewhere"] = {"rows": int(rows.sum()), "rmse": rmse}
+        if others is not None and c in workbench.channels_touched(rival.member.effect):
+            error = _rmse(whole[c] - others[c], held, unit)
+            if error is not None:
+                entry["ruled_out"] = {"name": rival.member.effect.name, "rmse": error}
+        entries[c] = entry
+    return entries
+
+
+def _best_ruled_out(judged):
+    """The likeliest rival of the strongest finding that its class does not hold; None without one."""
+    if not judged.findings:
+        return None
+    finding = judged.findings[0]
+    inside = {r.member.effect.name for r in finding.rivals if r.distance < DISTINGUISHABLE}
+    ruled = [
+        r for r in finding.rivals if r.distance >= DISTINGUISHABLE and r.member.effect.name not in inside
+    ]
+    return min(ruled, key=lambda r: r.distance, default=None)
+
+
+def _limits(recording):
+    driver = "opening" if "opening" in recording else "command"
+    if driver not in recording:
+        return None
+    low, high = np.nanquantile(recording[driver], [0.005, 0.995])
+    end = _END * (high - low)
+    return float(low + end), float(high - end), driver
+
+
+def _ranges(recording):
+    """Rows inside and outside the range to be fitted; (None, None) where there are too few of either."""
+    limits = _limits(recording)
+    if limits is None:
+        return None, None
+    low, high, driver = limits
+    inside = (recording[driver] >= low) & (recording[driver] <= high)
+    outside = (recording[driver] < low) | (recording[driver] > high)
+    enough = inside.sum() >= _FEWEST_INSIDE and outside.sum() >= _FEWEST_OUTSIDE
+    return (inside, outside) if enough and high - low > 0.05 else (None, None)
+
+
+def _beyond(workbench, judged, inside):
+    """Predictions by nominal, corrected and black box, each fitted to the rows inside only."""
+    model = replace(judged.model, members=tuple(m for m in judged.model.members if m.effect not in EVENTS))
+    made = {}
+    for kind, fitted in (("nominal", judged.nominal), ("corrected", model)):
+        with workbench.every_row_alike(fitted):
+            lines = lines_of(workbench, fitted)
+        again = workbench.simulate(fitted.members, refitted(workbench, fitted, lines, inside))
+        made[kind] = dict(again.predictions)
+    if judged.correction is not None:
+        channel = judged.correction["channel"]
+        part = learn_rest(workbench, again, channel, inside)
+        if part is not None:
+            made["corrected"][channel] = made["corrected"][channel] + learnt_rest(
+                part, again.chain, again.values
+            )
+    box = {c: black_box_prediction(workbench.recording, c, inside) for c in workbench.channels}
+    return made | {"black_box": box}
+
+
+def _rmse(left, rows, unit):
+    left = left[rows & np.isfinite(left)]
+    return float(np.sqrt(np.mean(left**2)) * abs(unit)) if len(left) else None
