@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether an effect in a fitted hypothesis is one that counts."""
 
+from dataclasses import fields
+
 import numpy as np
 
 from sklvalve.mismatch.distance import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.hypothesis import own_values, worth
+from sklvalve.simulation import Tolerance
 
 # what the model of an effect gets wrong is no physics of its own: without a further effect this many times
 # as much (mean square) must be left over, or it must be a fair share of the strongest and gain in more than
@@ -75,6 +78,10 @@ def _leaves_most(workbench, model, without, channel):
 
 
 def beyond_tolerance(workbench, model, member):
-    """Whether an effect, as a model has it, lies beyond what a data sheet leaves open."""
+    """Whether an effect, as a model has it, lies beyond what a data sheet leaves open.
+
+    Beyond by more than a simulation gets wrong of its size: a sound valve may stand at the edge.
+    """
     late = member.onset is not None
-    return member.effect.beyond_tolerance(own_values(member, model), model.chain, workbench.tolerance, late)
+    edge = {f.name: (1.0 + SHARE_MISTAKEN) * getattr(workbench.tolerance, f.name) for f in fields(Tolerance)}
+    return member.effect.beyond_tolerance(own_values(member, model), model.chain, Tolerance(**edge), late)
