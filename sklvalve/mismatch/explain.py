@@ -8,7 +8,7 @@ from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
 from sklvalve.mismatch.matters import SPREADS, beyond_tolerance, matters
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
-from sklvalve.mismatch.rivals import find_rivals
+from sklvalve.mismatch.rivals import find_rivals, without_rival
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.sharing import ACTUATOR_STAGES
 from sklvalve.simulation.side_by_side import side_by_side
@@ -68,11 +68,15 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
         better = _better_in_place(findings) or _simpler(workbench, findings, seen, threshold)
         if better is None or last:
             break
-        model = _settle(workbench, better)
-        model = _what_stands(workbench, model, threshold)
-        if model.members:
-            workbench.learn_noise(model, cautious=True)
-            model = _taken_up(workbench, model, effects, threshold, most, tried, seen, report)
+        noise = workbench.noise
+        stood = _what_stands(workbench, _settle(workbench, better), threshold)
+        if len(stood.members) < len(better.members):
+            # by its own noise it explains too little to be anything at all
+            workbench.use_noise(noise)
+            findings = [without_rival(workbench, f, model, better) for f in findings]
+            break
+        workbench.learn_noise(stood, cautious=True)
+        model = _taken_up(workbench, stood, effects, threshold, most, tried, seen, report)
     nominal = workbench.fit((), start=nominal)
     return Explanation(nominal, model, findings, tried)
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What else could stand in the place of an effect that was found, and how far from it that is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -91,6 +91,25 @@ def find_rivals(workbench, model, effects, report, seen=None):
         if report:
             report(0.8 + 0.2 * (i + 1) / len(model.members))
     return sorted(findings, key=lambda f: f.gain, reverse=True)
+
+
+def without_rival(workbench, finding, model, rejected):
+    """A finding without one of its rivals, the others weighed anew.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    finding : Finding
+    model : Model
+        The hypothesis that stands.
+    rejected : Model
+        That of the rival.
+    """
+    left = [(r.member, r.model) for r in finding.rivals if r.model is not rejected]
+    if len(left) == len(finding.rivals):
+        return finding
+    rest = tuple(m for m in model.members if m is not finding.member)
+    return replace(finding, rivals=_weighed(workbench, left, workbench.fit(rest, start=model)))
 
 
 def _others_in_place(workbench, model, rest, without, others, member, seen):
