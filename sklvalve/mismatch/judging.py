@@ -61,9 +61,13 @@ def blocked(workbench):
 
 
 def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, random_state, channels=None):
+    asked = {}
+
     def rest_of(model):
-        rest = find_unknown(workbench, model, alpha=alpha, random_state=random_state, channels=channels)
-        return rest if rest is not None and _predicts(workbench, model, rest) else None
+        if model not in asked:
+            rest = find_unknown(workbench, model, alpha=alpha, random_state=random_state, channels=channels)
+            asked[model] = rest if rest is not None and _predicts(workbench, model, rest) else None
+        return asked[model]
 
     def p_value_of(findings, unknown):
         return mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
