@@ -11,6 +11,9 @@ from sklvalve.mismatch.slip_finding import P_VALUE, beside_slips, with_slips
 from sklvalve.mismatch.unknown import find_unknown
 from sklvalve.mismatch.verdict import class_of, verdict_of
 
+# a rest of so many times what counts needs no further proof
+_LARGE = 2.0
+
 
 def judge(workbench, explanation, n_candidates, *, alpha, random_state, slips=None):
     """Verdict, what stands of the findings, and the model and the learnt rest that go with it.
@@ -66,7 +69,7 @@ def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, ran
     def rest_of(model):
         if model not in asked:
             rest = find_unknown(workbench, model, alpha=alpha, random_state=random_state, channels=channels)
-            asked[model] = rest if rest is not None and _predicts(workbench, model, rest) else None
+            asked[model] = rest if rest is not None and _stands(workbench, model, rest) else None
         return asked[model]
 
     def p_value_of(findings, unknown):
@@ -98,8 +101,13 @@ def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, ran
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
 
 
-def _predicts(workbench, model, unknown):
-    """Whether a rest, once learnt, predicts blocks that it was not learnt from: else it is no physics."""
+def _stands(workbench, model, unknown):
+    """Whether a rest is large, or, once learnt, predicts blocks that it was not learnt from.
+
+    What is hardly larger than what counts, and no help elsewhere, may be a slow chance of the noise.
+    """
+    if unknown.size >= _LARGE * workbench.least(unknown.channel):
+        return True
     tried = folded(workbench, workbench.least_squares(model), unknown.channel)
     return correction_holds_out(workbench, tried, unknown.channel)[0]
 

@@ -107,6 +107,8 @@ def test_a_rest_that_does_not_hold_out_is_no_mismatch(bowed, monkeypatch, kept):
         return kept, told[-1]
 
     monkeypatch.setattr(judging_module, "correction_holds_out", judged)
+    # a rest as large as this one would be told all the same
+    monkeypatch.setattr(judging_module, "_LARGE", 1e3)
     finder = MissingPhysicsFinder(effects=("clogging",)).fit(bowed)
     content = finder.diagnosis_.content
     assert content["verdict"] == ("none_of_these" if kept else "no_mismatch")
@@ -122,6 +124,16 @@ def test_a_rest_that_does_not_hold_out_is_no_mismatch(bowed, monkeypatch, kept):
         # in the recording's own unit
         assert content["unknown"]["correction"]["rmse_with"] == pytest.approx(3600.0 * told[-1][1], rel=1e-9)
         assert error["corrected"] == pytest.approx(3600.0 * told[-1][1], rel=1e-6)
+
+
+def test_a_large_rest_that_does_not_hold_out_is_told_and_left_out(bowed, monkeypatch):
+    monkeypatch.setattr(judging_module, "correction_holds_out", lambda *args: (False, (1.0, 2.0)))
+    finder = MissingPhysicsFinder(effects=("clogging",)).fit(bowed)
+    content = finder.diagnosis_.content
+    assert content["verdict"] == "none_of_these"
+    assert content["unknown"]["correction"]["added"] is False
+    error = content["fit"]["flow"]["rmse"]
+    assert error["corrected"] == pytest.approx(error["nominal"], rel=1e-12)
 
 
 def test_floor_that_was_passed_is_none():
