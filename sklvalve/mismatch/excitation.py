@@ -14,7 +14,8 @@ import numpy as np
 from sklvalve.mismatch.distance import distance, distance_of_strokes
 from sklvalve.mismatch.foreseen import Foreseen
 from sklvalve.mismatch.hypothesis import Member, Model
-from sklvalve.simulation.fitting import Misfit, robust_cost, robust_weights, step_inside
+from sklvalve.simulation.fitting import Misfit
+from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
 
 # of the reweighting; and cost below which there is nothing to tell
 _ROUNDS, _NOTHING = 3, 0.1

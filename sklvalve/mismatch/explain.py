@@ -10,7 +10,7 @@ from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.rivals import find_rivals, without_rival
 from sklvalve.mismatch.screening import screened
-from sklvalve.mismatch.sharing import ACTUATOR_STAGES
+from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.side_by_side import side_by_side
 
 # of the effects screened, so many are fitted with the whole calibration free

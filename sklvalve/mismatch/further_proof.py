@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What else a correction must stand: beyond the range of its fit, where nothing acts, beside its rivals."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from sklvalve.mismatch.black_box import black_box_prediction
 from sklvalve.mismatch.distance import DISTINGUISHABLE
-from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.prove import held_out_predictions, lines_of, refitted
+from sklvalve.mismatch.slip_finding import simulated
 from sklvalve.mismatch.unknown import learn_rest
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -105,7 +103,7 @@ def _ranges(recording):
 
 def _beyond(workbench, judged, inside):
     """Predictions by nominal, corrected and black box, each fitted to the rows inside only."""
-    model = replace(judged.model, members=tuple(m for m in judged.model.members if m.effect not in EVENTS))
+    model = simulated(judged.model)
     made = {}
     for kind, fitted in (("nominal", judged.nominal), ("corrected", model)):
         with workbench.every_row_alike(fitted):

@@ -5,14 +5,15 @@ import numpy as np
 
 from sklvalve.mismatch.growing import fit_growing
 from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Member
+from sklvalve.simulation.robust import ROBUST_FROM
 
 
 def row_losses(workbench, model, channels):
     """What each row costs a model: robust loss of its whitened residuals in some channels together."""
     total, left = np.zeros(len(workbench.recording)), workbench.residuals(model)
     for channel in channels:
-        scaled = (workbench.noise[channel].whiten(left[channel]) / 3.0) ** 2
-        total += 9.0 * (np.sqrt(1.0 + scaled) - 1.0)
+        scaled = (workbench.noise[channel].whiten(left[channel]) / ROBUST_FROM) ** 2
+        total += ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)
     return total
 
 

@@ -2,8 +2,7 @@
 """Which channels share parameters, and which parameters a fit of some channels moves."""
 
 from sklvalve.simulation.calibration import flow_parameters, opening_parameters
-
-ACTUATOR_STAGES = ("signal", "actuator", "stem")
+from sklvalve.simulation.given import ACTUATOR_STAGES
 
 
 class Sharing:

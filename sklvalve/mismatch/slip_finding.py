@@ -110,6 +110,11 @@ def rows_of_slips(recording, around=2):
     return hit
 
 
+def simulated(model):
+    """A hypothesis without what is told by its events and not simulated."""
+    return replace(model, members=tuple(m for m in model.members if m.effect not in EVENTS))
+
+
 def told_by_slips(findings):
     """Whether stiction told by its slips is among some findings."""
     return any(f.member.effect.key == _BY_SLIPS.key for f in findings)

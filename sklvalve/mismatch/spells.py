@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN
-from sklvalve.simulation.fitting import robust_cost, robust_weights
+from sklvalve.simulation.robust import robust_cost, robust_weights
 
 # what a moment of switching must earn, as in the search for onsets
 _PRICE = 10.0

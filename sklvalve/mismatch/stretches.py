@@ -9,6 +9,7 @@ from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.prove import correction_holds_out, folded
+from sklvalve.mismatch.slip_finding import simulated
 
 #: Rows of one stretch: long beside the slow wander of a meter, short beside a recording of a day.
 STRETCH = 640
@@ -68,7 +69,7 @@ def over_the_whole(workbench, judged):
     """
     nominal, model = judged.nominal, judged.model
     nothing = model is nominal
-    model = _fitted(workbench, _simulated(model))
+    model = _fitted(workbench, simulated(model))
     nominal = workbench.least_squares(model if nothing else workbench.fit((), start=nominal))
     findings = [_finding(workbench, f, _with_events(workbench, model, judged.model)) for f in judged.findings]
     model = nominal if nothing else _with_events(workbench, workbench.least_squares(model), judged.model)
@@ -78,11 +79,6 @@ def over_the_whole(workbench, judged):
     tried = folded(workbench, model, judged.unknown.channel)
     kept, told = correction_holds_out(workbench, tried, judged.unknown.channel)
     return replace(judged, tried=tried, kept=kept, errors=told)
-
-
-def _simulated(model):
-    """A hypothesis without what is told by its events and not simulated."""
-    return replace(model, members=tuple(m for m in model.members if m.effect not in EVENTS))
 
 
 def _with_events(workbench, model, searched):

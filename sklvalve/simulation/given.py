@@ -15,7 +15,7 @@ from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.stages import delayed, first_order_lag
 
 ROLES = ("simulated_flow", "simulated_opening")
-_ACTUATOR_STAGES = ("signal", "actuator", "stem")
+ACTUATOR_STAGES = ("signal", "actuator", "stem")
 _CAPACITY_STAGES = ("position_sensor", "plug", "capacity", "line", "pressures", "choking")
 
 
@@ -85,7 +85,7 @@ class GivenChain(Chain):
 
     def lacks(self, effect):
         """What an effect would need of the user's simulation that it has not; empty where it can act."""
-        if effect.stage in _ACTUATOR_STAGES:
+        if effect.stage in ACTUATOR_STAGES:
             return self._lacks_in_actuator(effect)
         if self.given_flow is None or effect.stage == "position_sensor":
             return super().lacks(effect)
