@@ -2,9 +2,10 @@
 """What is wrong with the data themselves, before any physics is asked."""
 
 from sklvalve.recording._screen_clocks import screen_clocks
+from sklvalve.recording._screen_compressed import screen_compressed
 from sklvalve.recording._screen_meaning import screen_swapped, screen_units
 from sklvalve.recording._screen_swaps import screen_readings
-from sklvalve.recording._screen_time import screen_compressed, screen_gaps
+from sklvalve.recording._screen_time import screen_gaps
 from sklvalve.recording._screen_tools import Finding
 from sklvalve.recording._screen_values import screen_frozen, screen_quantised, screen_saturated
 from sklvalve.recording.recording import Recording
@@ -40,7 +41,8 @@ def screen_recording(recording: Recording) -> list[Finding]:
     gap           values missing in a signal, or rows missing between the times (role None)
     clock_shift   a signal moves before its cause; or flow, or a pressure, comes late like a pure delay.
                   An opening late behind the command is none: dead time looks the same
-    compressed    course made of straight lines of new slope, of jumps above a dead band, or of held scans
+    compressed    course made of straight lines of new slope, of jumps above a dead band, or of held scans; or
+                  samples that lie on the line through their neighbours far more often than noise puts them
     frozen        a sensor that repeats one value far longer than its own jitter allows
     saturated     values piled up at an end of the range that is neither a stop of the stem nor no flow
     quantised     steps coarser than the noise, or than 1/500 of the signal's span; the step is stated
