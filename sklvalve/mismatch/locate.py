@@ -17,8 +17,6 @@ _EVERYWHERE = 0.95
 # the flow follows from opening and pressures: only where these say clearly less is it told
 _DERIVED = 0.8
 _CANDIDATES = 61
-# up to which a data sheet leaves the response of an instrument open [s]
-_RESPONSE = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,7 +105,7 @@ def course_of_cause(workbench, model, cause):
     evidence = Evidence(noise, cause.before, cause.after, cause.settled, slopes)
     if not cause.member.effect.grows:
         # what begins inside an instrument shows behind its response
-        response = int(np.ceil(_RESPONSE / workbench.recording.sample_time))
+        response = int(np.ceil(workbench.tolerance.response / workbench.recording.sample_time))
         return course_of(evidence, onset, late=response)
     return growing_course(evidence, onset, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
 

@@ -10,9 +10,9 @@ from sklvalve.mismatch.gate import effects_switched_off
 from sklvalve.mismatch.hypothesis import Member, is_in
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.recording import InputError
+from sklvalve.recording.diagnosable import require_rows
 from sklvalve.simulation import Tolerance
 
-_FEWEST_ROWS = 120
 _NAMES = tuple(sorted({e.name for e in CATALOGUE}))
 
 
@@ -29,11 +29,7 @@ def rows_to_use(whole, until):
             f"until must be a number of rows, got {until!r}; recording.index_until gives it for a time"
         )
     used = len(whole) if until is None else min(int(until), len(whole))
-    if used < _FEWEST_ROWS:
-        raise InputError(
-            f"{whole.source}: {used} rows are too few for a diagnosis; give at least {_FEWEST_ROWS}"
-            + ("" if until is None else ", or a later time to use them until")
-        )
+    require_rows(whole.slice(0, used), "" if until is None else ", or a later time to use them until")
     return used
 
 

@@ -14,8 +14,10 @@ from sklvalve.recording.errors import InputError
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.standing import stem_may_stand
 
+# rows of a recording; fewer hold no effect apart from another
+FEWEST_ROWS = 120
 # rows with all that a channel needs: in all, and left when any quarter of the recording is held out
-FEWEST_ROWS, _FEWEST_LEFT = 40, 20
+_FEWEST_TOGETHER, _FEWEST_LEFT = 40, 20
 _BLOCKS = 4
 
 
@@ -51,6 +53,7 @@ def require_diagnosable(recording: Recording) -> None:
     data frame: column 'command' (command) holds one value, 0.5
     """
     require_supported(recording.valve)
+    require_rows(recording)
     _require_values(recording)
     require_likely_signals(recording)
     _require_target(recording)
@@ -64,6 +67,28 @@ def require_diagnosable(recording: Recording) -> None:
             if driver in recording:
                 _require_channel(recording, "flow", driver)
                 break
+
+
+def require_rows(recording: Recording, more: str = "") -> None:
+    """Refuse a recording that is too short to be diagnosed, whatever it holds.
+
+    Parameters
+    ----------
+    recording : Recording
+        The rows that the diagnosis is to use.
+    more : str, default=""
+        What else may mend it, behind the number of rows to give.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than `FEWEST_ROWS`.
+    """
+    if len(recording) < FEWEST_ROWS:
+        raise InputError(
+            f"{recording.source}: {len(recording)} rows are too few for a diagnosis; "
+            f"give at least {FEWEST_ROWS}{more}"
+        )
 
 
 def require_predictable(recording: Recording) -> None:
@@ -114,10 +139,10 @@ def _require_channel(recording: Recording, channel: str, driver: str) -> None:
                 needed.append(role)
     left = together.sum() - max(part.sum() for part in np.array_split(together, _BLOCKS))
     others = ", ".join(needed)
-    if together.sum() < FEWEST_ROWS:
+    if together.sum() < _FEWEST_TOGETHER:
         raise InputError(
             f"{column_of(recording, channel)}: only {together.sum()} of {len(recording)} rows hold it "
-            f"together with {others}; give at least {FEWEST_ROWS} such rows"
+            f"together with {others}; give at least {_FEWEST_TOGETHER} such rows"
             + (", or leave the role out" if channel == "opening" or together.sum() == 0 else "")
         )
     if left < _FEWEST_LEFT:

@@ -11,7 +11,7 @@ def folder(tmp_path, monkeypatch):
     pytest.importorskip("pandas", reason='needs pip install "sklvalve[all]"')
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SKLVALVE_DEBUG", "1")  # a fault of the package fails a test as what it is
-    (tmp_path / "recording.csv").write_text(stand_in.csv_text(stand_in.columns()))
+    (tmp_path / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(160)))
     (tmp_path / "valve.toml").write_text(stand_in.VALVE)
     monkeypatch.setattr(sklvalve.mismatch, "MissingPhysicsFinder", stand_in.Finder, raising=False)
     monkeypatch.setattr(sklvalve.mismatch, "save_model", stand_in.save_model, raising=False)

@@ -16,7 +16,7 @@ DIAGNOSE = ["diagnose", "recording.csv", "--valve", "valve.toml", "--out", "out"
 
 
 def _table(**changes):
-    table = stand_in.columns()
+    table = stand_in.columns(160)
     for name, change in changes.items():
         table[name] = change(list(table[name]))
     return stand_in.csv_text(table)
@@ -48,7 +48,7 @@ UNDIAGNOSABLE = {
     "held command": (_table(CV=lambda v: [50.0] * len(v)), "'CV' (command) holds one value"),
     "other sense": (_table(X=lambda v: v[::-1]), 'write sense = "closing"'),
     "fraction as percent": (_table(X=lambda v: [0.01 * x for x in v]), 'write unit = "1"'),
-    "few flows": (_table(F=lambda v: [*v[:11], *[float("nan")] * (len(v) - 11)]), "only 11 of 40 rows"),
+    "few flows": (_table(F=lambda v: [*v[:11], *[float("nan")] * (len(v) - 11)]), "only 11 of 160 rows"),
 }
 VALVES = {
     "unknown unit": (stand_in.VALVE.replace('"m3/h"', '"m3/hour"'), "m3/hour"),
@@ -110,8 +110,8 @@ ARGUMENTS = {
     "out without a name": ([*DIAGNOSE[:-1], ""], "expected the name of a folder"),
     "demo without a name": (["demo", "--out", " "], "expected the name of a folder"),
     "model is a folder": (["predict", "recording.csv", "--model", ".", "--out", "p.csv"], "this is a folder"),
-    "until before all": ([*DIAGNOSE, "--until", "3"], "give a time between 100.0 and 139.0"),
-    "until after all": ([*DIAGNOSE, "--until", "500"], "give a time between 100.0 and 139.0"),
+    "until before all": ([*DIAGNOSE, "--until", "3"], "give a time between 100.0 and 259.0"),
+    "until after all": ([*DIAGNOSE, "--until", "500"], "give a time between 100.0 and 259.0"),
     "out is a file": ([*DIAGNOSE[:-1], "valve.toml"], "valve.toml is a file"),
     "out under a file": ([*DIAGNOSE[:-1], "valve.toml/sub/out"], "is a file"),
     "screen without recording": (["screen", "absent.csv", "--valve", "valve.toml"], "no such file"),
@@ -164,13 +164,20 @@ def test_arguments(folder, capsys, arguments, words):
     _refused(arguments, words, capsys)
 
 
-@pytest.mark.parametrize(("until", "rows"), [("100", 1), ("138", 39)])
+@pytest.mark.parametrize(("until", "rows"), [("100", 1), ("218", 119)])
 def test_too_few_rows_before_a_time(folder, capsys, until, rows):
-    (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(50)))
-    words = f"--until {until}: only {rows} of 50 rows of recording.csv stand at or before it"
+    (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(150)))
+    words = f"--until {until}: only {rows} of 150 rows of recording.csv stand at or before it"
     _refused([*DIAGNOSE, "--until", until], words, capsys)
-    _refused([*DIAGNOSE, "--until", until], "give 139.0 or a later time", capsys)
-    assert main([*DIAGNOSE, "--until", "139"]) == 0
+    _refused([*DIAGNOSE, "--until", until], "give 219.0 or a later time", capsys)
+    assert main([*DIAGNOSE, "--until", "219"]) == 0
+
+
+@pytest.mark.parametrize("rows", [20, 119])
+def test_few_rows_are_told_how_many_a_diagnosis_needs(folder, capsys, rows):
+    (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(rows)))
+    _refused(DIAGNOSE, f"{rows} rows are too few for a diagnosis; give at least 120", capsys)
+    assert main(["screen", *DIAGNOSE[1:4]]) == 0
 
 
 def test_result_that_is_a_folder(folder, capsys):

@@ -40,9 +40,9 @@ def test_exit_code_tells_of_a_mismatch_only_when_asked(folder, monkeypatch, make
 
 
 def test_until_is_in_the_recordings_own_time(folder):
-    (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(80)))
-    assert main([*DIAGNOSE, "--until", "149", "--seed", "7"]) == 0
-    assert stand_in.Finder.asked == {"rows": 80, "until": 50, "seed": 7}
+    (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(160)))
+    assert main([*DIAGNOSE, "--until", "229", "--seed", "7"]) == 0
+    assert stand_in.Finder.asked == {"rows": 160, "until": 130, "seed": 7}
 
 
 def test_results_of_an_earlier_run_are_replaced_and_others_kept(folder):

@@ -130,7 +130,7 @@ def test_water_that_boils_is_not_predicted(later, capsys):
     with open("valve.toml", "w", encoding="utf-8") as file:
         file.write(valve)
     with open("recording.csv", "w", encoding="utf-8") as file:
-        file.write(stand_in.csv_text(stand_in.columns() | {"T": np.full(40, 20.0)}))
+        file.write(stand_in.csv_text(stand_in.columns(160) | {"T": np.full(160, 20.0)}))
     assert main(["diagnose", "recording.csv", "--valve", "valve.toml", "--out", "out"]) == 0
     later(T=np.full(40, 20.0))
     assert main(PREDICT) == 0

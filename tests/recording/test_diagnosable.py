@@ -164,6 +164,14 @@ def test_negated_flow_without_pressures():
     assert "is negative" in sentence_for(made(roles={"p1": None, "p2": None}, F=-GOOD["F"]))
 
 
+def test_the_first_sentence_about_rows_names_what_a_diagnosis_needs():
+    for rows in (20, 60, 119):
+        assert sentence_for(made().slice(0, rows)).endswith(
+            f"{rows} rows are too few for a diagnosis; give at least 120"
+        )
+    require_diagnosable(made().slice(0, 120))
+
+
 def test_rows_in_which_a_signal_is_absent():
     recording = made(T=rows_only("T", slice(200, 300)))
     require_diagnosable(recording)
