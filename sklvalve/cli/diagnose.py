@@ -30,13 +30,19 @@ def add_parser(commands) -> None:
         description="Compare a recording with the valve's simulation, name what the simulation leaves out, "
         "and write diagnosis.json, report.html and corrected_model.skops.",
     )
-    parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
+    parser.add_argument(
+        "recording",
+        metavar="RECORDING",
+        nargs="+",
+        help="a .csv, .csv.gz or .parquet file; several of one valve are diagnosed together",
+    )
     parser.add_argument("--valve", required=True, metavar="VALVE.toml", help="what is known of the valve")
     parser.add_argument("--out", type=folder, required=True, metavar="DIR", help="folder for the results")
     parser.add_argument(
         "--until",
         metavar="TIME",
-        help="in the recording's own time: rows after it serve for the final held-out figures only",
+        help="in the recording's own time (of several, the last one's): rows after it serve for the final "
+        "held-out figures only",
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the random draws (default: 0)")
     parser.add_argument(
@@ -50,12 +56,12 @@ def run(args: Namespace) -> int:
     """Diagnose a recording."""
     from sklvalve.cli.staging import Staging
     from sklvalve.mismatch.loop import is_loop
-    from sklvalve.recording import read_recording, read_valve, require_diagnosable
+    from sklvalve.recording import join_recordings, read_recording, read_valve, require_diagnosable
     from sklvalve.report import to_text
 
     require_extras()
     valve = read_valve(args.valve)
-    recording = read_recording(args.recording, valve)
+    recording = join_recordings([read_recording(path, valve) for path in args.recording])
     rows = _rows_until(recording, args.until)
     loop = is_loop(recording.slice(0, rows))
     if not loop:
@@ -89,7 +95,8 @@ def diagnose(
     with progress() as callback, threadpool_limits(1, user_api="blas"):
         finder = MissingPhysicsFinder(random_state=seed, callback=callback)
         finder.fit(recording, until=until)
-        tag, source = recording.valve.tag, Path(recording.source).name
+        files = [piece.source for piece in recording.pieces] or [recording.source]
+        tag, source = recording.valve.tag, ", ".join(Path(file).name for file in files)
         write_report(staging.path("report.html"), finder.diagnosis_, title=tag, source=source)
         if hasattr(finder, "corrected_simulation_"):
             save_model(staging.path("corrected_model.skops"), finder)

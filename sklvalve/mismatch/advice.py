@@ -6,6 +6,7 @@ from threadpoolctl import threadpool_limits
 
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.gate import with_seized_stems
+from sklvalve.mismatch.gathering import gathered
 from sklvalve.mismatch.hypothesis import Member, is_in
 from sklvalve.mismatch.planning import planned
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
@@ -13,8 +14,6 @@ from sklvalve.mismatch.rivals import find_rivals
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.recording import InputError, screen_recording
 from sklvalve.simulation import ValveSimulation
-from sklvalve.simulation.given_columns import with_given
-from sklvalve.simulation.simulation import as_recording
 
 
 def plan_next_test(finder, X, *, limits=None, until=None):
@@ -34,7 +33,7 @@ def plan_next_test(finder, X, *, limits=None, until=None):
     ----------
     finder : MissingPhysicsFinder
         Fitted.
-    X : Recording, or DataFrame with role names as columns, in SI
+    X : Recording, DataFrame with role names as columns, in SI, or list of these
         What it was fitted on.
     limits : TestLimits, default=None
         What the test may do. Without limits programs within what the command has visited come first, then
@@ -88,7 +87,7 @@ def reopened(finder, X, *, names=(), until=None):
     Parameters
     ----------
     finder : MissingPhysicsFinder
-    X : Recording, or DataFrame with role names as columns, in SI
+    X : Recording, DataFrame with role names as columns, in SI, or list of these
     names : sequence of str, default=()
         Effects to be weighed beside those that the diagnosis names.
     until : int, default=None
@@ -100,7 +99,7 @@ def reopened(finder, X, *, names=(), until=None):
         Empty where nothing was found.
     """
     ours = finder.simulation if isinstance(finder.simulation, ValveSimulation) else None
-    whole = with_given(as_recording(X), finder.simulation if ours is None else None)
+    whole = gathered(X, simulation=ours, given=finder.simulation if ours is None else None)
     recording = whole.slice(0, rows_to_use(whole, until))
     data = with_seized_stems(screen_recording(recording), recording)
     _, recording = sifted(recording, recording, data)

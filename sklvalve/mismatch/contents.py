@@ -2,6 +2,7 @@
 """What a diagnosis says, laid out as diagnosis.json has it, and the traces that pictures are drawn from."""
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 
@@ -93,6 +94,10 @@ def content_of(
     if found:
         more = {"alpha": alpha, "random_state": random_state}
         location = location_of(workbench, judgement.model, unknown, blocks, **more)
+    joined = _recordings(whole)
+    if joined:
+        # times are of their common clock, and read by the recording that they fall into
+        location["recordings"] = [{k: each[k] for k in ("source", "begins")} for each in joined]
     content = {
         "schema": "sklvalve.diagnosis/1",
         "verdict": judgement.verdict,
@@ -109,6 +114,7 @@ def content_of(
             "recording_sha256": whole.sha256,
             "rows": len(workbench.recording),
             "random_state": random_state,
+            **({"recordings": joined} if joined else {}),
         },
     }
     if mend:
@@ -116,6 +122,15 @@ def content_of(
     if unknown is not None:
         content["unknown"] = _unknown_entry(whole, judgement)
     return content
+
+
+def _recordings(whole):
+    """The recordings that were joined, as plain data; none where it is one."""
+    rows = [high - low for low, high in whole.spans] if whole.pieces else []
+    return [
+        {"source": Path(p.source).name, "sha256": p.sha256, "rows": many, "begins": p.begins - whole.time[0]}
+        for p, many in zip(whole.pieces, rows, strict=True)
+    ]
 
 
 def _unknown_entry(whole, judgement):
@@ -163,5 +178,6 @@ def traces_of(whole, flagged, used, nominal, corrected):
         "dp": whole["p1"] - whole["p2"] if "p1" in whole and "p2" in whole else None,
         "pressure_ratio": nominal.chain_of(whole).pressure_ratio,
         "flagged": shown,
+        "begins": [low for low, _ in whole.spans],
         "until": None if used == len(whole) else used,
     }

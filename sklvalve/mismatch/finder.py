@@ -15,6 +15,7 @@ from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
+from sklvalve.mismatch.gathering import gathered
 from sklvalve.mismatch.judging import blocked, judge
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
@@ -22,10 +23,8 @@ from sklvalve.mismatch.prove import errors, held_out_predictions
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.slip_finding import evident_slips, worth_searching
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
-from sklvalve.recording import require_diagnosable, screen_recording
+from sklvalve.recording import InputError, require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
-from sklvalve.simulation.given_columns import with_given
-from sklvalve.simulation.simulation import as_recording
 
 
 class MissingPhysicsFinder(BaseEstimator):
@@ -118,10 +117,13 @@ class MissingPhysicsFinder(BaseEstimator):
 
         Parameters
         ----------
-        X : Recording, or DataFrame with role names as columns, in SI
+        X : Recording, DataFrame with role names as columns, in SI, or list of these
+            Several recordings of one valve share its physics, and each has its own noise
+            (`sklvalve.recording.join_recordings` says how they are laid out in time).
         y : ignored
         until : int, default=None
-            Number of rows to use; the rows behind serve nothing but the final held-out figures.
+            Number of rows to use; the rows behind serve nothing but the final held-out figures. Of several
+            recordings the rows are counted through.
 
         Returns
         -------
@@ -141,12 +143,17 @@ class MissingPhysicsFinder(BaseEstimator):
     def _fit(self, X, y, until):
         ours = self.simulation if isinstance(self.simulation, ValveSimulation) else None
         given = self.simulation if ours is None else None
-        whole = with_given(as_recording(X, y, None if ours is None else ours.valve), given)
+        whole = gathered(X, y, simulation=ours, given=given)
         used = rows_to_use(whole, until)
         seed = self._seed()
         self._say("reading", 0.0)
         recording = whole.slice(0, used)
         if ours is None and is_loop(recording):
+            if recording.pieces:
+                raise InputError(
+                    "several recordings at once need pressures, an opening or a simulation; a loop known by "
+                    "its command and its value only is diagnosed one recording at a time"
+                )
             return self._fit_loop(whole, recording, seed)
         require_diagnosable(recording)
         data = with_seized_stems(screen_recording(recording), recording)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from sklvalve.mismatch.noise import NoiseModel, movement
+from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
 from sklvalve.simulation.calibration import span_of
 from sklvalve.simulation.chain import ATMOSPHERE
 
@@ -145,6 +146,9 @@ def _median(recording, role, n):
 def _noise_of(workbench, model, channel, signal, step):
     """Noise of a channel for another signal: its white part grows with that as it did in the recording."""
     noise, past = workbench.noise[channel], model.predictions[channel]
+    if isinstance(noise, NoiseOfPieces):
+        rows, noise = noise.longest
+        past = past[rows]
     if not isinstance(noise, NoiseModel):
         return noise
     largest = max(float(np.nanmax(np.abs(past))), 1e-12)

@@ -211,8 +211,11 @@ def without_findings(recording, data):
             signals[each["role"]] = np.where(hidden, np.nan, signals[each["role"]])
     for each in data:
         if each["finding"] == "clock_shift" and each["role"] in signals and each.get("size"):
-            rows = round(each["size"] / recording.sample_time)
-            signals[each["role"]] = _moved_back(signals[each["role"]], rows, hold=each["role"] == "command")
+            moved = signals[each["role"]].copy()
+            for start, stop in each["rows"] or [(0, len(recording))]:
+                rows = round(each["size"] / recording.slice(start, stop).sample_time)
+                moved[start:stop] = _moved_back(moved[start:stop], rows, hold=each["role"] == "command")
+            signals[each["role"]] = moved
     if all(signals[role] is recording.signals[role] for role in signals):
         return recording
     return replace(recording, signals=signals)

@@ -2,6 +2,7 @@
 """A recording without what its sensors did not measure, both the rows used and those behind them."""
 
 from sklvalve.mismatch.gate import with_seized_stems, without_findings
+from sklvalve.mismatch.gathering import settled
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 
 
@@ -22,7 +23,8 @@ def sifted(whole, recording, data):
     Returns
     -------
     whole, recording : Recording
-        Those given where nothing speaks against them.
+        Those given where nothing speaks against them and they are in one piece; of several pieces the rows
+        in which a simulation settles are left out too (`settled`).
 
     Raises
     ------
@@ -30,14 +32,15 @@ def sifted(whole, recording, data):
         If too little is left for a diagnosis.
     """
     used = len(recording)
-    cleaned = without_findings(recording, data)
+    cleaned = settled(without_findings(recording, data))
     if cleaned is not recording:
         _require_enough(cleaned, data)
     if used == len(whole):
         return cleaned, cleaned
     everywhere = with_seized_stems(screen_recording(whole), whole)
     still = [each for each in everywhere if each["finding"] in ("frozen", "saturated")]
-    return without_findings(whole, still + [d for d in data if d["finding"] == "clock_shift"]), cleaned
+    clocks = [d for d in data if d["finding"] == "clock_shift"]
+    return settled(without_findings(whole, still + clocks)), cleaned
 
 
 def _require_enough(cleaned, data):

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from sklvalve.mismatch.effects import EVENTS
+from sklvalve.mismatch.gathering import without_settling
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.prove import correction_holds_out, folded
@@ -13,9 +14,6 @@ from sklvalve.mismatch.slip_finding import simulated
 
 #: Rows of one stretch: long beside the slow wander of a meter, short beside a recording of a day.
 STRETCH = 640
-# a stem and a lag forget within this time where they were before [s], and within as many rows
-_FORGOTTEN, _FEWEST_FORGOTTEN = 40.0, 3
-_CHANNELS = ("opening", "flow")
 
 
 def stretches_of(recording, most):
@@ -41,14 +39,8 @@ def stretches_of(recording, most):
     starts = np.linspace(0, n - length, many).round().astype(int)
     place = (starts[:, None] + np.arange(length)).ravel()
     signals = {role: values[place] for role, values in recording.signals.items()}
-    time = recording.time[place]
-    since = time.reshape(many, length) - time[::length, None]
-    settling = (since < _FORGOTTEN) | (np.arange(length) < _FEWEST_FORGOTTEN)
-    settling[0] = False
-    for role in _CHANNELS:
-        if role in signals:
-            signals[role] = np.where(settling.ravel(), np.nan, signals[role])
-    return replace(recording, time=time, stamps=recording.stamps[place], signals=signals)
+    chosen = replace(recording, time=recording.time[place], stamps=recording.stamps[place], signals=signals)
+    return without_settling(chosen, np.arange(many) * length)
 
 
 def over_the_whole(workbench, judged):

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from sklvalve.mismatch.hypothesis import Model
-from sklvalve.mismatch.noise import fit_noise
+from sklvalve.mismatch.noise_of_pieces import noise_of
 from sklvalve.mismatch.sharing import Sharing
 from sklvalve.mismatch.sizes import Sizes
 from sklvalve.simulation.calibration import (
@@ -204,11 +204,12 @@ class Workbench(Sharing, Sizes):
             if untouched and not anew and (c, cautious) in self._learnt:
                 noise[c] = self._learnt[c, cautious]
                 continue
-            noise[c] = fit_noise(
+            noise[c] = noise_of(
+                self.recording,
                 left[c],
                 model.predictions[c],
                 model.chain.step,
-                quantum=self.recording.resolution(c),
+                c,
                 inadequacy=_INADEQUACY * self.least(c) * self.spans[c],
                 largest=_LARGEST * self.least(c) * self.spans[c],
                 cautious=cautious,

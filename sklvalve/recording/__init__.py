@@ -4,6 +4,7 @@
 from sklvalve.recording.diagnosable import require_diagnosable
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.from_file import read_recording
+from sklvalve.recording.joined import join_recordings
 from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.screening import screen_recording
@@ -13,6 +14,7 @@ __all__ = [
     "InputError",
     "Recording",
     "Valve",
+    "join_recordings",
     "noise_floor",
     "read_recording",
     "read_valve",

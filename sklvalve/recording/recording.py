@@ -3,6 +3,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import TYPE_CHECKING, overload
 
 import numpy as np
@@ -24,6 +25,25 @@ _KIN = {
     "flow": ("simulated_flow",),
     "simulated_flow": ("flow",),
 }
+
+
+@dataclass(frozen=True)
+class Piece:
+    """One of the recordings that were joined.
+
+    Parameters
+    ----------
+    source : str
+        Its file.
+    sha256 : str or None
+        Checksum of the file.
+    begins : float
+        Where on the common clock its first row stands [s].
+    """
+
+    source: str
+    sha256: str | None
+    begins: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +69,8 @@ class Recording:
         File, or ``"data frame"``.
     sha256 : str or None
         Checksum of the file.
+    pieces : tuple of Piece
+        The recordings of which this one was joined (`join_recordings`); empty for a single one.
 
     Examples
     --------
@@ -70,6 +92,7 @@ class Recording:
     mass_flow: bool = False
     source: str = "data frame"
     sha256: str | None = None
+    pieces: tuple[Piece, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time)
@@ -111,13 +134,21 @@ class Recording:
         signals = {role: values[rows] for role, values in self.signals.items()}
         return replace(self, time=self.time[rows], stamps=self.stamps[rows], signals=signals)
 
+    @property
+    def spans(self) -> list[tuple[int, int]]:
+        """First row, and the row behind the last, of each recording that was joined and has any rows here."""
+        inner = np.searchsorted(self.time, [piece.begins for piece in self.pieces[1:]])
+        edges = [0, *inner.tolist(), len(self)]
+        return [(low, high) for low, high in pairwise(edges) if high > low]
+
     def index_until(self, time_value: float | str) -> int:
         """Number of rows up to and including a time given as the recording writes its own.
 
         Parameters
         ----------
         time_value : float or str
-            A number of the time column, or an ISO 8601 text where the recording has these.
+            A number of the time column, or an ISO 8601 text where the recording has these; of the last one
+            where several were joined that know no common clock.
 
         Returns
         -------
@@ -128,7 +159,8 @@ class Recording:
         InputError
             If the value is no time of this recording's kind.
         """
-        seconds = seconds_at(time_value, self.stamps[0], float(self.time[0]))
+        row = self.spans[-1][0]
+        seconds = seconds_at(time_value, self.stamps[row], float(self.time[row]))
         # a stamp given to its last printed digit must include its own row
         return int(np.searchsorted(self.time, seconds + 1e-9 * max(1.0, abs(seconds)), side="right"))
 

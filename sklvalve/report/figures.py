@@ -29,7 +29,7 @@ def where_present(traces: dict, location: dict) -> dict:
 
 
 def recording_figure(traces: dict) -> str:
-    """Recorded signals over time, flagged rows shaded, the end of the rows used for finding marked."""
+    """Recorded signals over time, flagged rows shaded; recordings and rows used marked."""
     recorded = traces["recorded"]
     panels = [
         group
@@ -215,6 +215,8 @@ def _shade(ax, traces: dict, time: np.ndarray, buckets: int = 1200) -> None:
 
 
 def _mark_until(ax, traces: dict, time: np.ndarray) -> None:
+    for row in traces.get("begins", [])[1:]:
+        ax.axvline(time[row], color=GRID, linewidth=0.9)
     rows = traces.get("until")
     if rows and rows < len(time):
         ax.axvline(time[rows], color=INK, linewidth=0.9, linestyle=(0, (4, 3)))

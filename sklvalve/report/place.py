@@ -86,11 +86,21 @@ def duration(seconds: float) -> str:
     return f"{seconds / 86400.0:.1f} days"
 
 
+def moment(seconds: float, location: dict) -> str:
+    """A time from the first sample; where several recordings were joined, from the start of its own."""
+    begun = [each for each in location.get("recordings") or [] if each["begins"] <= seconds + 1e-6]
+    if not begun:
+        return duration(seconds)
+    since = seconds - begun[-1]["begins"]
+    return f"{'the start' if since < 1e-6 else duration(since)} of {begun[-1]['source']}"
+
+
 def onset_words(location: dict) -> str:
     """Since when, with its interval: from the start, or from a time after the first sample, or in spells."""
     spells = location.get("intervals") or []
     if location.get("course") == "in spells" and len(spells) == 1:
-        return f"from {_begin(location)} until {duration(spells[0][1])}{_until_within(location)}"
+        until = f"{moment(spells[0][1], location)}{_until_within(location)}"
+        return f"from {_begin(location)} until {until}"
     if location.get("course") == "in spells":
         return f"in {len(spells)} spells from {_begin(location)} on"
     onset = location.get("onset")
@@ -100,22 +110,28 @@ def onset_words(location: dict) -> str:
 
 def _begin(location: dict) -> str:
     onset = location.get("onset")
-    return "the start" if onset is None else f"{duration(onset)}{_within(location.get('onset_ci95'))}"
+    return "the start" if onset is None else f"{moment(onset, location)}{_onset_within(location)}"
+
+
+def _onset_within(location: dict) -> str:
+    return _within(location.get("onset_ci95"), location)
 
 
 def _until_within(location: dict) -> str:
     ranges = location.get("intervals_ci95")
-    return _within(ranges[-1][1]) if ranges else ""
+    return _within(ranges[-1][1], location) if ranges else ""
 
 
-def _within(ci: list | None) -> str:
+def _within(ci: list | None, location: dict) -> str:
     """An interval of confidence of a moment."""
-    return "" if ci is None else f" (95 %: {_span(*ci)})"
+    return "" if ci is None else f" (95 %: {_span(ci[0], ci[1], location)})"
 
 
-def _span(low: float, high: float) -> str:
+def _span(low: float, high: float, location: dict) -> str:
     """Two times, the unit once where it is the same."""
-    begin, end = duration(low), duration(high)
+    begin, end = moment(low, location), moment(high, location)
+    if location.get("recordings"):
+        return f"{begin} to {end}"
     same = begin.split(" ")[1] == end.split(" ")[1]
     return f"{begin.split(' ')[0] if same else begin} to {end}"
 
@@ -134,12 +150,16 @@ def since_words(location: dict) -> str:
     onset = location.get("onset")
     if onset is None:
         return "the start"
-    return f"{duration(onset)} after the first sample{_within(location.get('onset_ci95'))}"
+    after = "" if location.get("recordings") else " after the first sample"
+    return f"{moment(onset, location)}{after}{_onset_within(location)}"
 
 
 def intervals_words(location: dict, limit: int = 4) -> str:
     """Times at which the mismatch is there, the first few of them."""
-    spans = [f"{duration(start)} to {duration(stop)}" for start, stop in location.get("intervals") or []]
+    spans = [
+        f"{moment(start, location)} to {moment(stop, location)}"
+        for start, stop in location.get("intervals") or []
+    ]
     if len(spans) > limit:
         spans = [*spans[:limit], f"and {len(spans) - limit} more"]
     return ", ".join(spans)

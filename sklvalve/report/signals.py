@@ -28,9 +28,11 @@ class ResidualMap(NamedTuple):
 
 
 def clock(traces: dict) -> Clock:
-    """Seconds, hours or days from the first sample."""
+    """Seconds, hours or days from the first sample; joined recordings stand close behind each other."""
     time = np.asarray(traces["time"], dtype=float)
     time = time - time[0]
+    for row in traces.get("begins", [])[1:]:
+        time[row:] -= time[row] - time[row - 1] - (time[row - 1] - time[row - 2])
     for unit, seconds, longest in (("s", 1.0, 36_000.0), ("h", 3600.0, 864_000.0)):
         if time[-1] < longest:
             return Clock(time / seconds, unit)

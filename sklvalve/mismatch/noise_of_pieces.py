@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Noise of recordings that were joined: each has its own."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sklvalve.mismatch.noise import NoiseModel, fit_noise
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseOfPieces:
+    """Noise of one channel in several recordings, one behind the other.
+
+    Parameters
+    ----------
+    spans : list of (int, int)
+        First row of each, and the row behind its last.
+    models : list of NoiseModel
+    """
+
+    spans: list
+    models: list
+
+    def whiten(self, residuals):
+        """Innovations of the residuals in their standard deviations, zero in gaps."""
+        residuals = np.asarray(residuals, dtype=float)
+        return np.concatenate([m.whiten(residuals[low:high]) for (low, high), m in self._each()])
+
+    @property
+    def log_spread(self):
+        """Sum over the rows of the logarithms of the innovations' standard deviations."""
+        return sum(m.log_spread for m in self.models)
+
+    @property
+    def total(self):
+        """Standard deviation of all that a healthy simulation leaves over, rms over all rows."""
+        return self._rms(lambda model: model.total)
+
+    @property
+    def floor(self):
+        """Standard deviation of the sensor alone, rms over all rows."""
+        return self._rms(lambda model: model.floor)
+
+    @property
+    def longest(self):
+        """Rows of the longest recording, and its noise."""
+        (low, high), model = max(self._each(), key=lambda each: each[0][1] - each[0][0])
+        return slice(low, high), model
+
+    def _each(self):
+        return list(zip(self.spans, self.models, strict=True))
+
+    def _rms(self, of):
+        rows = [int(np.isfinite(m.white).sum()) for m in self.models]
+        squares = [of(m) ** 2 if many else 0.0 for m, many in zip(self.models, rows, strict=True)]
+        return float(np.sqrt(np.average(squares, weights=rows)))
+
+
+def noise_of(recording, residuals, simulated, step, role, **settings):
+    """Noise of a channel, fitted to what a simulation leaves over of it.
+
+    Parameters
+    ----------
+    recording : Recording
+    residuals, simulated, step : ndarray of shape (n,)
+        As `fit_noise` takes them.
+    role : str
+        The channel.
+    **settings
+        Those of `fit_noise` but the quantum, which the recording tells.
+
+    Returns
+    -------
+    noise : NoiseModel, or NoiseOfPieces where several recordings were joined
+    """
+
+    def of(low, high):
+        rows = slice(low, high)
+        quantum = recording.slice(low, high).resolution(role)
+        return fit_noise(residuals[rows], simulated[rows], step[rows], quantum=quantum, **settings)
+
+    # a piece without a value of this channel has no noise to be told, and asks for none
+    spans = recording.spans
+    if len(spans) == 1:
+        return of(*spans[0])
+    return NoiseOfPieces(
+        spans, [of(*span) if _seen(residuals, *span) else _none(step, *span) for span in spans]
+    )
+
+
+def _seen(residuals, low, high):
+    return np.isfinite(residuals[low:high]).sum() > 2
+
+
+def _none(step, low, high):
+    """Noise of rows that hold nothing: every one a gap."""
+    white = np.full(high - low, np.inf)
+    return NoiseModel(white, step[low:high], 1.0, 1e-12, 1.0, 1e-12, sensor=0.0)
