@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 import sklvalve
+from sklvalve.mismatch.describing import described
 from sklvalve.mismatch.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.slip_finding import rows_of_slips, told_by_slips
@@ -144,9 +145,10 @@ def _unknown_entry(whole, judgement):
         # learnt without them: what a prediction of rows that are still to come would be like
         "correction": {"added": judgement.kept, "rmse_without": None, "rmse_with": None},
     }
+    zero, one = whole.in_recorded_units(unknown.channel, np.array([0.0, 1.0]))
+    entry |= described(unknown.correction, one - zero, whole.unit(unknown.channel))
     if judgement.errors is not None:
-        zero = whole.in_recorded_units(unknown.channel, np.zeros(1))[0]
-        told = np.abs(whole.in_recorded_units(unknown.channel, np.array(judgement.errors)) - zero)
+        told = np.abs(one - zero) * np.array(judgement.errors)
         entry["correction"] |= {"rmse_without": float(told[0]), "rmse_with": float(told[1])}
     return entry
 

@@ -10,6 +10,7 @@ from typing import Protocol
 
 from sklvalve.report import figures, proof, rows
 from sklvalve.report.sentence import summary_sentence
+from sklvalve.report.unexplained import unexplained_figure
 from sklvalve.report.words import verdict_words
 
 
@@ -80,6 +81,7 @@ def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | Non
         "residual": figures.residual_figure(traces),
         "travel": figures.travel_figure(traces),
         "capacity": figures.capacity_figure(traces),
+        "unexplained": unexplained_figure(d, traces),
     }
     template = files("sklvalve.report").joinpath("templates", "report.html.j2").read_text(encoding="utf-8")
     environment = Environment(
@@ -93,6 +95,7 @@ def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | Non
         verdict=d["verdict"],
         verdict_words=verdict_words(d),
         explanations=rows.explanations(d),
+        unexplained=rows.unexplained(d),
         places=rows.places(d),
         models=list(rows.MODELS.values()),
         errors=rows.errors(d),

@@ -10,7 +10,9 @@ from sklvalve.report.words import (
     block_words,
     chance,
     class_words,
+    either,
     number,
+    percent,
     role_words,
     spoken,
     sure,
@@ -139,10 +141,38 @@ def data_findings(d: dict) -> list[tuple[str, str, str]]:
     ]
 
 
+def unexplained(d: dict) -> list[tuple[str, str]]:
+    """What no effect explains: (what, words); empty where there is no such thing."""
+    unknown = d.get("unknown")
+    if not unknown:
+        return []
+    role = unknown["signal"]
+    rows = [("Signal", role_words(role))]
+    if unknown.get("inputs"):
+        rows.append(("Follows from", either([role_words(name) for name in unknown["inputs"]], "and")))
+    if unknown.get("size") is not None:
+        whole = "travel" if role == "opening" else "span"
+        rows.append(("Size where it acts", f"{percent(unknown['size'])} of {whole}"))
+    if unknown.get("share") is not None:
+        holds = f"{percent(unknown['share'])} of what was learnt"
+        formula = unknown.get("formula")
+        words = f"{formula} (holds {holds})" if formula else f"no short formula (the best holds {holds})"
+        rows.append(("Looks like", words))
+    return rows
+
+
 def provenance(d: dict) -> list[tuple[str, str]]:
     """What the diagnosis was made from and with."""
     names = {"sklvalve": "sklvalve version", "recording_sha256": "SHA-256 of the recording"}
-    return [
+    told = dict(d.get("provenance") or {})
+    several = told.pop("recordings", [])
+    if several:
+        told.pop("recording_sha256", None)
+    rows = [
         (names.get(key, key.replace("_", " ")), "unknown" if value is None else str(value))
-        for key, value in (d.get("provenance") or {}).items()
+        for key, value in told.items()
     ]
+    for each in several:
+        checksum = f", SHA-256 {each['sha256']}" if each["sha256"] else ""
+        rows.append((f"recording {each['source']}", f"{each['rows']} rows{checksum}"))
+    return rows

@@ -46,6 +46,12 @@ def to_text(d: dict) -> str:
         lines += [_line("", words) for words in (item.sentence,) if words]
         if item.separated_by and len(item.members) > 1:
             lines.append(_line("", f"To tell them apart: {item.separated_by}"))
+    lines += _block(
+        [
+            _line("Unexplained" if first else "", f"{what}: {words}")
+            for first, (what, words) in _numbered(rows.unexplained(d))
+        ]
+    )
     lines += _block([_line(label, words) for label, words in rows.places(d)])
     lines += _block(_error_lines(d))
     lines += _block(
@@ -94,6 +100,8 @@ def to_markdown(d: dict) -> str:
             if item.separated_by:
                 lines.append(f"To tell them apart: {item.separated_by}")
         parts.append("\n\n".join(lines))
+    if rows.unexplained(d):
+        parts.append("### What no known effect explains\n\n" + _table(("what", "words"), rows.unexplained(d)))
     if rows.places(d):
         parts.append("### Where\n\n" + _table(("what", "where"), rows.places(d)))
     if rows.errors(d):

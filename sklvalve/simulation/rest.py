@@ -46,9 +46,24 @@ def learnt_rest(correction, chain, values, stem=None):
         To be added to the simulated signal.
     """
     X = rest_inputs(chain, values, correction["inputs"], stem)
+    return learnt_at(correction, (X - correction["centre"]) / correction["scale"])
+
+
+def learnt_at(correction, Z):
+    """Rest that a stored LS-SVM predicts for its scaled inputs; zero where one of them is a gap.
+
+    Parameters
+    ----------
+    correction : dict
+    Z : ndarray of shape (n, n_inputs)
+
+    Returns
+    -------
+    rest : ndarray of shape (n,)
+    """
     support = correction["support"]
     # beyond what it was trained on it must not guess: the nearest edge holds
-    Z = np.clip((X - correction["centre"]) / correction["scale"], support.min(axis=0), support.max(axis=0))
+    Z = np.clip(Z, support.min(axis=0), support.max(axis=0))
     known = np.isfinite(Z).all(axis=1)
     rest = np.zeros(len(Z))
     if known.any():

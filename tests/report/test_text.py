@@ -5,6 +5,7 @@ import json
 import pytest
 
 from sklvalve.report import summary_sentence, to_markdown, to_text
+from sklvalve.report.html import render
 from tests.report import examples
 
 
@@ -170,3 +171,27 @@ def test_table_cells_cannot_break_markdown():
     made = examples.named()
     made["data"] = [{"finding": "gap", "role": None, "detail": "a|b\nc"}]
     assert "| times | gap | a\\|b c |" in to_markdown(made)
+
+
+def test_what_no_effect_explains_is_described_and_drawn():
+    made = examples.none_of_these() | {
+        "unknown": {
+            "signal": "flow",
+            "inputs": ["opening"],
+            "size": 0.03,
+            "formula": "rest of flow [m3/h] = 0.2 - 0.03 max(0, opening [%] - 62) <b>",
+            "share": 0.93,
+            "curve": {"signal": "opening", "unit": "%", "at": [10.0, 50.0, 90.0], "rest": [0.0, 0.1, -0.5]},
+        }
+    }
+    for text in (to_text(made), to_markdown(made)):
+        words = " ".join(text.split())
+        assert "max(0, opening [%] - 62)" in words
+        assert "holds 93 % of what was learnt" in words
+        assert "3 % of span" in words
+    page = render(examples.diagnosis(made))
+    assert "What no known effect explains" in page
+    assert 'aria-label="What no known effect explains, over the opening"' in page
+    assert "<b>" not in page.split("<main>")[1]
+    made["unknown"] |= {"formula": None, "share": 0.4}
+    assert "no short formula (the best holds 40 % of what was learnt)" in " ".join(to_text(made).split())

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What was learnt of an unknown effect, said briefly: a short formula, and its course over one signal.
+
+A description and no law: it says what the learnt rest looks like in the rows that were recorded, chosen from
+straight lines, bends, steps, bumps, waves and products of the signals that it hangs on.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sklvalve.simulation.rest import learnt_at
+
+# of the scatter of the rest a further term must describe so much, and all of them together so much
+_WORTH, _DESCRIBES = 0.03, 0.6
+_MOST_TERMS = 3
+_PLACES = 9
+# widths of a bump and lengths of a wave, shares of the range of a signal
+_WIDTHS, _LENGTHS, _PHASES = (0.06, 0.12), np.geomspace(0.12, 1.0, 14), 8
+_BINS = 40
+# name -> factor and offset from what the learnt rest is given to what is shown, unit shown
+_SHOWN = {
+    "opening": (100.0, 0.0, "%"),
+    "command": (100.0, 0.0, "%"),
+    "dp": (100.0, 0.0, "kPa"),
+    "temperature": (1.0, -273.15, "degC"),
+    "pressure_ratio": (1.0, 0.0, ""),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """One term of a description: its values in every row, its words, and the signal it is of."""
+
+    values: np.ndarray
+    words: str
+    signal: int
+
+
+def described(correction, slope, unit):
+    """Short formula of a learnt rest, and its course over the signal that tells most of it.
+
+    Parameters
+    ----------
+    correction : dict
+        As `learnt_rest` takes it.
+    slope : float
+        From SI to the unit of the signal.
+    unit : str
+
+    Returns
+    -------
+    description : dict
+        ``formula`` (None where no short one holds six tenths of it), ``share`` of its variance that the
+        formula holds [1], and ``curve``: ``signal, unit``, and by its value ``at`` the mean ``rest``.
+    """
+    rest = slope * learnt_at(correction, correction["support"])
+    signals = correction["support"] * correction["scale"] + correction["centre"]
+    shown = [_shown(name, column) for name, column in zip(correction["inputs"], signals.T, strict=True)]
+    chosen, coefficients, share = _chosen(rest, _terms(shown))
+    main = chosen[0].signal if chosen else 0
+    name, values, own_unit = shown[main]
+    formula = None
+    if share >= _DESCRIBES:
+        left = f"rest of {correction['channel']}" + (f" [{unit}]" if unit != "1" else "")
+        formula = f"{left} = {_written(coefficients, chosen)}"
+    return {
+        "formula": formula,
+        "share": round(float(share), 3),
+        "curve": {"signal": name, "unit": own_unit} | _course(values, rest),
+    }
+
+
+def _shown(name, column):
+    """Words for a signal that remembers or not, its values as they are shown, and their unit."""
+    signal, _, memory = name.partition(" ")
+    factor, offset, unit = _SHOWN.get(signal, (1.0, 0.0, ""))
+    words = signal.replace("_", " ") + (f" behind a lag of {memory}" if memory else "")
+    return words, factor * column + offset, unit
+
+
+def _terms(shown):
+    """Everything that a description may be made of."""
+    terms = []
+    for i, (name, values, unit) in enumerate(shown):
+        there = f"{name} [{unit}]" if unit else name
+        terms += [Term(values, there, i), *_bends(values, there, i), *_waves(values, there, i)]
+        for j, (other, beside, its) in enumerate(shown[:i]):
+            # about their middles, or a product would mostly repeat what either does alone
+            middles = _round(values.mean()), _round(beside.mean())
+            besides = f"{other} [{its}]" if its else other
+            words = f"({besides} - {middles[1]:.3g}) ({there} - {middles[0]:.3g})"
+            terms.append(Term((values - middles[0]) * (beside - middles[1]), words, j))
+    return [term for term in terms if np.ptp(term.values) > 0.0]
+
+
+def _bends(values, there, signal):
+    """A signal that begins to count at a place, or beyond it alone, or around it alone."""
+    places = np.quantile(values, np.linspace(0.0, 1.0, _PLACES + 2)[1:-1])
+    widths = [_round(share * np.ptp(values)) for share in _WIDTHS]
+    for place in np.unique([_round(each) for each in places]):
+        yield Term(np.maximum(values - place, 0.0), f"max(0, {there} - {place:.3g})", signal)
+        yield Term((values > place).astype(float), f"({there} > {place:.3g})", signal)
+        for width in widths:
+            bump = np.exp(-(((values - place) / max(width, 1e-300)) ** 2))
+            yield Term(bump, f"exp(-(({there} - {place:.3g}) / {width:.3g})^2)", signal)
+
+
+def _waves(values, there, signal):
+    """Waves along a signal, as high everywhere, or growing with it."""
+    lengths = [_round(share * np.ptp(values)) for share in _LENGTHS]
+    for length in (each for each in lengths if each > 0.0):
+        # the other half of the phases is the same wave with the other sign
+        for phase in range(_PHASES // 2):
+            begin = _round(values.min() + length * phase / _PHASES)
+            wave = np.sin(2.0 * np.pi * (values - begin) / length)
+            words = f"sin(360 deg ({there} - {begin:.3g}) / {length:.3g})"
+            yield Term(wave, words, signal)
+            yield Term(wave * values, f"{there} {words}", signal)
+
+
+def _round(value):
+    """A number as it is written, so that what is written is what was meant."""
+    return float(f"{value:.3g}")
+
+
+def _chosen(rest, terms):
+    """Terms taken one after the other, each the one that leaves least, all fitted together each time."""
+    chosen, share, spread = [], 0.0, float(np.sum((rest - rest.mean()) ** 2))
+    coefficients = np.array([rest.mean()])
+    while len(chosen) < _MOST_TERMS and spread > 0.0:
+        tried = [(*_fitted(rest, [*chosen, term]), term) for term in terms if term not in chosen]
+        if not tried:
+            break
+        found, left, best = min(tried, key=lambda each: each[1])
+        if 1.0 - left / spread < share + _WORTH:
+            break
+        chosen, coefficients, share = [*chosen, best], found, 1.0 - left / spread
+    return chosen, coefficients, share
+
+
+def _fitted(rest, terms):
+    columns = np.column_stack([np.ones(len(rest)), *(term.values for term in terms)])
+    scale = np.abs(columns).max(axis=0)
+    found = np.linalg.lstsq(columns / scale, rest, rcond=1e-9)[0] / scale
+    return found, float(np.sum((rest - columns @ found) ** 2))
+
+
+def _written(coefficients, terms):
+    """A formula: its constant, and each term with its factor."""
+    text = f"{coefficients[0]:.3g}"
+    for factor, term in zip(coefficients[1:], terms, strict=True):
+        text += f" {'-' if factor < 0.0 else '+'} {abs(factor):.3g} {term.words}"
+    return text
+
+
+def _course(values, rest):
+    """Mean rest by the value of a signal, in bins of one width as far as they hold rows."""
+    edges = np.linspace(values.min(), values.max(), _BINS + 1)
+    of = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, _BINS - 1)
+    bins = [np.flatnonzero(of == k) for k in np.unique(of)]
+    return {
+        "at": [float(f"{values[b].mean():.5g}") for b in bins],
+        "rest": [float(f"{rest[b].mean():.4g}") for b in bins],
+    }
