@@ -25,6 +25,7 @@ from sklvalve.mismatch.slip_finding import evident_slips, worth_searching
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
+from sklvalve.simulation.side_by_side import with_threads
 
 
 class MissingPhysicsFinder(BaseEstimator):
@@ -53,6 +54,9 @@ class MissingPhysicsFinder(BaseEstimator):
     search_rows : int or None, default=16384
         In a recording with many more rows the search is done on so many, in stretches spread evenly over it;
         what it finds is fitted to all rows, and proven on them. None searches all rows always.
+    n_jobs : int or None, default=None
+        Threads that fit explanations side by side, counted as joblib counts (-1: all cores); None takes the
+        cores, at most four. The diagnosis does not depend on it. Give 1 where recordings run in parallel.
     random_state : int, RandomState or None, default=0
         Seed of surrogates and bootstrap; the diagnosis names the one used.
     callback : callable, default=None
@@ -84,6 +88,7 @@ class MissingPhysicsFinder(BaseEstimator):
         "max_effects": [Interval(Integral, 0, None, closed="left")],
         "evidence": [Interval(Real, 0, None, closed="left")],
         "search_rows": [Interval(Integral, 1200, None, closed="left"), None],
+        "n_jobs": [Integral, None],
         "random_state": ["random_state"],
         "callback": [callable, None],
     }
@@ -98,6 +103,7 @@ class MissingPhysicsFinder(BaseEstimator):
         max_effects=4,
         evidence=15.0,
         search_rows=16_384,
+        n_jobs=None,
         random_state=0,
         callback=None,
     ):
@@ -108,6 +114,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self.max_effects = max_effects
         self.evidence = evidence
         self.search_rows = search_rows
+        self.n_jobs = n_jobs
         self.random_state = random_state
         self.callback = callback
 
@@ -137,7 +144,7 @@ class MissingPhysicsFinder(BaseEstimator):
             If a parameter of the finder is of the wrong kind or outside its range.
         """
         # fits of a score of parameters gain nothing from threads, and lose much to their waiting
-        with threadpool_limits(1, user_api="blas"):
+        with threadpool_limits(1, user_api="blas"), with_threads(self.n_jobs):
             return self._fit(X, y, until)
 
     def _fit(self, X, y, until):

@@ -59,6 +59,7 @@ def effect_entry(finding, recording, workbench):
         "members": [{"name": n, "probability": round(float(p), 4)} for n, (p, _, _) in members.items()],
         "probability": round(float(min(total, 1.0)), 4),
         "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
+        "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
         "parameters": {},
         "sentence": _sentence(who, values),
         "separated_by": who.effect.separated_by,

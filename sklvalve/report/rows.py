@@ -19,6 +19,7 @@ from sklvalve.report.words import (
 )
 
 MODELS = {"nominal": "nominal", "black_box": "black box", "corrected": "corrected"}
+_TOLD_FROM = 0.001
 _MEASURES = {"rmse": "RMSE", "mape": "mean error, % of flow", "err_max": "largest error, %"}
 
 
@@ -50,11 +51,21 @@ def explanations(d: dict) -> list[Explanation]:
                 for member in effect["members"]
             ],
             parameters=parameters(effect, d),
-            sentence=effect.get("sentence") or "",
+            sentence=" ".join(words for words in (effect.get("sentence"), _moves(effect)) if words),
             separated_by=effect.get("separated_by") or "",
         )
         for effect in d.get("effects") or []
     ]
+
+
+def _moves(effect: dict) -> str:
+    """How far an effect moves the signals where it acts; what is beyond counting is not told."""
+    told = [
+        f"the {role_words(role)} by {percent(size)} of {'travel' if role == 'opening' else 'span'}"
+        for role, size in (effect.get("size") or {}).items()
+        if size >= _TOLD_FROM
+    ]
+    return f"Where it acts, it moves {either(told, 'and')}." if told else ""
 
 
 def places(d: dict) -> list[tuple[str, str]]:

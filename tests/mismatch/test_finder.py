@@ -112,6 +112,7 @@ def test_diagnosis_has_the_schema_and_is_json(found_healthy, found_leaking):
                 "members",
                 "probability",
                 "blocks",
+                "size",
                 "parameters",
                 "sentence",
                 "separated_by",

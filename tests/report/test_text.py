@@ -195,3 +195,12 @@ def test_what_no_effect_explains_is_described_and_drawn():
     assert "<b>" not in page.split("<main>")[1]
     made["unknown"] |= {"formula": None, "share": 0.4}
     assert "no short formula (the best holds 40 % of what was learnt)" in " ".join(to_text(made).split())
+
+
+def test_an_effect_is_told_with_what_it_moves():
+    made = examples.named()
+    made["effects"][0]["size"] = {"flow": 0.032, "opening": 1e-5}
+    for text in (to_text(made), to_markdown(made), render(examples.diagnosis(made))):
+        assert "it moves the flow by 3 % of span." in " ".join(
+            text.replace("\N{NO-BREAK SPACE}", " ").split()
+        )

@@ -6,13 +6,13 @@ import time
 
 import pytest
 
-from sklvalve.simulation import side_by_side as module
-from sklvalve.simulation.side_by_side import side_by_side
+from sklvalve.simulation.side_by_side import side_by_side, with_threads
 
 
 @pytest.fixture(autouse=True)
-def _several_threads(monkeypatch):
-    monkeypatch.setattr(module, "_THREADS", 3)
+def _several_threads():
+    with with_threads(3):
+        yield
 
 
 def test_results_come_in_the_order_of_the_items():
@@ -49,3 +49,14 @@ def test_a_piece_that_fails_is_heard_and_what_has_not_begun_is_left():
     with pytest.raises(RuntimeError, match="the first of them"):
         list(side_by_side(fails, range(50)))
     assert len(begun) < 50
+
+
+def test_as_many_threads_as_asked_for():
+    def name(_):
+        time.sleep(0.01)
+        return threading.current_thread().name
+
+    assert len({*side_by_side(name, range(12))}) == 3
+    with with_threads(1):
+        assert {*side_by_side(name, range(4))} == {threading.current_thread().name}
+    assert len({*side_by_side(name, range(12))}) == 3
