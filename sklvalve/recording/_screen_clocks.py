@@ -14,6 +14,7 @@ from sklvalve.recording._screen_lags import (
     rising_curve,
     slow,
 )
+from sklvalve.recording._screen_pressures import Late, pressures_late
 from sklvalve.recording._screen_tools import Finding, finding
 from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
@@ -21,7 +22,6 @@ from sklvalve.recording.recording import Recording
 _LEAST_ROWS = 300
 _ROWS_FOR_PRESSURES = 2400  # their answers are faint: in a shorter recording chance has some as clear
 _TOLD = 0.5  # share of a signal's quick moves that its cause must explain before their order is judged
-_CLEAR = 1.6  # a pressure's answer at its peak over the largest elsewhere
 _LATE = 3  # rows; meters and pressure lines may lag by less
 _WATCHED = ("command", "opening", "flow", "p1", "p2")
 
@@ -46,9 +46,10 @@ def screen_clocks(recording: Recording) -> list[Finding]:
     if _exchanged(signals, lags):
         detail = "moves before the command, and jitters less: the columns of the two have changed places"
         return [finding("swapped", "opening", detail)]
-    shift = _told_by_order(lags)
-    if shift is None and len(recording) >= _ROWS_FOR_PRESSURES:
-        shift = _told_by_pressures(lags)
+    late = {}
+    if len(recording) >= _ROWS_FOR_PRESSURES:
+        late = pressures_late(signals, usable, longest_lag(len(recording)))
+    shift = _told_by_order(lags, late) or _told_by_pressures(late)
     if shift is None:
         return []
     role, rows, why = shift
@@ -82,11 +83,7 @@ def _lags(signals: dict[str, Values], usable: NDArray[np.bool_], longest: int) -
     root, share = slow(np.sqrt(drop)), slow(flow) / (2.0 * slow(drop))
     passes = rising_curve(moved, flow / np.sqrt(drop))
     causes = [root * quick(passes), share * quick(signals["p1"]), -share * quick(signals["p2"])]
-    found |= _named((name, "p1>flow", "p2>flow"), lags_of(quick(flow), causes, usable, longest))
-    through = quick((passes * root) ** 2)
-    found |= _named(("flow>p1",), lags_of(-quick(signals["p1"]), [through], usable, longest))
-    found |= _named(("flow>p2",), lags_of(quick(signals["p2"]), [through], usable, longest))
-    return found
+    return found | _named((name,), lags_of(quick(flow), causes, usable, longest)[:1])
 
 
 def _jitter(values: Values, rows: NDArray[np.bool_]) -> Values:
@@ -124,12 +121,12 @@ def _after(lag: Lag | None) -> int:
     return lag.peak if lag.early < 0.2 else 0
 
 
-def _told_by_order(lags: dict[str, Lag]) -> tuple[str, int, str] | None:
+def _told_by_order(lags: dict[str, Lag], late: dict[str, Late]) -> tuple[str, int, str] | None:
     """The one of command, opening and flow whose clock is off: role, rows late, and why."""
     stem, water = lags.get("command>opening"), lags.get("opening>flow")
     stem_first, water_first, water_after = _before(stem), _before(water), _after(water)
     if stem_first:
-        both = all(abs(_pressure_late(lags, role)[0] - stem_first) <= 2 for role in ("p1", "p2"))
+        both = len(late) == 2 and all(abs(each.rows - stem_first) <= 2 for each in late.values())
         if water is None or water_after or both:
             return "opening", -stem_first, "it moves before the command, its cause"
         return "command", stem_first, "the opening moves before it, and the flow with the opening"
@@ -160,30 +157,12 @@ def _opening_or_flow(lags: dict[str, Lag], rows: int) -> tuple[str, int, str]:
     return "flow", -rows, "it moves before the opening, its cause"
 
 
-def _told_by_pressures(lags: dict[str, Lag]) -> tuple[str, int, str] | None:
+def _told_by_pressures(late: dict[str, Late]) -> tuple[str, int, str] | None:
     """The pressure whose clock is off; where both are off alike, it is the flow's, and the stem's with it."""
-    late = {role: _pressure_late(lags, role) for role in ("p1", "p2")}
-    (first, first_clear), (second, second_clear) = late["p1"], late["p2"]
-    if first and second and abs(first - second) <= 2:
-        return "flow", -first, "by how both pressures answer it, and it them"
-    why = "by how it answers the flow, and the flow it"
-    if first and (not second or first_clear >= second_clear):
-        return "p1", first, why
-    return ("p2", second, why) if second else None
-
-
-def _pressure_late(lags: dict[str, Lag], role: str) -> tuple[int, float]:
-    """Rows by which a pressure is late, or 0, and how clearly: its answer and its drive taken together."""
-    answer, drive = lags.get(f"flow>{role}"), lags.get(f"{role}>flow")
-    if answer is None or drive is None:
-        return 0, 0.0
-    course = np.array(answer.course)
-    # a pressure drives the flow with a gain of one in these terms, or the answer is chance
-    if 0.4 < drive.gain < 1.7:
-        course = course + np.array(drive.course)[::-1]
-    course = np.convolve(course, np.full(3, 1.0 / 3.0), mode="same")
-    place = int(np.argmax(course[2:-2])) + 2
-    elsewhere = np.abs(np.arange(len(course)) - place) > 5
-    clear = float(course[place] / max(float(np.abs(course[elsewhere]).max(initial=0.0)), 1e-300))
-    rows = place - answer.searched
-    return (rows, clear) if abs(rows) >= _LATE and clear > _CLEAR else (0, clear)
+    off = {role: each for role, each in late.items() if each.rows}
+    if len(off) == 2 and abs(off["p1"].rows - off["p2"].rows) <= 2:
+        return "flow", -off["p1"].rows, "by how both pressures answer it, and it them"
+    if not off:
+        return None
+    role = max(off, key=lambda each: off[each].evidence)
+    return role, off[role].rows, "by how it answers the flow, and the flow it"

@@ -60,9 +60,37 @@ def lags_of(answer: Values, causes: list[Values], usable: NDArray[np.bool_], lon
     ``answer[t] = sum over causes and k from -longest to longest of h[k] cause[t - k]``, of quick signals.
     Sums over rows are correlations, so the cost is that of their Fourier transforms.
     """
+    sums = sums_of(answer, causes, usable, longest)
+    if sums is None:
+        return []
+    response = sums.solved()
+    if response is None:
+        return []
+    told = float((2.0 * sums.right @ response - response @ sums.normal @ response) / sums.power)
+    return [_lag(each, longest, told) for each in np.split(response, len(causes))]
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Normal equations of an answer over all lags of its causes, and the answer's sum of squares."""
+
+    normal: Values
+    right: Values
+    power: float
+
+    def solved(self) -> Values | None:
+        """Answers over all lags, cause by cause; None where they cannot be told."""
+        try:
+            return solve(self.normal + np.diag(_RIDGE * np.diag(self.normal)), self.right, assume_a="pos")
+        except LinAlgError:
+            return None
+
+
+def sums_of(answer: Values, causes: list[Values], usable: NDArray[np.bool_], longest: int) -> Sums | None:
+    """Sums of products over lags from -longest to longest; None for too few rows, or where nothing moves."""
     width = 2 * longest + 1
     if usable.sum() < 2 * width * len(causes):
-        return []
+        return None
     padded = next_fast_len(len(answer) + 2 * width, real=True)
     waves = [rfft(np.where(usable, each, 0.0), padded) for each in (*causes, answer)]
 
@@ -79,15 +107,10 @@ def lags_of(answer: Values, causes: list[Values], usable: NDArray[np.bool_], lon
             block = toeplitz(sums[middle : middle + width], sums[middle::-1][:width])
             normal[one * width : (one + 1) * width, other * width : (other + 1) * width] = block
     right = np.concatenate([together(one, count)[longest : longest + width] for one in range(count)])
-    size, power = np.diag(normal), float(together(count, count)[middle])
-    if power <= 0.0 or (size <= 0.0).any():
-        return []
-    try:
-        response = solve(normal + np.diag(_RIDGE * size), right, assume_a="pos")
-    except LinAlgError:
-        return []
-    told = float((2.0 * right @ response - response @ normal @ response) / power)
-    return [_lag(each, longest, told) for each in np.split(response, count)]
+    power = float(together(count, count)[middle])
+    if power <= 0.0 or (np.diag(normal) <= 0.0).any():
+        return None
+    return Sums(normal, right, power)
 
 
 def _lag(response: Values, longest: int, told: float) -> Lag:
