@@ -22,7 +22,7 @@ from sklvalve.simulation.trim import GRID
 ATMOSPHERE = 101_325.0
 _ROOM = 293.15
 # free runs kept at hand, in numbers (8 bytes each)
-_NUMBERS_KEPT = 4_000_000
+_NUMBERS_KEPT = 16_000_000
 
 
 def clock_of(recording):

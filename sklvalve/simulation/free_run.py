@@ -23,7 +23,7 @@ _STAGES = ("signal", "actuator")
 
 def key_of_free_run(chain, values):
     """What a free run hangs on: runs of equal keys are the same."""
-    own = sorted(item for item in values.items() if item[0].startswith("actuator_"))
+    own = [frozenset(item for item in values.items() if item[0].startswith("actuator_"))]
     for e in chain.effects:
         if e.stage in _STAGES:
             own.append((e.key, chain.onsets.get(e.key)))

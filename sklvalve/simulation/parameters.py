@@ -58,6 +58,10 @@ class ParameterVector:
         bounds[self._log] = np.log(bounds[self._log])
         self.low, self.high = bounds[:, 0], bounds[:, 1]
         self.scale = np.array([self._scale(p) for p in self.parameters])
+        self._begin = tuple((p.name, p.start) for p in self.parameters)
+        self._known = [i for i, p in enumerate(self.parameters) if p.spread is not None]
+        self._expected = self.pack({})[self._known]
+        self._spread = np.array([self.parameters[i].spread for i in self._known])
 
     def __len__(self):
         return len(self.parameters)
@@ -73,7 +77,7 @@ class ParameterVector:
 
     def pack(self, values):
         """Vector of a dict of values; a parameter that it lacks stands at its start."""
-        raw = np.array([values.get(p.name, p.start) for p in self.parameters], dtype=float)
+        raw = np.array([values.get(name, start) for name, start in self._begin], dtype=float)
         raw[self._log] = np.log(np.maximum(raw[self._log], 1e-300))
         return np.clip(raw, self.low, self.high)
 
@@ -85,7 +89,4 @@ class ParameterVector:
 
     def prior_residuals(self, vector):
         """Distances from the starts in prior standard deviations, for the parameters that have a prior."""
-        known = [i for i, p in enumerate(self.parameters) if p.spread is not None]
-        start = self.pack({})
-        spread = np.array([self.parameters[i].spread for i in known])
-        return (np.asarray(vector)[known] - start[known]) / spread
+        return (np.asarray(vector)[self._known] - self._expected) / self._spread
