@@ -119,7 +119,7 @@ class Workbench(Sharing, Sizes):
         for channels in self._groups(members):
             own = self._telling(members, channels)
             fixed = self._told_elsewhere(members, channels, values)
-            sign = (
+            asked = (
                 channels,
                 _signs(self._touching(members, channels)),
                 tuple(fixed.items()),
@@ -128,12 +128,14 @@ class Workbench(Sharing, Sizes):
                 max_steps,
                 None if rows is None else rows.tobytes(),
                 tuple(self.noise[c] for c in channels),
-                self._origin(chain, begin, own, channels),
             )
+            sign = (*asked, self._origin(chain, begin, own, channels))
             if sign not in self._known:
-                self._known[sign] = self._fit_group(
-                    chain, channels, own, begin, attempt, hold, fixed, rows, max_steps
-                )
+                fit = self._fit_group(chain, channels, own, begin, attempt, hold, fixed, rows, max_steps)
+                self._known[sign] = fit
+                if fit.settled:
+                    # begun where it ended it would move by rounding, and all that hangs on its values with it
+                    self._known.setdefault((*asked, self._origin(chain, fit.values, own, channels)), fit)
             fit = self._known[sign]
             values |= fit.values
             spreads |= fit.spreads

@@ -28,6 +28,8 @@ class ChannelFit:
     parameters : tuple of Parameter
     spreads : dict
         Parameter name -> standard deviation, of its logarithm where the parameter moves by that.
+    settled : bool
+        Whether it ended because no step gained any more, and not for having taken all the steps it may.
     """
 
     values: dict
@@ -35,6 +37,7 @@ class ChannelFit:
     predictions: dict
     parameters: tuple = ()
     spreads: dict = field(default_factory=dict)
+    settled: bool = True
 
 
 @dataclass(frozen=True)
@@ -148,10 +151,9 @@ def fit_chain(
         return ChannelFit(misfit.fixed, left, predictions)
     inside = 1e-6 * np.minimum(vector.scale, vector.high - vector.low)
     z = np.clip(vector.pack(start or {}), vector.low + inside, vector.high - inside)
-    z, cost, hessian = _minimise(misfit.errors, misfit.slopes, z, vector, max_steps, loss or SOFT)
-    return ChannelFit(
-        misfit.values(z), -cost, misfit.predictions(z), tuple(parameters), _spreads(hessian, vector)
-    )
+    z, cost, hessian, settled = _minimise(misfit.errors, misfit.slopes, z, vector, max_steps, loss or SOFT)
+    spreads = _spreads(hessian, vector)
+    return ChannelFit(misfit.values(z), -cost, misfit.predictions(z), tuple(parameters), spreads, settled)
 
 
 @dataclass(frozen=True)
@@ -182,7 +184,7 @@ def _minimise(stacked, slopes, z, vector, max_steps, loss):
     bound that would leave it sits out the step.
     """
     left = stacked(z)
-    cost, damping, hessian, idle = loss.cost(left), 1e-3, np.eye(len(z)), 0
+    cost, damping, hessian, idle, settled = loss.cost(left), 1e-3, np.eye(len(z)), 0, False
     for _ in range(max_steps):
         columns, first = slopes(z, left), 0.0
         gained, before, tries = 0.0, cost, 0
@@ -216,9 +218,10 @@ def _minimise(stacked, slopes, z, vector, max_steps, loss):
         gained = before - cost
         # one short step may be the damping's doing; two are the valley's floor
         idle = idle + 1 if gained < 1e-5 * cost + 1e-3 else 0
-        if gained == 0.0 or idle == (1 if damping < 1e-3 else 2):
+        settled = gained == 0.0 or idle == (1 if damping < 1e-3 else 2)
+        if settled:
             break
-    return z, cost, hessian
+    return z, cost, hessian, settled
 
 
 def log_likelihood(residuals, noise):
