@@ -1,22 +1,38 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Intervals of parameters: what noise leaves open, and what a simulation gets wrong of the effect itself."""
+"""Intervals of parameters: what noise, a simulation that is never right, and the data sheet leave open."""
+
+from dataclasses import replace
 
 import numpy as np
 
 from sklvalve.mismatch.distance import SHARE_MISTAKEN
+from sklvalve.mismatch.hypothesis import own_values
+from sklvalve.mismatch.locate import causes_of, course_of_cause
 
-# of its value, or of its range where it is about zero: how far a parameter is moved to see what it does
-_STEP, _OF_RANGE = 0.02, 1e-3
+# of a normal distribution: 95 %
+_WITHIN_95 = 1.96
 
 
 def interval_of(workbench, member, fitted, quantity):
     r"""Interval that holds a parameter of an effect with 95 %.
 
-    .. math:: h^2 = (1.96\, s)^2 + (0.15\, \Delta / \Delta')^2
+    .. math:: h^2 = (1.96\, s)^2 + (1.96\, m)^2 + t^2
 
-    with the standard deviation s of the fit, the rms change :math:`\Delta` that the effect makes, and the rms
-    change :math:`\Delta'` per unit of the parameter: a simulation gets 15 % of an effect wrong, and a
-    parameter may make up for that.
+    with the standard deviation s of the fit, what the parameter may make up for, m, and what the sheet leaves
+    open of such an effect, t. A simulation gets 15 % of an effect wrong, and that is one error however many
+    rows there are:
+
+    .. math:: m^2 = [(A + P)^{-1}]_{ii}, \quad A = J^T J \left(\frac{1.96}{0.15\, \Delta}\right)^2
+
+    with the rms change :math:`\Delta` that the effect makes, the derivatives J of the simulated signals, as
+    shares of their spans and rms over the rows, and the curvature P of the priors: calibration answers as far
+    as the data sheet lets it. The effect's other parameters describe its shape and are held.
+
+    A response, a zero or a capacity that the sheet leaves open is a parameter of the calibration, and
+    answers. A static error is not: friction and feedback of a calibrated actuator stand for play, and a sound
+    valve has some, so that t is the size up to which such an effect is within the tolerance of the static
+    error. Of a delay it is one scan, half of what the calibration may hold beside it. What grows does so the
+    faster the later it began: t is how far the rates lie apart over the interval of its onset.
 
     Parameters
     ----------
@@ -35,34 +51,87 @@ def interval_of(workbench, member, fitted, quantity):
     value, spread = fitted.values[key], fitted.spreads.get(key, np.nan)
     if not np.isfinite(spread):
         return None
-    half = np.hypot(1.96 * spread, _systematic(workbench, member, fitted, quantity, key))
+    half = np.hypot(_WITHIN_95 * spread, _mistaken(workbench, member, fitted, key))
     if quantity.log:
-        ends = value * np.exp(-half), value * np.exp(half)
+        below, above = value * -np.expm1(-half), value * np.expm1(half)
     else:
-        ends = value - half, value + half
+        below, above = half, half
+    slower, faster = _open(workbench, member, fitted, quantity, value)
+    ends = value - np.hypot(below, slower), value + np.hypot(above, faster)
     return tuple(float(np.clip(e, quantity.low, quantity.high)) for e in ends)
 
 
-def _systematic(workbench, member, fitted, quantity, key):
-    """How far the parameter may be off to make up for what the simulation gets wrong of its effect."""
-    value = fitted.values[key]
-    step = _STEP if quantity.log else max(_STEP * abs(value), _OF_RANGE * (quantity.high - quantity.low))
-    moved = value * np.exp(step) if quantity.log else value + step
-    if moved > quantity.high:
-        step = -step
-        moved = value * np.exp(step) if quantity.log else value + step
+def _mistaken(workbench, member, fitted, key):
+    """How far a parameter may be off to make up for what the simulation gets wrong of its effect."""
     rest = tuple(m for m in fitted.members if m.effect.key != member.effect.key)
     own = workbench.simulate(fitted.members, fitted.values)
     without = workbench.simulate(rest, fitted.values)
-    beside = workbench.simulate(fitted.members, fitted.values | {key: moved})
-    change, slope = _gap(workbench, own, without), _gap(workbench, own, beside) / abs(step)
-    return SHARE_MISTAKEN * change / slope if slope > 0.0 else 0.0
+    wrong = SHARE_MISTAKEN * float(
+        np.linalg.norm(_scaled(workbench, own.predictions, without.predictions, workbench.channels))
+    )
+    for misfit in workbench.misfits(fitted, workbench.channels):
+        if key not in misfit.vector.names or wrong <= 0.0:
+            continue
+        slopes, priors, free = _slopes(workbench, misfit, member, fitted, key)
+        curvature = slopes.T @ slopes * (_WITHIN_95 / wrong) ** 2 + priors.T @ priors
+        if curvature[0, 0] <= 0.0:
+            return 0.0
+        # what moves nothing and has no prior answers nothing
+        curvature[np.diag_indices(free)] += 1e-9 * curvature[0, 0]
+        return _WITHIN_95 * float(np.sqrt(np.linalg.inv(curvature)[0, 0]))
+    return 0.0
 
 
-def _gap(workbench, one, other):
-    """Rms difference of two simulations, each channel in its span [1]."""
-    squares = [
-        np.nanmean((one.predictions[c] - other.predictions[c]) ** 2) / workbench.spans[c] ** 2
-        for c in workbench.channels
+def _slopes(workbench, misfit, member, fitted, key):
+    """Derivatives of simulated signals and of priors; of the parameter first, then of the calibration's."""
+    z, names = misfit.vector.pack(fitted.values), misfit.vector.names
+    base, prior = misfit.predictions(z), misfit.vector.prior_residuals(z)
+    moved, reach = misfit.neighbours(z)
+    own = f"{member.effect.key}."
+    places = [names.index(key), *(i for i, name in enumerate(names) if not name.startswith(own))]
+    slopes = [
+        _scaled(workbench, misfit.predictions(moved[i]), base, misfit.channels) / reach[i] for i in places
     ]
-    return float(np.sqrt(sum(squares)))
+    pulls = [(misfit.vector.prior_residuals(moved[i]) - prior) / reach[i] for i in places]
+    return np.stack(slopes, axis=1), np.stack(pulls, axis=1), len(places)
+
+
+def _scaled(workbench, one, other, channels):
+    """Difference of two simulations, channel after channel, in spans and so that its norm is its rms [1]."""
+    parts = []
+    for c in channels:
+        gap = (one[c] - other[c]) / workbench.spans[c]
+        seen = np.isfinite(gap)
+        parts.append(np.where(seen, gap, 0.0) / np.sqrt(max(seen.sum(), 1)))
+    return np.concatenate(parts)
+
+
+def _open(workbench, member, fitted, quantity, value):
+    """How far below and above its value the data sheet, or the onset, leaves the size of an effect open."""
+    if quantity.name != member.effect.parameters[0].name:
+        return 0.0, 0.0
+    if member.effect.grows:
+        for cause in causes_of(workbench, fitted):
+            if cause.member.effect.key == member.effect.key:
+                ends = np.multiply(course_of_cause(workbench, fitted, cause).sizes, value)
+                return max(value - ends.min(), 0.0), max(ends.max() - value, 0.0)
+    if quantity.name == "delay":
+        return 2 * (float(workbench.recording.sample_time),)
+    return 2 * (_of_sound_valves(workbench, member, fitted, quantity),)
+
+
+def _of_sound_valves(workbench, member, fitted, quantity):
+    """Size up to which an effect is a static error within the tolerance; zero where its size is another."""
+    chain, values = fitted.chain, own_values(member, fitted)
+
+    def beyond(size, tolerance):
+        return member.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)
+
+    given, none = workbench.tolerance, replace(workbench.tolerance, static_error=0.0)
+    if beyond(quantity.low, given) or not beyond(quantity.high, given) or not beyond(quantity.low, none):
+        return 0.0
+    low, high = quantity.low, quantity.high
+    for _ in range(40):
+        middle = 0.5 * (low + high)
+        low, high = (low, middle) if beyond(middle, given) else (middle, high)
+    return float(high)

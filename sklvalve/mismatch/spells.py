@@ -34,11 +34,15 @@ class Course:
     ranges : list of (pair or None, pair or None)
         For both ends of each spell the rows between which it lies with 95 %; None where the end is that of
         the recording.
+    sizes : tuple of float
+        Of what grows: how many times as fast as it was fitted it grows, at least and at most, where it began
+        at any row of that range.
     """
 
     kind: str
     spells: list
     ranges: list
+    sizes: tuple = (1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -238,13 +242,17 @@ def growing_course(evidence, onset, candidates):
     """
     n, rows = evidence.n, np.arange(evidence.n)
     begin = onset or 0
-    target, gains = evidence.free(evidence.whitened(evidence.before)), []
+    target, gains, sizes = evidence.free(evidence.whitened(evidence.before)), [], []
     places = sorted({int(k) for k in candidates} | {begin})
     for k in places:
         strength = np.maximum(rows - k, 0) / np.maximum(rows, 1)
         grown = {c: strength * (b - evidence.after[c]) for c, b in evidence.before.items()}
         ramp = evidence.free(evidence.whitened(grown))
-        gains.append(0.5 * float(ramp @ target) ** 2 / max(float(ramp @ ramp), 1e-12))
+        sizes.append(float(ramp @ target) / max(float(ramp @ ramp), 1e-12))
+        gains.append(0.5 * float(ramp @ target) * sizes[-1])
     raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * max(gains) / DISTINGUISHABLE
-    within = [k for k, g in zip(places, gains, strict=True) if 2.0 * (max(gains) - g) <= _SMOOTH_95 * raised]
-    return Course("growing", [(begin, n)], [((min(*within, begin), max(*within, begin)), None)])
+    reach = [2.0 * (max(gains) - g) <= _SMOOTH_95 * raised for g in gains]
+    within = [k for k, near in zip(places, reach, strict=True) if near]
+    told = [size for size, near in zip(sizes, reach, strict=True) if near]
+    ends = (min(*within, begin), max(*within, begin))
+    return Course("growing", [(begin, n)], [(ends, None)], (min(told), max(told)))

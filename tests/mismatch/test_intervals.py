@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Intervals of parameters by their two parts."""
+"""Intervals of parameters by their parts."""
 
 from dataclasses import replace
 
@@ -12,6 +12,7 @@ from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.intervals import interval_of
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.simulation import Tolerance
+from sklvalve.simulation.fitting import Misfit
 
 BY_KEY = {e.key: e for e in CATALOGUE}
 
@@ -21,31 +22,103 @@ def bench(healthy):
     return Workbench(healthy, Tolerance(), ())
 
 
-def _fitted(bench, key, own, spreads):
-    member = Member(BY_KEY[key])
+def _fitted(bench, key, own, spreads, onset=None):
+    member = Member(BY_KEY[key], onset)
     nominal = bench.fit((), max_steps=2)
     values = nominal.values | {f"{key}.{name}": value for name, value in own.items()}
     model = replace(bench.simulate((member,), values), spreads={f"{key}.{n}": s for n, s in spreads.items()})
     return member, model
 
 
+def _interval(bench, key, own, spread, onset=None):
+    first = next(iter(own))
+    member, model = _fitted(bench, key, own, {first: spread}, onset)
+    quantity = next(q for q in member.effect.quantities(model.chain) if q.name == first)
+    return interval_of(bench, member, model, quantity)
+
+
+@pytest.fixture
+def held(bench, monkeypatch):
+    """The workbench with a calibration that answers nothing."""
+
+    def alone(model, channels):
+        (member,) = model.members
+        touched = bench.channels_touched(member.effect)
+        own = [q.parameter_of(member.effect.key) for q in member.effect.quantities(model.chain)]
+        return [Misfit(model.chain, own, touched, bench.noise, fixed=model.values)]
+
+    monkeypatch.setattr(bench, "misfits", alone)
+    return bench
+
+
 @pytest.mark.parametrize("spread", [0.0, 2e-5, 2e-4])
-def test_of_what_acts_in_proportion_the_share_is_that_of_its_value(bench, spread):
-    member, model = _fitted(bench, "flow_meter_bias", {"bias": 4e-4}, {"bias": spread})
-    low, high = interval_of(bench, member, model, member.effect.quantities(model.chain)[0])
+def test_of_what_acts_in_proportion_the_share_is_that_of_its_value(held, spread):
+    ends = _interval(held, "flow_meter_bias", {"bias": 4e-4}, spread)
     half = np.hypot(1.96 * spread, SHARE_MISTAKEN * 4e-4)
-    np.testing.assert_allclose([low, high], [4e-4 - half, 4e-4 + half], rtol=1e-6)
+    np.testing.assert_allclose(ends, [4e-4 - half, 4e-4 + half], rtol=1e-6)
 
 
-def test_of_a_limit_it_is_as_far_as_changes_the_effect_by_its_share(bench):
-    member, model = _fitted(bench, "clogging", {"limit": 0.5}, {"limit": 1e-4})
-    low, high = interval_of(bench, member, model, member.effect.quantities(model.chain)[0])
+def test_of_a_limit_it_is_as_far_as_changes_the_effect_by_its_share(held):
+    member, model = _fitted(held, "clogging", {"limit": 0.5}, {"limit": 1e-4})
+    low, high = interval_of(held, member, model, member.effect.quantities(model.chain)[0])
     assert 0.4 < low < 0.5 < high < 0.6
     own = model.predictions["flow"]
-    none = bench.simulate((), model.values).predictions["flow"]
-    moved = bench.simulate(model.members, model.values | {"clogging.limit": high}).predictions["flow"]
+    none = held.simulate((), model.values).predictions["flow"]
+    moved = held.simulate(model.members, model.values | {"clogging.limit": high}).predictions["flow"]
     share = np.sqrt(np.nanmean((moved - own) ** 2) / np.nanmean((own - none) ** 2))
     assert share == pytest.approx(SHARE_MISTAKEN, rel=0.25)
+
+
+def test_a_calibration_answers_as_far_as_the_sheet_lets_it(healthy, bench):
+    def width(workbench):
+        low, high = _interval(workbench, "flow_meter_bias", {"bias": 4e-4}, 0.0)
+        return high - low
+
+    alone = 2.0 * SHARE_MISTAKEN * 4e-4
+    narrow = Tolerance(capacity=1e-6, trim=1e-6, position_zero=1e-6, flow_zero=1e-6, pressure_zero=1e-6)
+    assert width(Workbench(healthy, narrow, ())) == pytest.approx(alone, rel=0.05)
+    assert 1.2 * alone < width(bench) < 4.0 * alone
+
+
+@pytest.mark.parametrize(
+    ("key", "name", "value", "sound"),
+    [
+        ("backlash_linkage", "width", 0.04, 0.01),
+        ("positioner_deadband", "half_width", 0.03, 0.005),
+        ("friction", "friction", 0.2, 0.025),
+    ],
+)
+def test_a_static_error_of_a_sound_valve_may_be_in_it_or_not(held, key, name, value, sound):
+    ends = {}
+    for error in (1e-6, 0.01):
+        held.tolerance, kept = replace(held.tolerance, static_error=error), held.tolerance
+        ends[error] = np.array(_interval(held, key, {name: value}, 0.0))
+        held.tolerance = kept
+    low, high = np.sqrt((ends[0.01] - value) ** 2 - (ends[1e-6] - value) ** 2)
+    np.testing.assert_allclose([low, high], sound, rtol=1e-3)
+
+
+def test_a_delay_is_known_to_one_scan_at_best(held):
+    low, high = _interval(held, "dead_time", {"delay": 6.0}, 0.0)
+    scan = held.recording.sample_time
+    assert low < 6.0 - scan
+    assert high > 6.0 + scan
+    assert high - low < 6.0 * scan
+
+
+def test_what_grows_may_have_begun_elsewhere_and_grow_faster(bench, monkeypatch):
+    clock = bench.plain.clock
+    onset = float(clock[len(clock) // 3])
+    ends = {}
+    for sizes in ((1.0, 1.0), (0.8, 1.6)):
+        monkeypatch.setattr(
+            "sklvalve.mismatch.intervals.course_of_cause",
+            lambda *_, sizes=sizes: type("Course", (), {"sizes": sizes}),
+        )
+        ends[sizes] = np.array(_interval(bench, "sedimentation", {"rate": 2e-5}, 1e-7, onset))
+    below, above = np.sqrt((ends[0.8, 1.6] - 2e-5) ** 2 - (ends[1.0, 1.0] - 2e-5) ** 2)
+    assert below == pytest.approx(0.2 * 2e-5, rel=1e-3)
+    assert above == pytest.approx(0.6 * 2e-5, rel=1e-3)
 
 
 def test_without_a_deviation_there_is_no_interval_and_none_leaves_what_is_possible(bench):

@@ -70,7 +70,7 @@ def test_a_strength_that_is_somewhat_wrong_makes_no_spells():
 
 
 def test_growth_begins_within_its_interval():
-    held = 0
+    held = sized = 0
     for seed in range(12):
         onset = 300 + 40 * seed
         since = np.maximum(np.arange(ROWS) - onset, 0.0)
@@ -91,4 +91,9 @@ def test_growth_begins_within_its_interval():
         low, high = course.ranges[0][0]
         held += low <= onset <= high
         assert high - low < 0.8 * ROWS
+        # so do the rates that go with the interval, which are larger the later it began
+        slow, fast = course.sizes
+        sized += slow <= 1.0 <= fast
+        assert 0.5 < slow < fast < 2.0
     assert held >= 10
+    assert sized >= 10
