@@ -18,6 +18,7 @@ _PLACES = 9
 # widths of a bump and lengths of a wave, shares of the range of a signal
 _WIDTHS, _LENGTHS, _PHASES = (0.06, 0.12), np.geomspace(0.12, 1.0, 14), 8
 _BINS = 40
+_CYCLE = ("cosine", "sine")
 # name -> factor and offset from what the learnt rest is given to what is shown, unit shown
 _SHOWN = {
     "opening": (100.0, 0.0, "%"),
@@ -74,6 +75,8 @@ def described(correction, slope, unit):
 def _shown(name, column):
     """Words for a signal that remembers or not, its values as they are shown, and their unit."""
     signal, _, memory = name.partition(" ")
+    if signal in _CYCLE:
+        return f"{signal}(360 deg time / {memory})", column, ""
     factor, offset, unit = _SHOWN.get(signal, (1.0, 0.0, ""))
     words = signal.replace("_", " ") + (f" behind a lag of {memory}" if memory else "")
     return words, factor * column + offset, unit
@@ -84,12 +87,14 @@ def _terms(shown):
     terms = []
     for i, (name, values, unit) in enumerate(shown):
         there = f"{name} [{unit}]" if unit else name
-        terms += [Term(values, there, i), *_bends(values, there, i), *_waves(values, there, i)]
+        terms.append(Term(values, there, i))
+        if not name.startswith(_CYCLE):
+            terms += [*_bends(values, there, i), *_waves(values, there, i)]
         for j, (other, beside, its) in enumerate(shown[:i]):
             # about their middles, or a product would mostly repeat what either does alone
             middles = _round(values.mean()), _round(beside.mean())
             besides = f"{other} [{its}]" if its else other
-            words = f"({besides} - {middles[1]:.3g}) ({there} - {middles[0]:.3g})"
+            words = f"({_less(besides, middles[1])}) ({_less(there, middles[0])})"
             terms.append(Term((values - middles[0]) * (beside - middles[1]), words, j))
     return [term for term in terms if np.ptp(term.values) > 0.0]
 
@@ -99,11 +104,11 @@ def _bends(values, there, signal):
     places = np.quantile(values, np.linspace(0.0, 1.0, _PLACES + 2)[1:-1])
     widths = [_round(share * np.ptp(values)) for share in _WIDTHS]
     for place in np.unique([_round(each) for each in places]):
-        yield Term(np.maximum(values - place, 0.0), f"max(0, {there} - {place:.3g})", signal)
+        yield Term(np.maximum(values - place, 0.0), f"max(0, {_less(there, place)})", signal)
         yield Term((values > place).astype(float), f"({there} > {place:.3g})", signal)
         for width in widths:
             bump = np.exp(-(((values - place) / max(width, 1e-300)) ** 2))
-            yield Term(bump, f"exp(-(({there} - {place:.3g}) / {width:.3g})^2)", signal)
+            yield Term(bump, f"exp(-(({_less(there, place)}) / {width:.3g})^2)", signal)
 
 
 def _waves(values, there, signal):
@@ -114,9 +119,13 @@ def _waves(values, there, signal):
         for phase in range(_PHASES // 2):
             begin = _round(values.min() + length * phase / _PHASES)
             wave = np.sin(2.0 * np.pi * (values - begin) / length)
-            words = f"sin(360 deg ({there} - {begin:.3g}) / {length:.3g})"
+            words = f"sin(360 deg ({_less(there, begin)}) / {length:.3g})"
             yield Term(wave, words, signal)
             yield Term(wave * values, f"{there} {words}", signal)
+
+
+def _less(there, place):
+    return f"{there} {'-' if place >= 0.0 else '+'} {abs(place):.3g}"
 
 
 def _round(value):

@@ -7,7 +7,7 @@ from sklvalve.mismatch.black_box import black_box_prediction
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.prove import held_out_predictions, lines_of, refitted
 from sklvalve.mismatch.slip_finding import simulated
-from sklvalve.mismatch.unknown import learn_rest
+from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.simulation.simulation import learnt_rest
 
 # of the range that the opening covers, at both ends left out of the fit
@@ -112,7 +112,7 @@ def _beyond(workbench, judged, inside):
         made[kind] = dict(again.predictions)
     if judged.correction is not None:
         channel = judged.correction["channel"]
-        part = learn_rest(workbench, again, channel, inside)
+        part = learn_rest(workbench, again, judged.unknown, inside)
         if part is not None:
             made["corrected"][channel] = made["corrected"][channel] + learnt_rest(
                 part, again.chain, again.values

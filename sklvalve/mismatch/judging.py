@@ -96,7 +96,7 @@ def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, ran
     model = _else_as(workbench, workbench.least_squares(model), nominal) if findings else nominal
     if verdict == "no_mismatch" or unknown is None:
         return Judgement(verdict, p_value, findings, None, nominal, model)
-    tried = folded(workbench, model, unknown.channel)
+    tried = folded(workbench, model, unknown)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
 
@@ -108,7 +108,7 @@ def _stands(workbench, model, unknown):
     """
     if unknown.size >= _LARGE * workbench.least(unknown.channel):
         return True
-    tried = folded(workbench, workbench.least_squares(model), unknown.channel)
+    tried = folded(workbench, workbench.least_squares(model), unknown)
     return correction_holds_out(workbench, tried, unknown.channel)[0]
 
 

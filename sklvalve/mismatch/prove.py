@@ -9,7 +9,7 @@ import numpy as np
 from sklvalve.metrics import err_max, mape, rmse
 from sklvalve.mismatch.black_box import black_box_prediction
 from sklvalve.mismatch.linearised import Linearised
-from sklvalve.mismatch.unknown import learn_rest
+from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.simulation.fitting import simulate_channels
 from sklvalve.simulation.robust import robust_cost
 from sklvalve.simulation.simulation import learnt_rest
@@ -47,8 +47,8 @@ def blocks(n):
         yield slice(low, high), others
 
 
-def folded(workbench, model, channel=None):
-    """A hypothesis fitted again without each block, and so is the learnt rest of a channel if one is named.
+def folded(workbench, model, unknown=None):
+    """A hypothesis fitted again without each block, and so is the learnt rest if one is given.
 
     A simulation always runs through the whole recording: only the error of held-out rows is hidden from the
     fit. The fits to the others start from the fit to all and go one step: they differ by little.
@@ -65,7 +65,7 @@ def folded(workbench, model, channel=None):
         again = workbench.simulate(model.members, refitted(workbench, model, lines, others))
         for c in workbench.channels:
             made[c][held] = again.predictions[c][held]
-        part = None if channel is None else learn_rest(workbench, again, channel, others)
+        part = None if unknown is None else learn_rest(workbench, again, unknown, others)
         if part is not None:
             rest[held] = learnt_rest(part, again.chain, again.values)[held]
     return Folded(made, rest)

@@ -68,7 +68,7 @@ def over_the_whole(workbench, judged):
     judged = replace(judged, nominal=nominal, model=model, findings=findings)
     if judged.unknown is None:
         return replace(judged, tried=None)
-    tried = folded(workbench, model, judged.unknown.channel)
+    tried = folded(workbench, model, judged.unknown)
     kept, told = correction_holds_out(workbench, tried, judged.unknown.channel)
     return replace(judged, tried=tried, kept=kept, errors=told)
 

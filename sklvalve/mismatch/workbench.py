@@ -212,13 +212,17 @@ class Workbench(Sharing, Sizes):
                 model.predictions[c],
                 model.chain.step,
                 c,
-                inadequacy=_INADEQUACY * self.least(c) * self.spans[c],
-                largest=_LARGEST * self.least(c) * self.spans[c],
                 cautious=cautious,
+                **self.noise_settings(c),
             )
             if untouched:
                 self._learnt[c, cautious] = noise[c]
         self.use_noise(noise)
+
+    def noise_settings(self, channel):
+        """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
+        counts = self.least(channel) * self.spans[channel]
+        return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
     @contextmanager
     def every_row_alike(self, model):

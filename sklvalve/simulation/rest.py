@@ -7,11 +7,14 @@ from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.simulation.given import ROLES as GIVEN_ROLES
 from sklvalve.simulation.stages import first_order_lag
 
+_WAVES = {"cosine": np.cos, "sine": np.sin}
+
 
 def rest_inputs(chain, values, names, stem=None):
     """Signals on which a learnt rest hangs, one column for each name (opening, command, dp [bar], ...).
 
-    ``simulated_flow 40 s`` is a simulated flow behind a first-order lag of 40 s: what the rest remembers.
+    ``simulated_flow 40 s`` is a simulated flow behind a first-order lag of 40 s: what the rest remembers;
+    ``cosine 640 s`` and ``sine 640 s`` are the waves of that period on the recording's clock.
     """
     columns = {"command": chain.command, "temperature": chain.temperature, "dp": chain.dp / 1e5}
     columns["pressure_ratio"] = chain.pressure_ratio
@@ -22,6 +25,8 @@ def rest_inputs(chain, values, names, stem=None):
 
 
 def _remembered(chain, columns, signal, seconds=None, _unit="s"):
+    if signal in _WAVES:
+        return _WAVES[signal](2.0 * np.pi * chain.clock / float(seconds))
     values = columns[signal]
     return values if seconds is None else first_order_lag(values, chain.step, float(seconds), 1.0)
 

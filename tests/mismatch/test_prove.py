@@ -10,7 +10,7 @@ import pytest
 import sklvalve.mismatch.judging as judging_module
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.prove import Folded, blocks, correction_holds_out, errors, folded
-from sklvalve.mismatch.unknown import learn_rest
+from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.simulation import Tolerance
 
@@ -21,6 +21,10 @@ from .conftest import record
 def bowed():
     """Trim that bends with the temperature: no effect of the catalogue."""
     return record("thermal_bow", 0.03, random_state=0)
+
+
+# what is learnt of: a rest of the flow that has no period
+REST = SimpleNamespace(channel="flow", period=None)
 
 
 @pytest.fixture(scope="module")
@@ -53,17 +57,17 @@ def test_correction_learns_from_the_rows_given_and_no_others(bowed, bench, nomin
     held, others = next(iter(blocks(len(bowed))))
     changed = Workbench(_shuffled_within(bowed, held), Tolerance(), bowed.valve.physics)
     same = changed.simulate((), nominal.values)
-    one, two = (learn_rest(w, m, "flow", others) for w, m in ((bench, nominal), (changed, same)))
+    one, two = (learn_rest(w, m, REST, others) for w, m in ((bench, nominal), (changed, same)))
     assert one.keys() == two.keys()
     for key in ("support", "coefficients", "intercept", "gamma", "span"):
         np.testing.assert_array_equal(one[key], two[key])
     assert one["inputs"] == two["inputs"]
-    whole = [learn_rest(w, m, "flow") for w, m in ((bench, nominal), (changed, same))]
+    whole = [learn_rest(w, m, REST) for w, m in ((bench, nominal), (changed, same))]
     assert not np.array_equal(whole[0]["coefficients"], whole[1]["coefficients"])
 
 
 def test_every_block_has_a_correction_of_its_own(bench, nominal):
-    tried = folded(bench, nominal, "flow")
+    tried = folded(bench, nominal, REST)
     once = folded(bench, nominal)
     np.testing.assert_array_equal(once.rest, 0.0)
     for c, signal in once.predictions.items():

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A rest that comes back in time: a cycle of one period, which no signal that was recorded drives.
+
+The wander of a meter has no period. So a cycle is told by likelihood: of the noise with a cycle beside it
+against that of the noise alone, each with its own quick part and wander, over all periods that were tried.
+"""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from sklvalve.mismatch.noise_of_pieces import noise_of
+from sklvalve.simulation.robust import robust_cost, robust_weights
+
+# cycles in the recording at the least, and the shortest period in rows and in seconds
+_FEWEST_CYCLES, _FEWEST_ROWS, _SHORTEST = 4, 40, 60.0
+# log likelihood that a cycle must add, whatever the number of periods
+_LEAST_GAIN = 15.0
+# a simulated signal that swings so many times as far, in a line so far above what is around it, is its cause
+_DRIVEN, _LINE, _AROUND = 2.0, 8.0, 12
+_REFITS = 2
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """A cycle of the rest of a channel.
+
+    Parameters
+    ----------
+    period : float
+        [s]
+    p_value : float
+        Probability that noise alone shows one as clear at any of the periods tried.
+    """
+
+    period: float
+    p_value: float
+
+
+def find_cycle(workbench, model, channel):
+    """Look for a cycle in what a model leaves over of a channel.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+    channel : str
+
+    Returns
+    -------
+    cycle : Cycle or None
+    """
+    clock, left = model.chain.clock - model.chain.clock[0], workbench.residuals(model)[channel]
+    simulated, noise = model.predictions[channel], workbench.noise[channel]
+    shortest = max(_SHORTEST, _FEWEST_ROWS * workbench.recording.sample_time)
+    frequencies = np.arange(_FEWEST_CYCLES, int(clock[-1] / shortest) + 1) / max(clock[-1], 1e-12)
+    if not len(frequencies):
+        return None
+    learn = partial(
+        noise_of,
+        workbench.recording,
+        simulated=simulated,
+        step=model.chain.step,
+        role=channel,
+        **workbench.noise_settings(channel),
+    )
+    best = 0.0, None
+    # as high everywhere, or growing with the signal
+    for height in (np.ones_like(simulated), np.nan_to_num(simulated / np.nanmax(np.abs(simulated)))):
+        waves = partial(_waves, clock, height)
+        gains = [_gain(noise, left, waves(f)) for f in frequencies]
+        wave = waves(frequencies[int(np.argmax(gains))])
+        if max(gains) < 0.3 * _LEAST_GAIN or _driven(
+            simulated, left, waves, frequencies, int(np.argmax(gains))
+        ):
+            continue
+        gain = _gain_with_own_noise(learn, left, wave)
+        if gain > best[0]:
+            best = gain, 1.0 / frequencies[int(np.argmax(gains))]
+    gain, period = best
+    if gain < _LEAST_GAIN:
+        return None
+    tries = 2 * len(frequencies)
+    return Cycle(float(f"{period:.4g}"), float(-np.expm1(tries * np.log1p(-np.exp(-gain)))))
+
+
+def _waves(clock, height, frequency):
+    angle = 2.0 * np.pi * frequency * clock
+    return np.column_stack([height * np.cos(angle), height * np.sin(angle)])
+
+
+def _whitened(noise, left, waves):
+    """Residuals and waves through the noise's filter, rows weighed as the robust loss weighs them."""
+    gap = ~np.isfinite(left)
+    white = noise.whiten(left)
+    weights = np.sqrt(robust_weights(white))
+    columns = [weights * noise.whiten(np.where(gap, np.nan, each)) for each in waves.T]
+    return weights * white, np.column_stack(columns)
+
+
+def _fitted(noise, left, waves):
+    target, columns = _whitened(noise, left, waves)
+    return np.linalg.lstsq(columns, target, rcond=None)[0]
+
+
+def _gain(noise, left, waves):
+    """What a cycle adds to the log likelihood while the noise stays as it is."""
+    target, columns = _whitened(noise, left, waves)
+    found = np.linalg.lstsq(columns, target, rcond=None)[0]
+    return 0.5 * float(target @ target - np.sum((target - columns @ found) ** 2))
+
+
+def _gain_with_own_noise(learn, left, waves):
+    """What a cycle adds where the noise is learnt anew, without it and beside it."""
+    alone = learn(residuals=left)
+    size = _fitted(alone, left, waves)
+    for _ in range(_REFITS):
+        beside = learn(residuals=left - waves @ size)
+        size = _fitted(beside, left, waves)
+    return _cost(alone, left) - _cost(beside, left - waves @ size)
+
+
+def _cost(noise, left):
+    return robust_cost(noise.whiten(left)) + noise.log_spread
+
+
+def _driven(simulated, left, waves, frequencies, k):
+    """Whether the simulated signal itself swings at a period, so that a small error of it would as well."""
+    seen = np.isfinite(simulated) & np.isfinite(left)
+
+    def height(signal, i):
+        columns = waves(frequencies[i])[seen]
+        return float(np.hypot(*np.linalg.lstsq(columns, signal[seen] - np.mean(signal[seen]), rcond=None)[0]))
+
+    around = [i for i in range(max(k - _AROUND, 0), min(k + _AROUND + 1, len(frequencies))) if abs(i - k) > 1]
+    if not around or height(simulated, k) < _DRIVEN * height(left, k):
+        return False
+    return height(simulated, k) > np.sqrt(_LINE) * float(np.median([height(simulated, i) for i in around]))

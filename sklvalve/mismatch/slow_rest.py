@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The slow part of what a simulation leaves over of a channel, and the LS-SVM that predicts it best."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.lssvm.held_out import BlockedErrors
+from sklvalve.simulation.rest import rest_inputs
+
+_BLOCKS, _GAP = 8, 3
+_MOST_POINTS, _FEWEST_POINTS = 700, 60
+_MOST_REMEMBERED = 1000
+# samples for which a rest of the user's own simulation remembers
+_MEMORY = (10, 40)
+
+
+def static_inputs(chain, model_values, channel):
+    """Signals that a rest may hang on: name -> values."""
+    recording, given = chain.recording, f"simulated_{channel}"
+    names = ["command"] if channel == "opening" else ["opening"]
+    if given in recording:
+        # what the user simulated may hold a slow process: a rest of it remembers
+        driver = "opening" if "opening" in recording and channel == "flow" else "command"
+        names = [given, *([driver] if driver in recording else [])]
+        names += [f"{name} {many * recording.sample_time:.6g} s" for name in names for many in _MEMORY]
+    if channel == "flow" and chain.has_pressures:
+        names += ["dp"] + (["pressure_ratio"] if chain.pressure_ratio is not None else [])
+    if "temperature" in chain.recording:
+        names.append("temperature")
+    columns = rest_inputs(chain, model_values, names).T
+    steady = {}
+    for name, values in zip(names, columns, strict=True):
+        spread = np.nanstd(values)
+        if np.isfinite(spread) and spread > 1e-9:
+            steady[name] = values
+    return steady
+
+
+def cyclic_inputs(chain, model_values, static, period):
+    """Signals that a cycle hangs on: its two waves, and what the simulated signal is driven by."""
+    names = [f"cosine {period:.6g} s", f"sine {period:.6g} s"]
+    waves = dict(zip(names, rest_inputs(chain, model_values, names).T, strict=True))
+    return waves | {name: static[name] for name in ("opening", "command") if name in static}
+
+
+@dataclass(frozen=True, eq=False)
+class SlowRest:
+    """Slow part of a rest, share of span, what it may hang on, and how far apart it is held out."""
+
+    X: np.ndarray
+    y: np.ndarray
+    names: tuple
+    gap: int
+    remembers: bool
+    cycles: bool = False
+
+
+def slow_rest(workbench, model, channel, rows=None, period=None):
+    """The rest and its inputs, thinned to stretches in which nothing moves fast; None if there are few."""
+    inputs = static_inputs(model.chain, model.values, channel)
+    if period is not None:
+        inputs = cyclic_inputs(model.chain, model.values, inputs, period)
+    if not inputs:
+        return None
+    rest = workbench.residuals(model)[channel] / workbench.spans[channel]
+    shown = model.predictions[channel] / workbench.spans[channel]
+    quiet = np.abs(np.gradient(np.nan_to_num(shown))) < 0.01
+    width = max(int(np.ceil(len(rest) / _MOST_POINTS)), 3)
+    gap, remembers = _GAP, f"simulated_{channel}" in workbench.recording and period is None
+    if remembers:
+        # inputs that remember know of movement, and are held out with their past
+        quiet, width = np.ones(len(rest), dtype=bool), max(len(rest) // _MOST_REMEMBERED, 1)
+        gap = int(np.ceil(0.25 * max(_MEMORY) / width))
+    if rows is not None:
+        quiet &= rows
+    y = _thinned(rest, quiet, width)
+    X = np.column_stack([_thinned(v, quiet, width) for v in inputs.values()])
+    keep = np.isfinite(y) & np.isfinite(X).all(axis=1)
+    if keep.sum() < _FEWEST_POINTS:
+        return None
+    return SlowRest(X[keep], y[keep], tuple(inputs), gap, remembers, period is not None)
+
+
+def _thinned(values, keep, width):
+    """Means over stretches of `width` rows, rows outside `keep` left out."""
+    n = len(values) // width
+    table = np.where(keep, values, np.nan)[: n * width].reshape(n, width)
+    with np.errstate(invalid="ignore"):
+        count = np.isfinite(table).sum(axis=1)
+        mean = np.nansum(table, axis=1) / np.maximum(count, 1)
+    return np.where(count > 0.6 * width, mean, np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class TunedRest:
+    """An LS-SVM of chosen inputs, scaled, and how it predicts blocks that it was not fitted to."""
+
+    names: tuple
+    centre: np.ndarray
+    scale: np.ndarray
+    Z: np.ndarray
+    slow: SlowRest
+    regressor: LSSVMRegressor
+    held_out: BlockedErrors
+    skill: float
+    predicted: np.ndarray
+
+    def correction(self, channel, span):
+        """Fitted to every row, as plain data."""
+        self.regressor.fit(self.Z, self.slow.y)
+        return {
+            "channel": channel,
+            "inputs": self.names,
+            "centre": self.centre,
+            "scale": self.scale,
+            "support": self.Z,
+            "coefficients": np.asarray(self.regressor.dual_coef_, dtype=float),
+            "intercept": float(self.regressor.intercept_),
+            "gamma": float(self.regressor.gamma),
+            "span": float(span),
+        }
+
+
+def tuned(slow):
+    """Inputs and LS-SVM that predict held-out blocks best."""
+    X, y, names = slow.X, slow.y, slow.names
+    centre, scale = X.mean(axis=0), X.std(axis=0) + 1e-12
+    Z, best = (X - centre) / scale, None
+    for chosen, gamma, C in _trials(slow):
+        regressor = LSSVMRegressor(gamma=gamma, C=C)
+        held_out = held_out_errors(regressor, Z[:, chosen], slow)
+        (skill,), predicted = skills(held_out, y[:, None])
+        if best is None or skill > best.skill:
+            kept, own = tuple(names[i] for i in chosen), (centre[chosen], scale[chosen], Z[:, chosen])
+            best = TunedRest(kept, *own, slow, regressor, held_out, float(skill), predicted[:, 0])
+    return best
+
+
+def _trials(slow):
+    """Inputs, width of the kernel and weight of the errors to be tried."""
+    every = list(range(slow.X.shape[1]))
+    if slow.cycles:
+        # the smoothest are near to products of wave and opening, which go on beyond the rows learnt from
+        return [
+            (own, *how) for own in (every[:2], every) for how in ((0.02, 100.0), (0.1, 10.0), (0.5, 10.0))
+        ]
+    if slow.remembers:
+        # the simulated signal with its own past, and what drives it now; smoothly, and without a choice that
+        # a few long stretches could not support: a block that is held out may lie beyond all others
+        own = [i for i in every if slow.names[i].startswith("simulated_")]
+        now = [i for i in every if not slow.names[i].endswith(" s")]
+        return [(sorted({*own, *now}), 0.03, 100.0)]
+    # each alone, finely, or all, smoothly
+    trials = [([i], gamma, 10.0) for i in every for gamma in (1.0, 8.0)]
+    return trials + [(every, gamma, 10.0) for gamma in (0.1, 0.5, 2.0) if len(every) > 1]
+
+
+def held_out_errors(regressor, Z, slow):
+    edges = np.linspace(0, len(Z), _BLOCKS + 1).astype(int)
+    blocks = [slice(low, high) for low, high in pairwise(edges)]
+    return BlockedErrors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=slow.gap)
+
+
+def skills(held_out, Y):
+    """Share of each target's variance that is predicted on held-out blocks, and the predictions."""
+    left = held_out(Y)
+    spread = np.sum((Y - Y.mean(axis=0)) ** 2, axis=0)
+    # of a target that never moves nothing is left to be predicted
+    share = np.divide(np.sum(left**2, axis=0), spread, out=np.ones_like(spread), where=spread > 0.0)
+    return 1.0 - share, Y - left
+
+
+def learn_rest(workbench, model, unknown, rows=None):
+    """The rest of a channel as an LS-SVM of slow signals, tuned and fitted on some rows and no others.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        Fitted to the same rows.
+    unknown : Unknown
+        Whose channel, and period if it has one, are taken.
+    rows : ndarray of bool, default=None
+        All of them unless given.
+
+    Returns
+    -------
+    correction : dict or None
+        As `learnt_rest` takes it; None where the rows are too few.
+    """
+    slow = slow_rest(workbench, model, unknown.channel, rows, unknown.period)
+    return None if slow is None else tuned(slow).correction(unknown.channel, workbench.spans[unknown.channel])
