@@ -9,6 +9,7 @@ import numpy as np
 from sklvalve.metrics import err_max, mape, rmse
 from sklvalve.mismatch.black_box import black_box_prediction
 from sklvalve.mismatch.linearised import Linearised
+from sklvalve.mismatch.model_free import model_free_noise
 from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.simulation.fitting import simulate_channels
 from sklvalve.simulation.robust import robust_cost
@@ -230,6 +231,7 @@ def errors(whole, made, held, channel, floor, *, random_state=0):
     entry["noise_floor"] = min([entry["noise_floor"], *achieved])
     before = (recorded[rows] - seen["nominal"][rows]) ** 2
     after = (recorded[rows] - seen["corrected"][rows]) ** 2
+    entry["model_free"] = model_free_noise(whole, channel, floor, entry["rmse"].get("corrected"))
     entry["skill"], entry["skill_ci95"] = _skill(before, after, entry["noise_floor"] ** 2, random_state)
     return entry
 

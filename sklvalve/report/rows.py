@@ -3,6 +3,7 @@
 
 from typing import NamedTuple
 
+from sklvalve.report.noise import noise_told
 from sklvalve.report.parameters import parameters
 from sklvalve.report.place import intervals_words, region_words, share_words, since_known, since_words
 from sklvalve.report.proof import further, left_out, note
@@ -130,7 +131,7 @@ def proof_notes(d: dict) -> list[str]:
     """What belongs below the table of errors: how they were taken, what they prove, what was left out."""
     lost = left_out(d)
     besides = f"Of what no effect explains: {lost}." if lost else ""
-    return [words for words in (note(d), *skills(d), *further(d), besides) if words]
+    return [words for words in (note(d), *skills(d), *noise_told(d), *further(d), besides) if words]
 
 
 def untestable(d: dict) -> list[tuple[str, str]]:

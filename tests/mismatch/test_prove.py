@@ -153,6 +153,12 @@ def test_floor_that_was_passed_is_none():
         def __getitem__(self, role):
             return flow
 
+        def __contains__(self, role):
+            return role == "flow"
+
+        def resolution(self, role):
+            return 0.0
+
     made = {
         "nominal": {"flow": 0.0 * flow},
         "corrected": {"flow": 0.9 * flow},
