@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which physics: effects taken up one by one, each fitted together with the calibration, and their rivals."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from sklvalve.mismatch.afresh import afresh, much_is_left
 from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
 from sklvalve.mismatch.matters import SPREADS, beyond_tolerance, matters
@@ -15,6 +16,8 @@ from sklvalve.simulation.side_by_side import side_by_side
 
 # of the effects screened, so many are fitted with the whole calibration free
 _FITTED = 4
+# and so many of those settled under their own noise
+_TRIED = 3
 
 
 @dataclass(eq=False)
@@ -104,21 +107,30 @@ def _taken_up(workbench, model, effects, threshold, most, tried, seen, report):
             for m in beyond:
                 gain = m.log_likelihood - model.log_likelihood
                 tried[m.members[-1].effect.key] = gain, workbench.change(m, model)
-        settled = None
-        for chosen in [m for m in found if matters(workbench, m, model, threshold)][:3]:
-            settled, gain, sizes, counts = _under_its_own_noise(workbench, chosen, model, threshold)
-            if counts:
-                break
-            if not model.members:
-                tried[chosen.members[-1].effect.key] = (gain, sizes)
-            settled = None
-            workbench.learn_noise(model, cautious=True)
+        promising = [m for m in found if matters(workbench, m, model, threshold)]
+        settled = _first_that_counts(workbench, model, promising, threshold, tried)
+        if settled is None and much_is_left(workbench, model):
+            found = afresh(workbench, model, [e for e in effects if not is_in(e, model.members)])
+            seen |= {m.members[-1].effect.key: m for m in found}
+            settled = _first_that_counts(workbench, model, found, threshold, tried)
         if settled is None:
             break
         model = _drop_what_no_longer_counts(workbench, settled, threshold)
         workbench.learn_noise(model, cautious=True)
         model = workbench.fit(model.members, start=model)
     return model
+
+
+def _first_that_counts(workbench, model, found, threshold, tried):
+    """Of some hypotheses with one effect more the first that matters under its own noise too; else None."""
+    for chosen in found[:_TRIED]:
+        settled, gain, sizes, counts = _under_its_own_noise(workbench, chosen, model, threshold)
+        if counts:
+            return settled
+        if not model.members:
+            tried[chosen.members[-1].effect.key] = (gain, sizes)
+        workbench.learn_noise(model, cautious=True)
+    return None
 
 
 def _under_its_own_noise(workbench, chosen, before, threshold):
@@ -205,8 +217,10 @@ def _settle(workbench, model):
     model = _in_turn(workbench, model)
     last = model.members[-1]
     if last.onset is not None:
-        rest = workbench.fit(model.members[:-1], start=model)
-        model = fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
+        # begun where the hypothesis stands: without the effect the calibration may lie in another valley
+        rest = replace(workbench.fit(model.members[:-1], start=model), values=model.values)
+        begun = fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
+        model = max(model, begun, key=lambda m: m.log_likelihood)
         model = _throughout_if_likelier(workbench, model)
     return model
 

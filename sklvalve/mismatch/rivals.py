@@ -10,6 +10,7 @@ from sklvalve.mismatch.hypothesis import Member, Model, is_in, price
 from sklvalve.mismatch.matters import may_explain
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
+from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.side_by_side import side_by_side
 
 # of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
@@ -128,7 +129,7 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
         near = [m for m, fit in zip(rough, worth_it, strict=True) if fit]
         far = [m for m, fit in zip(rough, worth_it, strict=True) if not fit]
         _keep_the_best(found, (*side_by_side(lambda m: _fitted(workbench, m), near), *far))
-    met = [e for e in others if _alike(e, member.effect) and e.key in seen]
+    met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, member.effect)]
     begun = [_where_it_was_met(workbench, model, rest, Member(e, member.onset), seen) for e in met]
     _keep_the_best(found, side_by_side(lambda m: _fitted(workbench, m), begun))
     return [(fitted.members[-1], fitted) for fitted in found.values()]
@@ -136,6 +137,11 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
 
 def _alike(effect, other):
     return bool(effect.alike) and effect.alike == other.alike
+
+
+def _may_lie_elsewhere(effect, other):
+    """Whether one effect in place of another may ask for a calibration far from the other's."""
+    return _alike(effect, other) or {effect.stage, other.stage} <= set(ACTUATOR_STAGES)
 
 
 def _fitted(workbench, begin):

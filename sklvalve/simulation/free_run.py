@@ -17,6 +17,7 @@ _IDEAL = {
     "actuator_coulomb": 1e-3,
     "actuator_feedback": 0.0,
     "actuator_vent": 1.0,
+    "actuator_loop": 0.0,
 }
 _STAGES = ("signal", "actuator")
 
@@ -94,5 +95,6 @@ def _driven_by_air(chain, command, values, through):
         values["actuator_rate"],
         values["actuator_feedback"],
         values["actuator_vent"],
+        values["actuator_loop"],
     )
     return 1.0 - stem if chain.air_closes else stem

@@ -6,37 +6,15 @@ from math import exp, sqrt
 import numba as nb
 import numpy as np
 
+from sklvalve.simulation.nozzles import supply_nozzle, vent_nozzle
+
 # of the pressure's change, and in time: what a step may leave to the straight lines drawn through it
 _LARGEST_CHANGE, _LONGEST, _STEP_OF_SLIPPING = 0.01, 2.0, 0.04
 # what a stem has gone beyond a share of its bristles' bend is a slip, over in milliseconds
 _FREED, _SLIP_TIME = 0.3, 0.005
+# longest step while the positioner feels the stem elsewhere [lags], and the distance that hardly counts
+_OFTEN, _HARDLY = 1.0, 0.003
 _BRISTLE, _STRIBECK, _VISCOUS, _DEAD_VOLUME = 60.0, 0.03, 0.005, 5.0
-
-
-@nb.njit(cache=True, inline="always")
-def _nozzle(ratio):
-    # ISO 6358, critical ratio 0.3: share of the choked mass flow that a pressure ratio leaves, and its slope,
-    # which is kept finite where it is upright
-    if ratio <= 0.3:
-        return 1.0, 0.0
-    if ratio >= 1.0:
-        return 0.0, -70.0
-    part = (ratio - 0.3) * (1.0 / 0.7)
-    share = sqrt(1.0 - part * part)
-    return share, -part / (0.7 * max(share, 0.02))
-
-
-@nb.njit(cache=True, inline="always")
-def _supply_nozzle(pressure, ps):
-    share, slope = _nozzle(pressure / ps)
-    return ps * share, slope
-
-
-@nb.njit(cache=True, inline="always")
-def _vent_nozzle(pressure, atmosphere, width):
-    ratio = atmosphere / pressure
-    share, slope = _nozzle(ratio)
-    return width * pressure * share, width * (share - slope * ratio)
 
 
 @nb.njit(cache=True, inline="always")
@@ -69,7 +47,7 @@ def _displacement(push, tight, held, stiff):
 @nb.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
 def positioner_and_actuator(
     command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band, faults, filter_time, gain,
-    reset, rate, feedback, vent,
+    reset, rate, feedback, vent, lag=0.0,
 ):  # fmt: skip
     r"""Stem of a spring-loaded diaphragm actuator behind a positioner, driven by the command.
 
@@ -84,6 +62,9 @@ def positioner_and_actuator(
         \dot m = c\, s\, p_s \psi(p / p_s) \;\text{or}\; c\, s\, p\, \psi(p_a / p), \quad m = p (V_0 + x)
 
         p - p_0 - x = \sigma z + b \dot x, \quad \dot z = \dot x - |\dot x| \sigma z / F(\dot x)
+
+    What the positioner feels of the stem passes a lag, :math:`\tau \dot x' = x - x'`: relays and converters
+    take their time, so a quick stem goes beyond where it is sent, and one that rubs stays there.
 
     Parameters
     ----------
@@ -100,10 +81,10 @@ def positioner_and_actuator(
         spring]; half width of the positioner's dead band [1].
     faults : ndarray of shape (n, 10), or (0, 10) in a sound actuator
         Columns as `sklvalve.simulation.faults.FAULTS` has them.
-    filter_time, gain, reset, rate, feedback, vent : float
+    filter_time, gain, reset, rate, feedback, vent, lag : float
         Time constant of the input [s], spool opening for an error [1], spool for the error's integral [1/s],
-        capacity of the spool that fills [1/s], the error that a pressure of one counts for [1], and the
-        capacity of the spool that vents, as a multiple of `rate` [1].
+        capacity of the spool that fills [1/s], the error that a pressure of one counts for [1], the capacity
+        of the spool that vents, as a multiple of `rate` [1], and the time constant of the lag [s].
 
     Returns
     -------
@@ -121,6 +102,7 @@ def positioner_and_actuator(
     out = np.empty(n)
     faulty = len(faults) > 0
     per_filter_time = 1.0 / max(filter_time, 1e-6)
+    per_lag = 1.0 / max(lag, 1e-6)
     x = min(max(x0, 0.0), 1.0)
     wanted = command[0]
     if wanted != wanted:
@@ -132,6 +114,7 @@ def positioner_and_actuator(
     bristle, capacity = _BRISTLE, rate
     integral, bend, speed = 0.0, 0.0, 0.0
     known, eased, old, drag = -1.0, 0.0, 0.0, 0.0
+    felt, caught, followed = x, 1.0, 1.0
     for k in range(n):
         if command[k] == command[k]:
             target = command[k]
@@ -155,7 +138,10 @@ def positioner_and_actuator(
             if play > 0.0:
                 lever = min(max(lever, x - play), x + play)
                 seen = lever
-            far, near = target - seen, wanted - seen
+            if lag <= 0.0:
+                felt = seen
+            behind = seen - felt
+            far, near = target - felt, wanted - felt
             # the air that the positioner's aim asks for, less the air that its gauge shows
             short = feedback * (spring + wanted - pressure)
 
@@ -163,13 +149,13 @@ def positioner_and_actuator(
             wish = gain * _beyond(near + short, band) + integral
             filling = wish >= 0.0
             if filling:
-                inlet, slope = _supply_nozzle(pressure, ps)
+                inlet, slope = supply_nozzle(pressure, ps)
             else:
-                inlet, slope = _vent_nozzle(pressure, atmosphere, vent)
+                inlet, slope = vent_nozzle(pressure, atmosphere, vent)
             busy = capacity * min(max(wish, -1.0), 1.0) * inlet
             lost, lost_slope = 0.0, 0.0
             if leak > 0.0:
-                lost, lost_slope = _vent_nozzle(pressure, atmosphere, leak * capacity)
+                lost, lost_slope = vent_nozzle(pressure, atmosphere, leak * capacity)
                 busy -= lost
             busy = abs(busy) * volume
             if target != wanted:
@@ -194,6 +180,9 @@ def positioner_and_actuator(
                 loose = min(gap / (h * busy + 1e-9), 1.0)
             if h * busy > _LARGEST_CHANGE:
                 h = _LARGEST_CHANGE / busy
+            if lag > 0.0:
+                # while the positioner feels the stem where it was, it must not be asked too seldom
+                h = min(h, lag * (_OFTEN + _HARDLY / (abs(behind) + 1e-9)))
             remaining -= h
             if h != known:
                 known = h
@@ -202,14 +191,22 @@ def positioner_and_actuator(
                 eased = 1.0 - exp(-q) if q > 1e-3 else q * (1.0 - 0.5 * q)
                 # twice the weight that the filter's beginning has in the step's mean
                 old = 2.0 * (1.0 - 1.0 / eased + 1.0 / q) if q > 1e-3 else 1.0
+                if lag > 0.0:
+                    q = h * per_lag
+                    caught = 1.0 - exp(-q) if q > 1e-3 else q * (1.0 - 0.5 * q)
+                    # of a way made in this step so much is felt at its end
+                    followed = 1.0 - caught / q if q > 1e-3 else 0.5 * q
 
             moved = eased * (target - wanted)
-            spool = gain * _beyond(near + short + 0.6 * (1.0 + feedback) * moved, band) + integral
+            spool = (
+                gain * _beyond(near + short + 0.6 * ((1.0 + feedback) * moved - caught * behind), band)
+                + integral
+            )
             if (spool >= 0.0) != filling:
                 if filling:
-                    inlet, slope = _vent_nozzle(pressure, atmosphere, vent)
+                    inlet, slope = vent_nozzle(pressure, atmosphere, vent)
                 else:
-                    inlet, slope = _supply_nozzle(pressure, ps)
+                    inlet, slope = supply_nozzle(pressure, ps)
             if faulty:
                 ground = slide + max(faults[k, 4] * (x - faults[k, 5]), 0.0)
                 limit = ground + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
@@ -224,13 +221,14 @@ def positioner_and_actuator(
             bent = bristle * bend if spool > 0.0 else -bristle * bend
             if bent < limit:
                 hold += (limit - bent) * stiff
-            y = h * volume * capacity * (inlet * gain + abs(slope * spool) * hold)
+            y = h * volume * capacity * (inlet * gain * followed + abs(slope * spool) * hold)
             theta = (hold + y) / (2.0 * hold + y)
 
             there = (1.0 - (1.0 - theta) * old) * moved
+            near -= theta * caught * behind
             asked = near + short + (1.0 + feedback) * there
             error = _beyond(near + there, band)
-            grip, gauge = (gain + theta * h * reset) * (1.0 - loose), 0.0
+            grip, gauge = (gain + theta * h * reset) * (1.0 - loose) * followed, 0.0
             if abs(asked) > band:
                 spool = gain * _beyond(asked, band) + theta * h * reset * error + integral
                 if abs(spool) > 1.0:
@@ -290,7 +288,8 @@ def positioner_and_actuator(
                     x = end
             mass += inflow - side * back * way
             if grip > 0.0:
-                error -= side * theta * way
+                error -= side * theta * followed * way
+            felt += caught * behind + followed * side * way
             integral = min(max(integral + h * reset * error, -0.2), 0.2)
             wanted += moved
         out[k] = x

@@ -34,6 +34,7 @@ def _run(command, valve, *, every=1.0, faults=SOUND):
         valve["rate"],
         valve.get("feedback", 0.0),
         valve.get("vent", 1.0),
+        valve.get("lag", 0.0),
     )
 
 
@@ -51,18 +52,21 @@ def _solved(command, valve):
         return np.sqrt(1.0 - (min(max(ratio, 0.3), 1.0) / 0.7 - 3.0 / 7.0) ** 2)
 
     def slopes(t, state, target):
-        wanted, integral, mass, x, bend = state
-        error = wanted - x
-        spool = min(max(valve["gain"] * error + integral, -1.0), 1.0)
+        wanted, integral, mass, x, bend, felt = state
+        error = wanted - (felt if late else x)
         pressure = mass / (5.0 + x)
+        shown = valve.get("feedback", 0.0) * (SPRING + wanted - pressure)
+        spool = min(max(valve["gain"] * (error + shown) + integral, -1.0), 1.0)
         filling = valve["supply"] * nozzle(pressure / valve["supply"])
         inlet = filling if spool > 0.0 else valve.get("vent", 1.0) * pressure * nozzle(AIR / pressure)
         speed = (pressure - SPRING - x - 60.0 * bend) / 0.005
         slip = abs(speed) * 60.0 * bend / valve["coulomb"]
         lag = (target - wanted) / valve["filter_time"]
-        return [lag, valve["reset"] * error, valve["rate"] * spool * inlet, speed, speed - slip]
+        feels = (x - felt) / late if late else 0.0
+        return [lag, valve["reset"] * error, valve["rate"] * spool * inlet, speed, speed - slip, feels]
 
-    state, out = [command[0], 0.0, (command[0] + SPRING) * (5.0 + command[0]), command[0], 0.0], []
+    late, first = valve.get("lag", 0.0), command[0]
+    state, out = [first, 0.0, (first + SPRING) * (5.0 + first), first, 0.0, first], []
     for target in command:
         done = solve_ivp(slopes, (0.0, 1.0), state, method="LSODA", args=(target,), rtol=1e-6, atol=1e-8)
         state = done.y[:, -1]
@@ -70,9 +74,16 @@ def _solved(command, valve):
     return np.array(out)
 
 
-@pytest.mark.parametrize("vent", [1.0, 0.8, 1.7])
-def test_stem_follows_its_differential_equation(vent):
-    command, valve = _program(), ORDINARY | {"vent": vent}
+RUBS = {"coulomb": 0.19, "gain": 15.0, "reset": 1e-3, "feedback": 0.25, "vent": 1.3, "lag": 0.25}
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"vent": 1.0}, {"vent": 0.8}, {"vent": 1.7}, {"lag": 0.05}, {"lag": 0.2, "feedback": 0.2}, RUBS],
+    ids=str,
+)
+def test_stem_follows_its_differential_equation(changed):
+    command, valve = _program(), ORDINARY | changed
     off = _run(command, valve) - _solved(command, valve)
     assert np.abs(off).max() < 2e-3
     assert np.sqrt(np.mean(off**2)) < 4e-4
@@ -87,8 +98,9 @@ def test_finer_samples_of_the_same_command_move_the_stem_alike():
 
 
 @pytest.mark.parametrize("valve", [ORDINARY, QUICK], ids=["ordinary", "quick"])
-@pytest.mark.parametrize("name", ["filter_time", "gain", "reset", "rate", "coulomb", "supply"])
+@pytest.mark.parametrize("name", ["filter_time", "gain", "reset", "rate", "coulomb", "supply", "lag"])
 def test_stem_is_smooth_in_its_parameters(valve, name):
+    valve = valve | {"lag": 0.06}
     command = 0.2 + 0.5 * _program()
     here = _run(command, valve)
     up = _run(command, valve | {name: valve[name] * 1.001})
@@ -103,6 +115,18 @@ def test_quick_positioner_settles_without_ringing():
     stem = _run(command, QUICK)
     assert np.abs(np.diff(stem[30:])).max() < 1e-4
     assert stem[-1] == pytest.approx(0.3, abs=1e-3)
+
+
+def test_what_the_positioner_feels_late_carries_a_rubbing_stem_further():
+    # without a lag friction stops the stem short of every command; with one it goes on until that is felt
+    command = np.repeat([0.3, 0.6, 0.3, 0.6], 40)
+    ends = [39 + 40 * k for k in (1, 2, 3)]
+    valve = ORDINARY | {"coulomb": 0.15, "reset": 1e-3, "feedback": 0.2}
+    short = (command - _run(command, valve))[ends] * [1.0, -1.0, 1.0]
+    late = (command - _run(command, valve | {"lag": 0.2}))[ends] * [1.0, -1.0, 1.0]
+    assert (short > 0.02).all()
+    assert (late < short - 0.005).all()
+    assert (late[[0, 2]] < -0.01).all()
 
 
 def test_sound_columns_are_none_and_zero_columns_change_nothing():

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Actuator effects tried afresh, where the calibration has bent to make up for one.
+
+What is open in the response of an actuator is enough to hide half of an effect. The calibration then lies in
+a valley of its own, from where the effect seems to help little, and what it leaves over passes for noise that
+lasts. Where much of the opening is left, the effects are tried without regard to either: under white noise,
+so that a stroke missed for long weighs as much as it is wide, and also from a sound actuator.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sklvalve.mismatch.hypothesis import worth
+from sklvalve.mismatch.onset import fit_with_onset
+from sklvalve.mismatch.onset_sample import to_the_sample
+from sklvalve.mismatch.screening import screened
+from sklvalve.simulation.given import ACTUATOR_STAGES
+from sklvalve.simulation.side_by_side import side_by_side
+
+# steps of a rough fit; so many effects are fitted to the end
+_STEPS = 6
+_FITTED = 4
+# what explains a residual this large leaves this share of it at most, mean square
+_LEFT = 0.5
+
+
+def much_is_left(workbench, model):
+    """Whether a hypothesis without any actuator effect leaves more of the opening than counts.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+
+    Returns
+    -------
+    much : bool
+    """
+    if "opening" not in workbench.channels or any(m.effect.stage in ACTUATOR_STAGES for m in model.members):
+        return False
+    return _left_of_opening(workbench, model) > workbench.least("opening") ** 2
+
+
+def afresh(workbench, model, effects):
+    """Hypotheses with one actuator effect more, wherever the calibration of the hypothesis so far lies.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        The hypothesis so far.
+    effects : sequence of Effect
+        Candidates.
+
+    Returns
+    -------
+    found : list of Model
+        Those that leave half of the opening's residual or less (mean square), what leaves least first. They
+        are fitted under white noise, and judged by that of the workbench.
+    """
+    bent = [e for e in effects if e.stage in ACTUATOR_STAGES]
+    if not bent:
+        return []
+    bases = [model, *([workbench.sound(model)] if workbench.sound_values else [])]
+    met = {}
+    with workbench.every_row_alike(model):
+        for base in bases:
+            begin = workbench.fit(model.members, start=base, max_steps=_STEPS)
+            for m in screened(workbench, begin, bent):
+                met.setdefault(m.members[-1].effect.key, []).append(m)
+        best = sorted(met.values(), key=lambda each: max(worth(workbench, m) for m in each), reverse=True)
+        near = [m for each in best[:_FITTED] for m in each]
+        rough = list(side_by_side(lambda m: workbench.fit(m.members, start=m, max_steps=_STEPS), near))
+        chosen = {}
+        for m in sorted(rough, key=lambda m: worth(workbench, m), reverse=True):
+            chosen.setdefault(m.members[-1].effect.key, m)
+        fitted = list(side_by_side(lambda m: _to_the_end(workbench, model, m), chosen.values()))
+    fitted = [workbench.judged(m) for m in fitted]
+    most = _LEFT * _left_of_opening(workbench, model)
+    left = [(_left_of_opening(workbench, m), m) for m in fitted]
+    return [m for rest, m in sorted(left, key=lambda each: each[0]) if rest <= most]
+
+
+def _left_of_opening(workbench, model):
+    """Mean square of what a hypothesis leaves of the opening, beyond the sensor's own noise."""
+    floor = workbench.noise["opening"].floor
+    return float(np.nanmean(workbench.residuals(model)["opening"] ** 2)) - floor**2
+
+
+def _to_the_end(workbench, model, rough):
+    last = rough.members[-1]
+    fitted = workbench.fit(rough.members, start=rough)
+    if last.onset is None:
+        return fitted
+    rest = replace(model, values=fitted.values)
+    begun = fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
+    return to_the_sample(workbench, max(fitted, begun, key=lambda m: m.log_likelihood))
