@@ -9,6 +9,9 @@ from sklvalve.mismatch.steady import drivers_of, steady_floor
 # a noise model is clearly above the noise of steady stretches from here on; on healthy recordings of a plant
 # with known noise it was so in none (docs/validation.md)
 CLEARLY_ABOVE = 1.5
+# rows that come back to the same drivers and differ by more than this many times the quick noise differ by
+# more than noise: the signal remembers, or something has changed since
+_MORE_THAN_NOISE = 2.0
 # what a floor from a few hundred rows may be wrong by
 _ROUGHLY = 1.05
 
@@ -32,8 +35,10 @@ def model_free_noise(recording, channel, floor, achieved=None):
         what differs between rows that come back to the same drivers, slow wander, play and friction
         included; each with ``value`` (None with a ``reason``) and ``rows``. ``noise_model_above_steady``:
         whether the noise model is clearly above the steady stretches, so that it may have taken up missing
-        physics. ``at_repeats``: whether the error is down at the repeats' noise, so that what drives the
-        signal has nothing left to explain. Both None where there is nothing to compare.
+        physics. ``repeats_above_steady``: whether rows that come back differ by more than noise does, so that
+        the signal remembers or something has changed in time. ``at_repeats``: whether the error is down at
+        the repeats' noise and that is noise, so that what drives the signal has nothing left to explain.
+        None where there is nothing to compare.
     """
     driver, beside = drivers_of(recording, channel)
     quantum, values = recording.resolution(channel), recording[channel]
@@ -48,7 +53,9 @@ def model_free_noise(recording, channel, floor, achieved=None):
         value = None if told.value is None else told.value * unit
         entry[name] = {"value": value, "rows": told.rows} | ({"reason": told.reason} if told.reason else {})
     steady, repeats = entry["steady"]["value"], entry["repeats"]["value"]
-    entry["noise_model_above_steady"] = steady and bool(floor * unit > CLEARLY_ABOVE * steady)
-    none = achieved is None or repeats is None
-    entry["at_repeats"] = None if none else bool(achieved <= _ROUGHLY * repeats)
+    above = None if steady is None else bool(floor * unit > CLEARLY_ABOVE * steady)
+    none = steady is None or repeats is None
+    remembers = None if none else bool(repeats > _MORE_THAN_NOISE * steady)
+    reached = None if none or achieved is None else bool(achieved <= _ROUGHLY * repeats and not remembers)
+    entry |= {"noise_model_above_steady": above, "repeats_above_steady": remembers, "at_repeats": reached}
     return entry

@@ -29,6 +29,8 @@ def _of_channel(role: str, fit: dict) -> str:
         words.append(
             "The noise model is clearly above what rests show: it may have taken up physics that is missing."
         )
+    if told.get("repeats_above_steady"):
+        words.append("What comes back differs by more than noise: it remembers, or has changed in time.")
     error = (fit.get("rmse") or {}).get("corrected")
     if told.get("at_repeats") and error is not None:
         words.append(f"The error of {number(scale * error)} is no more: nothing is left to explain.")

@@ -178,6 +178,27 @@ def test_entry_of_a_channel(recording):
     high = model_free_noise(recording, "flow", 0.2 / 3600.0, 0.2)
     assert high["noise_model_above_steady"] is True
     assert high["at_repeats"] is False
+    assert high["repeats_above_steady"] is False
     opening = model_free_noise(recording, "opening", 0.001)
     assert opening["steady"]["value"] == pytest.approx({"%": 0.1, "1": 0.001}[opening["unit"]], rel=0.06)
     assert opening["at_repeats"] is None
+
+
+def test_a_signal_that_has_changed_in_time_is_no_noise(recording):
+    values = recording["flow"].copy()
+    values[N // 2 :] *= 0.9
+
+    class Changed:
+        def __getattr__(self, name):
+            return getattr(recording, name)
+
+        def __contains__(self, role):
+            return role in recording
+
+        def __getitem__(self, role):
+            return values if role == "flow" else recording[role]
+
+    entry = model_free_noise(Changed(), "flow", 0.1 / 3600.0, 1.0)
+    assert entry["steady"]["value"] == pytest.approx(0.095, rel=0.06)
+    assert entry["repeats_above_steady"] is True
+    assert entry["at_repeats"] is False

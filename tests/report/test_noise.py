@@ -16,6 +16,7 @@ def diagnosis():
         "steady": {"value": 0.21, "rows": 1360},
         "repeats": {"value": 0.25, "rows": 88},
         "noise_model_above_steady": False,
+        "repeats_above_steady": False,
         "at_repeats": True,
     }
     return told
@@ -27,14 +28,16 @@ def test_both_floors_stand_in_one_line_of_the_proof(diagnosis):
     assert "0.25 m3/h with wander" in line
     assert "nothing is left to explain" in line
     assert "noise model" not in line
+    assert "more than noise" not in line
     assert line in proof_notes(diagnosis)
 
 
 def test_a_noise_model_above_the_rests_is_told(diagnosis):
     told = diagnosis["fit"]["flow"]["model_free"]
-    told |= {"noise_model_above_steady": True, "at_repeats": False}
+    told |= {"noise_model_above_steady": True, "repeats_above_steady": True, "at_repeats": False}
     (line,) = noise_told(diagnosis)
     assert "may have taken up physics" in line
+    assert "differs by more than noise" in line
     assert "nothing is left" not in line
 
 
