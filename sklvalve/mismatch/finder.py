@@ -23,6 +23,7 @@ from sklvalve.mismatch.prove import errors, held_out_predictions
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.slip_finding import evident_slips, worth_searching
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
+from sklvalve.mismatch.withholding import withheld
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.side_by_side import with_threads
@@ -170,6 +171,7 @@ class MissingPhysicsFinder(BaseEstimator):
         effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
         judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, seed)
+        judged, spoilt = withheld(judged, data)
         self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
         self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
         self._say("proving on held-out rows", 0.85)
@@ -184,7 +186,7 @@ class MissingPhysicsFinder(BaseEstimator):
             not_testable=not_testable,
             alpha=float(self.alpha),
             random_state=seed,
-            mend=mend,
+            mend=mend or spoilt,
         )
         simulations = self.nominal_simulation_, self.corrected_simulation_
         self.diagnosis_ = Diagnosis(content, traces_of(whole, flagged, used, *simulations))

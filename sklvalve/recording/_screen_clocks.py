@@ -141,7 +141,7 @@ def _told_by_order(lags: dict[str, Lag], late: dict[str, Late]) -> tuple[str, in
     if (
         stem is not None
         and noise is not None
-        and noise.told > 0.7
+        and noise.told > _TOLD
         and noise.peak <= -2
         and stem.peak >= _LATE
     ):

@@ -62,6 +62,8 @@ def _straight_lines(time: Values, values: Values) -> str | None:
         return None
     if not _different(np.array([slopes[place] for place in kept])):
         return None
+    if not _broken(np.diff(slope)[bends] * np.diff(time)[1:][bends] / written):
+        return None
     rows = float(np.median([lines[place][1] - lines[place][0] for place in kept]))
     return (
         f"{100.0 * inside / moving:.0f} % of its course is straight lines of {rows:g} rows in the middle: "
@@ -103,6 +105,14 @@ def _chords(time: Values, values: Values) -> str | None:
 def _different(slopes: Values) -> bool:
     """Whether lines have slopes of their own, not that of a rate limit."""
     return len(np.unique(np.round(np.log(np.abs(slopes)) / 0.02))) >= 0.3 * min(len(slopes), 100)
+
+
+def _broken(bends: Values) -> bool:
+    """Whether lines meet in corners; a smooth course without noise bends little, and on in the same sense."""
+    if not len(bends):
+        return False
+    turns = np.diff(np.sign(bends)) != 0.0
+    return bool(turns.mean() > 0.3 if len(turns) else False) or float(np.median(np.abs(bends))) >= _SHUFFLED
 
 
 def _held(values: Values, unit: str) -> str | None:

@@ -86,8 +86,11 @@ def quantum(values: NDArray[np.float64]) -> float:
 
 def resting_quantum(values: NDArray[np.float64]) -> float:
     """Step of the grid that a signal rests on, though redrawn between its steps; 0 for none."""
-    repeated = values[1:][np.diff(values) == 0.0]
-    return quantum(repeated) if len(repeated) >= 0.1 * len(values) else 0.0
+    rests = equal_runs(values)
+    if sum(stop - start - 1 for start, stop in rests) < 0.1 * len(values):
+        return 0.0
+    # each rest counts once: one that is long, as where a sensor stands still, makes no grid
+    return quantum(np.array([values[start] for start, _ in rests]))
 
 
 def recorded(recording: Recording, role: str) -> NDArray[np.float64]:

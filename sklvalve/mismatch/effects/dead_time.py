@@ -21,7 +21,10 @@ class DeadTime(Effect):
     parameters = (Quantity("delay", "s", 0.05, 120.0, (4.0, 12.0), log=True),)
     needs = ("command",)
     phrase = "the valve answers {delay:.2g} s after the command"
-    separated_by = "Steps of three sizes: a dead time is the same for all, a slew limit grows with the step."
+    separated_by = (
+        "Steps of three sizes: a dead time is the same for all, a slew limit grows with the step. "
+        "Compare clocks, too: where no controller answers the flow, a command stamped early looks the same."
+    )
 
     def quantities(self, chain):
         (delay,) = self.parameters
