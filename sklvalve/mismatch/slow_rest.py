@@ -15,6 +15,8 @@ _MOST_POINTS, _FEWEST_POINTS = 700, 60
 _MOST_REMEMBERED = 1000
 # samples for which a rest of the user's own simulation remembers
 _MEMORY = (10, 40)
+# time constants with which metal follows the fluid [s]
+_WARMING = (150.0, 600.0)
 
 
 def static_inputs(chain, model_values, channel):
@@ -29,7 +31,8 @@ def static_inputs(chain, model_values, channel):
     if channel == "flow" and chain.has_pressures:
         names += ["dp"] + (["pressure_ratio"] if chain.pressure_ratio is not None else [])
     if "temperature" in chain.recording:
-        names.append("temperature")
+        # what is warmed follows late: body and bonnet, stem and packing
+        names += ["temperature", *(f"temperature {lag:.6g} s" for lag in _WARMING)]
     columns = rest_inputs(chain, model_values, names).T
     steady = {}
     for name, values in zip(names, columns, strict=True):
@@ -153,9 +156,13 @@ def _trials(slow):
         own = [i for i in every if slow.names[i].startswith("simulated_")]
         now = [i for i in every if not slow.names[i].endswith(" s")]
         return [(sorted({*own, *now}), 0.03, 100.0)]
-    # each alone, finely, or all, smoothly
-    trials = [([i], gamma, 10.0) for i in every for gamma in (1.0, 8.0)]
-    return trials + [(every, gamma, 10.0) for gamma in (0.1, 0.5, 2.0) if len(every) > 1]
+    # each alone, finely, or all, smoothly; or how far something lags behind the temperature
+    late = [i for i in every if slow.names[i].endswith(" s")]
+    now = [i for i in every if i not in late]
+    trials = [([i], gamma, 10.0) for i in now for gamma in (1.0, 8.0)]
+    trials += [(now, gamma, 10.0) for gamma in (0.1, 0.5, 2.0) if len(now) > 1]
+    first = [i for i in now if slow.names[i] == "temperature"]
+    return trials + [([*first, i], 0.1, 100.0) for i in late]
 
 
 def held_out_errors(regressor, Z, slow):
