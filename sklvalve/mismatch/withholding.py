@@ -3,6 +3,8 @@
 
 from dataclasses import replace
 
+from sklvalve.mismatch.gate import effects_switched_off
+
 # a signal redrawn from few points -> the channels in which what it lost passes for missing physics
 _SPOILT = {
     "command": ("opening", "flow"),
@@ -14,9 +16,11 @@ _SPOILT = {
 
 
 def withheld(judgement, data):
-    """Judgement without a rest, or a mere mismatch, that a historian may have made.
+    """Judgement without a rest, or a mere mismatch, that the data may have made.
 
-    What compression took from a signal is predictable, as missing physics is, and no effect explains it.
+    What a historian took from a signal is predictable, as missing physics is, and no effect explains it. The
+    steps of a coarse reading are not predictable, but enough to raise the test. What is named stays: effects
+    that either could imitate were not asked.
 
     Parameters
     ----------
@@ -31,19 +35,25 @@ def withheld(judgement, data):
     reason : str or None
         For people, where nothing is left to be said.
     """
-    redrawn = [d["role"] for d in data if d["finding"] == "compressed" and d["role"] in _SPOILT]
+    redrawn = _roles(data, "compressed")
     spoilt = {channel for role in redrawn for channel in _SPOILT[role]}
     unknown = judgement.unknown
-    if not redrawn or judgement.verdict == "no_mismatch":
+    if unknown is not None and unknown.channel in spoilt:
+        judgement = replace(judgement, unknown=None, tried=None, kept=False, errors=None)
+        unknown = None
+    blamed = [f"what a historian left out of {role}" for role in redrawn]
+    blamed += [f"the coarse steps of {role}" for role in _roles(data, "quantised")]
+    if not blamed or unknown is not None or judgement.verdict in ("no_mismatch", "named"):
         return judgement, None
-    if unknown is not None and unknown.channel not in spoilt:
-        return judgement, None
-    judgement = replace(judgement, unknown=None, tried=None, kept=False, errors=None)
-    if judgement.verdict == "named":
-        return judgement, None
-    roles = " and ".join(redrawn)
     silent = replace(judgement, verdict="cannot_tell", p_value=None, findings=[], model=judgement.nominal)
     return silent, (
-        f"The recording differs from the simulation, but what a historian left out of {roles} may be all "
-        f"of it: diagnose a recording whose {roles} {'is' if len(redrawn) == 1 else 'are'} not compressed."
+        f"The recording differs from the simulation, but {' and '.join(blamed)} may be all of it: diagnose a "
+        "recording without that."
     )
+
+
+def _roles(data, name):
+    """Signals with such a finding, as far as it is one that counts."""
+    return [
+        d["role"] for d in data if d["finding"] == name and d["role"] in _SPOILT and effects_switched_off([d])
+    ]

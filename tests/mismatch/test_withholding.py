@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the data may have made is not called missing physics."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sklvalve.datasets import make_valve_recording
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch.contents import Judgement
+from sklvalve.mismatch.withholding import withheld
+from sklvalve.recording import Recording, Valve
+
+FEW = ["seat_leakage", "clogging", "capacity_error"]
+
+
+def judged(verdict, channel=None):
+    rest = None if channel is None else SimpleNamespace(channel=channel)
+    found = ["what was found"] if verdict == "named" else []
+    tried = None if rest is None else "blocks"
+    return Judgement(verdict, 1e-6, found, rest, "nominal", "model", tried, rest is not None)
+
+
+def finding(name, role, **more):
+    return {"finding": name, "role": role, "detail": "", "rows": None, **more}
+
+
+@pytest.mark.parametrize(
+    ("verdict", "channel", "data"),
+    [
+        ("none_of_these", "flow", [finding("compressed", "flow")]),
+        ("none_of_these", "flow", [finding("compressed", "p1")]),
+        ("none_of_these", "opening", [finding("compressed", "opening")]),
+        ("cannot_tell", None, [finding("compressed", "opening")]),
+        ("cannot_tell", None, [finding("quantised", "opening", size=0.01)]),
+    ],
+)
+def test_nothing_is_claimed(verdict, channel, data):
+    silent, reason = withheld(judged(verdict, channel), data)
+    assert (silent.verdict, silent.p_value, silent.found) == ("cannot_tell", None, False)
+    assert (silent.unknown, silent.correction, silent.findings, silent.model) == (None, None, [], "nominal")
+    assert data[0]["role"] in reason
+
+
+@pytest.mark.parametrize(
+    ("verdict", "channel", "data"),
+    [
+        ("none_of_these", "flow", []),
+        ("none_of_these", "opening", [finding("compressed", "flow")]),
+        ("none_of_these", "opening", [finding("quantised", "opening", size=0.01)]),
+        ("cannot_tell", None, [finding("quantised", "opening", size=0.001)]),
+        ("cannot_tell", None, [finding("compressed", "temperature")]),
+        ("no_mismatch", None, [finding("compressed", "flow")]),
+        ("named", None, [finding("compressed", "flow")]),
+        ("named", "opening", [finding("compressed", "flow")]),
+    ],
+)
+def test_what_the_data_cannot_have_made_stays(verdict, channel, data):
+    judgement = judged(verdict, channel)
+    assert withheld(judgement, data) == (judgement, None)
+
+
+def test_name_stays_where_the_rest_goes():
+    kept, reason = withheld(judged("named", "flow"), [finding("compressed", "flow")])
+    assert (kept.verdict, kept.findings, kept.unknown, kept.tried, reason) == (
+        "named",
+        ["what was found"],
+        None,
+        None,
+        None,
+    )
+
+
+def test_flow_redrawn_by_lines_is_no_unknown_effect():
+    made = make_valve_recording(random_state=71057, loop="closed", n_samples=2880, n_later=0)
+    frame = made.frame.copy()
+    flow, kept = frame["F"].to_numpy(), [0]
+    for row in range(1, len(flow)):
+        if abs(flow[row] - flow[kept[-1]]) > 0.03 * made.valve["valve"]["kv_rated"]:
+            kept.append(row)
+    frame["F"] = np.round(np.interp(np.arange(len(flow)), kept, flow[kept]), 3)
+    recording = Recording.from_frame(frame, Valve.from_dict(made.valve))
+    content = MissingPhysicsFinder(effects=FEW).fit(recording).diagnosis_.content
+    assert ("compressed", "flow") in {(d["finding"], d["role"]) for d in content["data"]}
+    assert content["verdict"] in ("no_mismatch", "cannot_tell")
+    assert not content["mismatch"]["detected"]
+    assert content["effects"] == []
+    assert "unknown" not in content
