@@ -16,7 +16,7 @@ _WITHIN_95 = 1.96
 def interval_of(workbench, member, fitted, quantity):
     r"""Interval that holds a parameter of an effect with 95 %.
 
-    .. math:: h^2 = (1.96\, s)^2 + (1.96\, m)^2 + t^2
+    .. math:: h = \sqrt{(1.96\, s)^2 + (1.96\, m)^2} + t
 
     with the standard deviation s of the fit, what the parameter may make up for, m, and what the sheet leaves
     open of such an effect, t. A simulation gets 15 % of an effect wrong, and that is one error however many
@@ -31,8 +31,9 @@ def interval_of(workbench, member, fitted, quantity):
     A response, a zero or a capacity that the sheet leaves open is a parameter of the calibration, and
     answers. A static error is not: friction and feedback of a calibrated actuator stand for play, and a sound
     valve has some, so that t is the size up to which such an effect is within the tolerance of the static
-    error. Of a delay it is one scan, half of what the calibration may hold beside it. What grows does so the
-    faster the later it began: t is how far the rates lie apart over the interval of its onset.
+    error. Of a delay from the start it is one scan, half of what the calibration may hold beside it. What
+    grows does so the faster the later it began: t is how far the rates lie apart over the interval of its
+    onset. These are bounds and no scatter, and so they are added.
 
     Parameters
     ----------
@@ -53,11 +54,11 @@ def interval_of(workbench, member, fitted, quantity):
         return None
     half = np.hypot(_WITHIN_95 * spread, _mistaken(workbench, member, fitted, key))
     if quantity.log:
-        below, above = value * -np.expm1(-half), value * np.expm1(half)
+        ends = value * np.exp(-half), value * np.exp(half)
     else:
-        below, above = half, half
-    slower, faster = _open(workbench, member, fitted, quantity, value)
-    ends = value - np.hypot(below, slower), value + np.hypot(above, faster)
+        ends = value - half, value + half
+    below, above = _open(workbench, member, fitted, quantity, value)
+    ends = ends[0] - below, ends[1] + above
     return tuple(float(np.clip(e, quantity.low, quantity.high)) for e in ends)
 
 
@@ -115,7 +116,7 @@ def _open(workbench, member, fitted, quantity, value):
             if cause.member.effect.key == member.effect.key:
                 ends = np.multiply(course_of_cause(workbench, fitted, cause).sizes, value)
                 return max(value - ends.min(), 0.0), max(ends.max() - value, 0.0)
-    if quantity.name == "delay":
+    if quantity.name == "delay" and member.onset is None:
         return 2 * (float(workbench.recording.sample_time),)
     return 2 * (_of_sound_valves(workbench, member, fitted, quantity),)
 
