@@ -68,8 +68,10 @@ def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, ran
 
     def rest_of(model):
         if model not in asked:
-            rest = find_unknown(workbench, model, alpha=alpha, random_state=random_state, channels=channels)
-            asked[model] = rest if rest is not None and _stands(workbench, model, rest) else None
+            # of the least error itself: orthogonal to all that was fitted and is free to move
+            fitted = workbench.least_squares(model)
+            rest = find_unknown(workbench, fitted, alpha=alpha, random_state=random_state, channels=channels)
+            asked[model] = rest if rest is not None and _stands(workbench, fitted, rest) else None
         return asked[model]
 
     def p_value_of(findings, unknown):
@@ -108,7 +110,7 @@ def _stands(workbench, model, unknown):
     """
     if unknown.size >= _LARGE * workbench.least(unknown.channel):
         return True
-    tried = folded(workbench, workbench.least_squares(model), unknown)
+    tried = folded(workbench, model, unknown)
     return correction_holds_out(workbench, tried, unknown.channel)[0]
 
 
