@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 from sklvalve.mismatch.afresh import afresh, much_is_left
 from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
-from sklvalve.mismatch.matters import SPREADS, beyond_tolerance, matters
+from sklvalve.mismatch.matters import SPREADS, beyond_tolerance, matters, may_explain
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.rivals import find_rivals, without_rival
@@ -124,22 +124,21 @@ def _taken_up(workbench, model, effects, threshold, most, tried, seen, report):
 def _first_that_counts(workbench, model, found, threshold, tried):
     """Of some hypotheses with one effect more the first that matters under its own noise too; else None."""
     for chosen in found[:_TRIED]:
-        settled, gain, sizes, counts = _under_its_own_noise(workbench, chosen, model, threshold)
-        if counts:
+        settled, without = _under_its_own_noise(workbench, chosen, model)
+        if matters(workbench, settled, without, threshold):
             return settled
-        if not model.members:
-            tried[chosen.members[-1].effect.key] = (gain, sizes)
+        # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
+        if not model.members and may_explain(workbench, settled, without):
+            gain = settled.log_likelihood - without.log_likelihood
+            tried[chosen.members[-1].effect.key] = gain, workbench.change(settled, without)
         workbench.learn_noise(model, cautious=True)
     return None
 
 
-def _under_its_own_noise(workbench, chosen, before, threshold):
-    """A hypothesis with the noise that it leaves, and whether its last effect matters even so."""
+def _under_its_own_noise(workbench, chosen, before):
+    """A hypothesis by the noise that it leaves itself, and the same without its last effect."""
     settled = _settle(workbench, chosen)
-    without = workbench.fit(settled.members[:-1], start=before)
-    gain = settled.log_likelihood - without.log_likelihood
-    counts = matters(workbench, settled, without, threshold)
-    return settled, gain, workbench.change(settled, without), counts
+    return settled, workbench.fit(settled.members[:-1], start=before)
 
 
 def _better_in_place(findings):
