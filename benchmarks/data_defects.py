@@ -17,6 +17,7 @@ class Defect:
     columns: tuple  # the channels that may be named
     plant: Callable  # (columns, rng) -> columns
     excused: tuple = ()  # further findings that the defect really causes
+    band: float = 0.0  # of a compression, in the column's unit
 
 
 def swinging_door(values, band):
@@ -116,7 +117,7 @@ def _compression(span):
             }
             for kind, change in kinds.items():
                 plant = partial(_on, name, change)
-                out.append(Defect(f"{kind} {name} {percent:g} %", ("compressed",), (name,), plant))
+                out.append(Defect(f"{kind} {name} {percent:g} %", ("compressed",), (name,), plant, band=band))
     for rows in (3, 10):
         plant = partial(_on, "F", lambda v, rng, rows=rows: np.repeat(v[::rows], rows)[: len(v)])
         out.append(Defect(f"scan F {rows} s", ("compressed",), ("F",), plant))

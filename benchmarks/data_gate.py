@@ -19,7 +19,7 @@ from data_defects import defects
 
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import CONCEALABLE, make_valve_recording
-from sklvalve.recording import InputError, screen_recording
+from sklvalve.recording import InputError, noise_floor, screen_recording
 
 ROLES = {"CV": "command", "X": "opening", "P1": "p1", "P2": "p2", "T1": "temperature", "F": "flow"}
 LOOPS = ("wide", "closed", "mixed")
@@ -61,9 +61,30 @@ def kind(label):
     return {"swinging": "compression", "box-car": "compression"}.get(first, first)
 
 
+def group(defect, columns):
+    """Row of the pooled table that a defect in such columns counts in."""
+    sort, words = kind(defect.label), defect.label.split()
+    if sort == "compression":
+        size = float(words[-2])
+        within = "" if defect.band >= noise_floor(columns[defect.columns[0]]) else ", within the noise"
+        return (
+            f"compression {'1 % or more' if size >= 1.0 else '0.5 %' if size == 0.5 else '< 0.5 %'}{within}"
+        )
+    if sort == "quantised":
+        return f"quantised {'0.5 % or more' if float(words[-2]) >= 0.5 else '< 0.5 %'}"
+    if sort == "clock":
+        name, seconds = words[1], int(words[2])
+        if abs(seconds) < 5:
+            return "clock 2 s"
+        if name == "CV":
+            return "clock of the command " + ("late" if seconds > 0 else f"early, {columns['loop']} loop")
+        return "clock of a pressure" if name in ("P1", "P2") else "clock of opening or flow"
+    return "scaled P2 alone" if sort == "scaled" and words[1] == "P2" else sort
+
+
 def planted(seed, records, only):
-    """Tally of each defect over healthy records."""
-    tallies = {}
+    """Tallies over healthy records, of each defect and of groups of them."""
+    tallies, pooled = {}, {}
     for number in range(records):
         made = healthy(seed + number)
         columns = {name: made.frame[name].to_numpy(dtype=float, copy=True) for name in ("time", *ROLES)}
@@ -76,15 +97,16 @@ def planted(seed, records, only):
             hit = {each for each in found if each[0] in defect.findings and each[1] in roles}
             hit |= found & {("refused", None)}
             rest = {each for each in found - hit if each[0] not in defect.excused}
-            tally = tallies.setdefault(defect.label, Tally())
-            tally.records += 1
-            tally.found += bool(hit)
-            tally.else_blamed += bool(rest)
-            tally.seconds += seconds
-            if not hit:
-                tally.missed += (f"{made.truth['loop']}{made.truth['noise']:.0f}#{seed + number}",)
-            tally.wrong += tuple(sorted(map(str, rest)))
-    return tallies
+            row = group(defect, columns | {"loop": made.truth["loop"]})
+            for tally in (tallies.setdefault(defect.label, Tally()), pooled.setdefault(row, Tally())):
+                tally.records += 1
+                tally.found += bool(hit)
+                tally.else_blamed += bool(rest)
+                tally.seconds += seconds
+                if not hit:
+                    tally.missed += (f"{made.truth['loop']}{made.truth['noise']:.0f}#{seed + number}",)
+                tally.wrong += tuple(sorted(map(str, rest)))
+    return tallies, dict(sorted(pooled.items()))
 
 
 def blamed(seed, records, effects):
@@ -172,7 +194,9 @@ def main():
     parser.add_argument("--only", default="")
     given = parser.parse_args()
     if given.records:
-        show("planted", planted(given.seed, given.records, given.only))
+        tallies, pooled = planted(given.seed, given.records, given.only)
+        show("planted", tallies)
+        show("planted, pooled", pooled)
     if given.clean:
         show("nothing planted", blamed(given.seed + 10_000, given.clean, [None]))
     if given.physics:

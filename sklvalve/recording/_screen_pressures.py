@@ -14,8 +14,8 @@ _MEMORY = 8  # rows over which noise is made white
 _METER = 10  # rows within which a meter shows most of a change
 _EARLIEST, _LATEST = -1, 3  # rows; the own lags of transmitters lie between
 _NEIGHBOURS = 8  # rows; evidence this near belongs to the same place
-_TOLD = 8.0  # in log likelihood, where the best of 80 places gains 5 by chance
-_AGAINST_CHANCE = 2.5  # times what any distant place gains: of a model that is a little wrong, several gain
+# in log likelihood, where the best of 80 places gains 5 by chance; a model that is a little wrong gains more
+_OVER_NOUGHT, _OVER_OTHERS = 5.0, 15.0
 
 
 @dataclass(frozen=True)
@@ -61,11 +61,11 @@ def _place(gain: Values, longest: int) -> Late:
     place = int(np.argmax(gain))
     about = gain[longest + _EARLIEST : longest + _LATEST + 1]
     far = gain[np.abs(np.arange(len(gain)) - place) > _NEIGHBOURS]
-    elsewhere = float(far.max(initial=0.0))
-    clear = float(gain[place] - max(about.max(), elsewhere))
+    best = float(gain[place])
+    over_nought, over_others = best - float(about.max()), best - float(far.max(initial=0.0))
     rows = place - longest
-    told = clear > _TOLD and gain[place] > _AGAINST_CHANCE * elsewhere and abs(rows) >= _LATEST
-    return Late(rows if told else 0, clear)
+    told = over_nought > _OVER_NOUGHT and over_others > _OVER_OTHERS and abs(rows) >= _LATEST
+    return Late(rows if told else 0, min(over_nought, over_others))
 
 
 def _course(answer: Values, cause: Values, usable: NDArray[np.bool_], longest: int) -> Values:
