@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from sklvalve.simulation import Tolerance
+
 from .hand_actuator import AIR, EFFECTS, PRELOAD, REACH, SUPPLY, VALUES, WEAK_AIR, chain_of, run
 
 
@@ -19,6 +21,16 @@ def highest(key, *, actuator=WEAK_AIR, **own):
 def test_a_sound_stem_ends_where_the_spring_balances_the_air():
     chain = chain_of(np.r_[np.full(20, 0.02), np.ones(400)])
     assert chain.stem_of_free_run(VALUES)[-1] == pytest.approx(REACH, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("drop", "late", "beyond"), [(0.68, False, False), (0.71, False, True), (0.2, True, True)]
+)
+def test_a_supply_may_be_low_from_the_start_and_carry_the_travel_but_not_fall(drop, late, beyond):
+    # 340 kPa carry a spring of 20 to 100 kPa over 1.05 travels as long as 104 kPa are left
+    chain = chain_of(np.full(20, 0.5), "supply_pressure_drop", actuator=WEAK_AIR | {"supply_pressure": 340.0})
+    effect = EFFECTS["supply_pressure_drop"]
+    assert effect.beyond_tolerance({"drop": drop}, chain, Tolerance(), late) is beyond
 
 
 @pytest.mark.parametrize("friction", [0.05, 0.2, 0.4])
