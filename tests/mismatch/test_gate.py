@@ -111,3 +111,8 @@ def test_clock_is_set_right(role, late):
     mended = without_findings(off, [found("clock_shift", role, size=float(late))])[role]
     np.testing.assert_allclose(mended[8:-8], whole[role][8:-8], rtol=1e-12)
     assert np.isnan(mended).sum() == (0 if role == "command" else 4)
+
+
+def test_dead_time_says_that_an_early_command_looks_the_same():
+    (dead_time,) = (effect for effect in CATALOGUE if effect.name == "dead_time")
+    assert "a command stamped early looks the same" in dead_time.separated_by
