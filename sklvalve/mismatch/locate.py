@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mismatch.bands import simultaneous_bands
-from sklvalve.mismatch.boxes import boxes_of, covered
+from sklvalve.mismatch.boxes import boxes_of, covered, rows_in
 from sklvalve.mismatch.cells import cells_of
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.spells import Course, Evidence, course_of, growing_course
@@ -16,6 +16,8 @@ from sklvalve.simulation.simulation import learnt_rest
 _EVERYWHERE = 0.95
 # the flow follows from opening and pressures: only where these say clearly less is it told
 _DERIVED = 0.8
+# of the most that it does: where it does less it is not said to act
+_ACTS = 0.25
 _CANDIDATES = 61
 
 
@@ -48,8 +50,13 @@ def acting_rows(workbench, model, without):
         if not workbench.counts({channel: size}):
             continue
         gap = np.abs(np.nan_to_num(model.predictions[channel] - without.predictions[channel]))
-        flagged |= gap > max(0.25 * np.quantile(gap, 0.99), 1e-12)
+        flagged |= _acting(gap)
     return flagged
+
+
+def _acting(gap):
+    """Rows in which a change is a good part of the most it is."""
+    return gap > max(_ACTS * np.quantile(gap, 0.99), 1e-12)
 
 
 def causes_of(workbench, model, unknown=None):
@@ -160,7 +167,8 @@ def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):
     -------
     regions : list of dict
         ``signal, low, high, direction, share``, and ``and`` with a second range where two signals bound the
-        box; empty where what was found acts everywhere, or nowhere clearly enough.
+        box; empty where what was found acts everywhere, nowhere clearly enough, or in rows that no boxes
+        describe better than all rows of the recording do (a lag acts after every stroke).
     """
     parts, places = [], []
     for cause, course in zip(causes, courses, strict=True):
@@ -171,11 +179,12 @@ def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):
             cells = cells_of(model.chain, model.values, c, cause.simulated[c])
             rest, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))
             parts.append((workbench.noise[c], rest, [before], cells))
-            places.append((c, cells))
+            gap = np.where(acts, np.abs(np.nan_to_num(cause.before[c] - cause.after[c])), 0.0)
+            places.append((c, None if cause.member is None else (_acting(gap), acts)))
     found = []
     bands = simultaneous_bands(parts, alpha=alpha, random_state=random_state)
-    for (channel, _), (several,) in zip(places, bands, strict=True):
-        boxes = boxes_in(several, len(workbench.recording))
+    for (channel, rows), (several,) in zip(places, bands, strict=True):
+        boxes = boxes_in(several, len(workbench.recording), rows)
         shown = workbench.recording.get(channel)
         if covered(boxes) > _EVERYWHERE:
             continue
@@ -183,15 +192,38 @@ def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):
     return [r for i, r in enumerate(found) if r not in found[:i]]
 
 
-def boxes_in(bands, n):
-    """Boxes of the partition that tells most of a residual, in bands of all partitions of it."""
-    if not any(np.any(band.beyond > 0.0) for band in bands):
+def boxes_in(bands, n, rows=None):
+    """Boxes of one partition, in bands of all partitions of a residual.
+
+    Parameters
+    ----------
+    bands : list of Band
+    n : int
+    rows : pair of ndarray of bool, default=None
+        Those in which an effect, as it was fitted, makes a difference, and those of the time in which it acts
+        at all: the boxes are those that describe the first best, and none where all rows of that time do so
+        as well. Where no effect explains what was found, the partition tells most of it.
+    """
+    bands = [band for band in bands if np.any(band.beyond > 0.0)]
+    if not bands:
         return []
 
+    def trust(band):
+        return _DERIVED if band.cells.signals == ("flow",) else 1.0
+
+    if rows is not None:
+        acting, during = rows
+
+        def describes(boxes):
+            inside = rows_in(boxes, n) & during
+            return np.sum(inside & acting) / max(np.sum(inside | acting), 1)
+
+        _, best = max(((trust(b) * describes(boxes_of(b)), boxes_of(b)) for b in bands), key=lambda e: e[0])
+        return best if describes(best) > np.sum(acting) / max(np.sum(during), 1) else []
+
     def tells(band):
-        gain = band.gain * (_DERIVED if band.cells.signals == ("flow",) else 1.0)
         # each mean is a parameter
-        return gain - 0.5 * band.cells.count * np.log(max(n, 2))
+        return trust(band) * band.gain - 0.5 * band.cells.count * np.log(max(n, 2))
 
     return boxes_of(max(bands, key=tells))
 

@@ -141,3 +141,27 @@ def test_direction_changes_only_where_the_stem_turns():
     way = direction_of_travel(opening)
     assert np.all(way[10:200] > 0.0)
     assert np.all(way[210:] < 0.0)
+
+
+def test_boxes_are_those_that_describe_where_an_effect_acts():
+    signals, left, noise = scene(5)
+    high = signals["opening"] > 0.6
+    bands = bands_of(signals, left, left + 5.0 * SIZE * high, noise)
+    always = np.ones(ROWS, dtype=bool)
+    boxes = boxes_in(bands, ROWS, (high, always))
+    inside = rows_in(boxes, ROWS)
+    assert {box.cells.signals[0] for box in boxes} == {"opening"}
+    assert np.sum(inside & high) > 0.8 * np.sum(inside | high)
+
+
+def test_no_box_is_named_where_none_describes_better_than_all_rows():
+    signals, left, noise = scene(5)
+    high = signals["opening"] > 0.6
+    bands = bands_of(signals, left, left + 5.0 * SIZE * high, noise)
+    assert boxes_in(bands, ROWS)
+    # it acts after every stroke, say, and not where the mean residual stands out
+    always = np.ones(ROWS, dtype=bool)
+    assert boxes_in(bands, ROWS, (~high, always)) == []
+    assert boxes_in(bands, ROWS, (always, always)) == []
+    # nor where it makes a difference all the while that it acts
+    assert boxes_in(bands, ROWS, (high, high)) == []
