@@ -117,7 +117,7 @@ def _air_parameters(recording, tolerance):
         Parameter("actuator_feedback", "1", 0.0, 0.25, 0.1, spread=0.1),
         # spools fill and vent through ports of their own, and a stroke up seldom takes as long as one down
         Parameter("actuator_vent", "1", 0.6, 1.7, 1.0, spread=0.2, log=True),
-        Parameter("actuator_loop", "s", 0.01, 0.4, 0.05, spread=0.7, log=True),
+        Parameter("actuator_loop", "s", 0.04, 0.4, 0.06, spread=0.7, log=True),
     ]
 
 
