@@ -18,6 +18,8 @@ from sklvalve.simulation.side_by_side import side_by_side
 _FITTED = 4
 # and so many of those settled under their own noise
 _TRIED = 3
+# a rival so many times as probable takes the place of an effect
+_CLEARLY = 30.0
 
 
 @dataclass(eq=False)
@@ -148,7 +150,7 @@ def _better_in_place(findings):
         own = next(r for r in finding.rivals if r.member is finding.member)
         # of two that cannot be told apart either may stand in front: no reason to fit all again
         same = first.member.effect.name == finding.member.effect.name
-        if not same and first.probability > 2.0 * own.probability:
+        if not same and first.probability > _CLEARLY * own.probability:
             return first.model
     return None
 
