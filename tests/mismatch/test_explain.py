@@ -82,7 +82,7 @@ def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, wit
 
 def test_a_rival_takes_the_place_only_where_it_is_preferred():
     member, other = Member(CLOGGING), Member(LEAK)
-    for own, rival, swapped in ((0.45, 0.55, False), (0.1, 0.9, True)):
+    for own, rival, swapped in ((0.45, 0.55, False), (0.1, 0.9, False), (0.01, 0.99, True)):
         finding = SimpleNamespace(
             member=member,
             rivals=[Rival(other, "the rival's fit", rival, 0.0), Rival(member, "its own fit", own, 0.0)],
