@@ -66,7 +66,26 @@ def run(args: Namespace) -> int:
             write_table(file, recording.stamps, columns)
         staging.commit()
     print(f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})")
+    if not args.nominal:
+        for words in _not_yet(model["corrected"], recording):
+            print(words)
     return 0
+
+
+def _not_yet(simulation, recording: "Recording") -> list[str]:
+    """Effects that begin after some of the rows: a clock that begins anew must not go unnoticed."""
+    from sklvalve.simulation.chain import clock_of
+
+    onsets = getattr(simulation, "onsets", None) or {}
+    names = {effect.key: effect.name for effect in simulation.effects} if onsets else {}
+    clock = clock_of(recording)
+    before = {names[key]: int((clock < onset).sum()) for key, onset in onsets.items()}
+    return [
+        f"{name} acts from a moment on, and {many} of these {len(clock)} rows stand before it, by the clock "
+        "of the recording that was diagnosed."
+        for name, many in before.items()
+        if many
+    ]
 
 
 def read_for_prediction(path: str, valve: "Valve") -> "Recording":

@@ -98,7 +98,7 @@ def content_of(
     joined = _recordings(whole)
     if joined:
         # times are of their common clock, and read by the recording that they fall into
-        location["recordings"] = [{k: each[k] for k in ("source", "begins")} for each in joined]
+        location["recordings"] = [{k: each[k] for k in ("source", "begins", "assumed")} for each in joined]
     content = {
         "schema": "sklvalve.diagnosis/1",
         "verdict": judgement.verdict,
@@ -129,7 +129,13 @@ def _recordings(whole):
     """The recordings that were joined, as plain data; none where it is one."""
     rows = [high - low for low, high in whole.spans] if whole.pieces else []
     return [
-        {"source": Path(p.source).name, "sha256": p.sha256, "rows": many, "begins": p.begins - whole.time[0]}
+        {
+            "source": Path(p.source).name,
+            "sha256": p.sha256,
+            "rows": many,
+            "begins": p.begins - whole.time[0],
+            "assumed": p.assumed,
+        }
         for p, many in zip(whole.pieces, rows, strict=True)
     ]
 

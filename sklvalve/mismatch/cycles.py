@@ -20,6 +20,8 @@ _LEAST_GAIN = 15.0
 # a simulated signal that swings so many times as far, in a line so far above what is around it, is its cause
 _DRIVEN, _LINE, _AROUND = 2.0, 8.0, 12
 _REFITS = 2
+# frequencies tried between those next to the best
+_BETWEEN = 41
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,9 @@ def find_cycle(workbench, model, channel):
     clock, left = model.chain.clock - model.chain.clock[0], workbench.residuals(model)[channel]
     simulated, noise = model.predictions[channel], workbench.noise[channel]
     shortest = max(_SHORTEST, _FEWEST_ROWS * workbench.recording.sample_time)
-    frequencies = np.arange(_FEWEST_CYCLES, int(clock[-1] / shortest) + 1) / max(clock[-1], 1e-12)
+    # of the time that was recorded: years between two recordings tell nothing of a cycle
+    length = min(clock[-1], len(clock) * workbench.recording.sample_time)
+    frequencies = np.arange(_FEWEST_CYCLES, int(length / shortest) + 1) / max(length, 1e-12)
     if not len(frequencies):
         return None
     learn = partial(
@@ -70,19 +74,20 @@ def find_cycle(workbench, model, channel):
     for height in (np.ones_like(simulated), np.nan_to_num(simulated / np.nanmax(np.abs(simulated)))):
         waves = partial(_waves, clock, height)
         gains = [_gain(noise, left, waves(f)) for f in frequencies]
-        wave = waves(frequencies[int(np.argmax(gains))])
-        if max(gains) < 0.3 * _LEAST_GAIN or _driven(
-            simulated, left, waves, frequencies, int(np.argmax(gains))
-        ):
+        k = int(np.argmax(gains))
+        if gains[k] < 0.3 * _LEAST_GAIN or _driven(simulated, left, waves, frequencies, k):
             continue
-        gain = _gain_with_own_noise(learn, left, wave)
+        # between the frequencies that the length of the recording holds apart
+        near = frequencies[k] + np.linspace(-1.0, 1.0, _BETWEEN) / length
+        frequency = near[int(np.argmax([_gain(noise, left, waves(f)) for f in near]))]
+        gain = _gain_with_own_noise(learn, left, waves(frequency))
         if gain > best[0]:
-            best = gain, 1.0 / frequencies[int(np.argmax(gains))]
+            best = gain, 1.0 / frequency
     gain, period = best
     if gain < _LEAST_GAIN:
         return None
     tries = 2 * len(frequencies)
-    return Cycle(float(f"{period:.4g}"), float(-np.expm1(tries * np.log1p(-np.exp(-gain)))))
+    return Cycle(float(f"{period:.5g}"), float(-np.expm1(tries * np.log1p(-np.exp(-gain)))))
 
 
 def _waves(clock, height, frequency):

@@ -34,6 +34,11 @@ def save_model(path, finder):
         "nominal": finder.nominal_simulation_.to_state(),
         "diagnosis": finder.diagnosis_.to_dict(),
     }
+    recordings = content["diagnosis"].get("provenance", {}).get("recordings", [])
+    if any(each["assumed"] for each in recordings):
+        # the clock on which an onset stands was made up: later recordings hold what has begun by now
+        for kind in ("corrected", "nominal"):
+            content[kind] = content[kind] | {"onsets": {}}
     path = Path(path)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     os.close(handle)
@@ -47,8 +52,14 @@ def save_model(path, finder):
         raise
 
 
-def load_model(path):
+def load_model(path, effects=()):
     """Load a model file; nothing in it is executed.
+
+    Parameters
+    ----------
+    path : str or path-like
+    effects : sequence of Effect, default=()
+        Those of one's own that the model was found with.
 
     Returns
     -------
@@ -58,7 +69,8 @@ def load_model(path):
     Raises
     ------
     InputError
-        If the file is missing or no model of this package.
+        If the file is missing or no model of this package, or holds an effect that is neither of the
+        catalogue nor among `effects`.
     ImportError
         If skops is not installed.
     """
@@ -69,11 +81,17 @@ def load_model(path):
         content = skops_io.load(path, trusted=[])
         if content.get("format") != _FORMAT:
             raise ValueError("other format")
-        effects = {e.key: e for e in (*CATALOGUE, *EVENTS)}
+        known = {e.key: e for e in (*CATALOGUE, *EVENTS, *effects)}
+        strange = {key for kind in ("corrected", "nominal") for key in content[kind]["effects"]} - set(known)
+        if strange:
+            raise InputError(
+                f"{path}: the model holds {min(strange)}, which is no effect of the catalogue; give it to "
+                "load_model as one of effects"
+            )
         valve = Valve.from_dict(content["valve"], source=str(path))
         simulations = {
             kind: ValveSimulation.from_state(
-                valve, content[kind], tuple(effects[key] for key in content[kind]["effects"])
+                valve, content[kind], tuple(known[key] for key in content[kind]["effects"])
             )
             for kind in ("corrected", "nominal")
         }

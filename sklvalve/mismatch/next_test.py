@@ -28,6 +28,11 @@ def next_test(classes, verdict, unknown, workbench, findings=()):
     for members in open_ones or classes:
         who = next(iter(members.values()))[1]
         return who.effect.separated_by
+    if unknown is not None and unknown.period is not None:
+        return (
+            f"Look for what repeats every {unknown.period:.3g} s, such as a pump, another loop or a batch: "
+            "record it, or record the valve while it rests."
+        )
     if unknown is not None:
         inputs = " and ".join(name.replace("_", " ") for name in unknown.inputs)
         return f"Repeat a slow sweep of {inputs} at three levels of the other signals, both ways."

@@ -12,8 +12,26 @@ from sklvalve.mismatch.workbench import Workbench
 from sklvalve.recording import InputError
 from sklvalve.recording.diagnosable import require_rows
 from sklvalve.simulation import Tolerance
+from sklvalve.simulation.calibration import drop_is_unknown
 
 _NAMES = tuple(sorted({e.name for e in CATALOGUE}))
+# forms that an unrecorded pressure drop can make or hide: what bends, scales or slowly shifts the flow. Lost
+# motion, lags, dead times and a stem that does not move are not of its making
+_BY_THE_DROP = frozenset(
+    (
+        *("capacity_error", "flow_meter_gain", "flow_meter_bias", "flow_meter_drift"),
+        *("flow_meter_drift_span", "density_change", "density_change_thermal", "sedimentation", "erosion"),
+        *("seat_leakage", "bypass_open", "clogging", "wrong_characteristic", "piping_reducers", "line_loss"),
+        *("position_sensor_bias_loop", "position_sensor_gain_loop"),
+    )
+)
+# and without a position those as well that shift or end the stem's travel
+_BY_THE_DROP_UNSEEN = _BY_THE_DROP | frozenset(
+    (
+        *("transducer_fault", "positioner_feedback_fault", "positioner_characteriser", "clogging_closing"),
+        *("supply_pressure_drop", "spring_fault", "actuator_leak", "actuator_leak_diaphragm"),
+    )
+)
 
 
 def rows_to_use(whole, until):
@@ -28,6 +46,8 @@ def rows_to_use(whole, until):
         raise InputError(
             f"until must be a number of rows, got {until!r}; recording.index_until gives it for a time"
         )
+    if until is not None and until < 0:
+        raise InputError(f"until must be a number of rows, 0 or more; got {until}")
     used = len(whole) if until is None else min(int(until), len(whole))
     require_rows(whole.slice(0, used), "" if until is None else ", or a later time to use them until")
     return used
@@ -100,6 +120,13 @@ def _held(simulation, recording):
     return tuple(Member(effect, onsets.get(effect.key)) for effect in simulation.effects)
 
 
+def _made_by_the_drop(workbench):
+    """Keys of effects that a pressure drop which nobody recorded would make just as well."""
+    if "flow" not in workbench.channels or not drop_is_unknown(workbench.recording):
+        return frozenset()
+    return _BY_THE_DROP_UNSEEN if workbench.coupled else _BY_THE_DROP
+
+
 def candidates(workbench, wanted, data):
     """Effects of the catalogue that a recording can speak for, and what the others would need.
 
@@ -133,7 +160,7 @@ def candidates(workbench, wanted, data):
             f"effects names {strange[0]!r}, which is no effect; the effects are {', '.join(_NAMES)}"
         )
     off = effects_switched_off(data)
-    found, untestable = [], {}
+    found, untestable, by_the_drop = [], {}, _made_by_the_drop(workbench)
     names |= {e.name for e in own}
     for effect in (*CATALOGUE, *(e for e in own if e not in CATALOGUE)):
         # what the simulation holds already is calibrated, so it cannot be missing
@@ -142,6 +169,8 @@ def candidates(workbench, wanted, data):
         missing = [role for role in effect.needs if role not in workbench.recording]
         if missing:
             untestable.setdefault(effect.name, " and ".join(missing))
+        elif effect.key in by_the_drop:
+            untestable.setdefault(effect.name, "p1 and p2")
         elif effect.name in off:
             untestable.setdefault(effect.name, off[effect.name])
         elif workbench.plain.lacks(effect):

@@ -60,6 +60,7 @@ def effect_entry(finding, recording, workbench):
         "probability": round(float(min(total, 1.0)), 4),
         "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
         "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
+        "onset": None if who.onset is None else float(who.onset - fitted.chain.clock[0]),
         "parameters": {},
         "sentence": _sentence(who, values),
         "separated_by": who.effect.separated_by,

@@ -14,6 +14,8 @@ from sklvalve.recording.timebase import seconds_at
 _LAYOUT = ("tag", "roles", "time", "source")
 # between recordings of which nobody knows how far apart they are [s], and in rows
 _APART, _ROWS_APART = 3600.0, 100
+# of the times that two recordings share, the share of equal rows from which on they are the same hours
+_DOUBLE = 0.5
 
 
 def join_recordings(recordings: Iterable[Recording]) -> Recording:
@@ -36,14 +38,17 @@ def join_recordings(recordings: Iterable[Recording]) -> Recording:
     Raises
     ------
     InputError
-        If there is none, they differ in signals or data sheet, a file is given twice, or dated ones overlap.
+        If there is none, they differ in signals or data sheet, rows are given twice, or dated ones overlap.
 
     Examples
     --------
     >>> import numpy as np
     >>> from sklvalve.recording import Recording, join_recordings
-    >>> one = Recording.from_frame({"time": np.arange(3.0), "command": [0.1, 0.2, 0.3]})
-    >>> both = join_recordings([one, one])
+    >>> one, other = (
+    ...     Recording.from_frame({"time": np.arange(3.0), "command": command})
+    ...     for command in ([0.1, 0.2, 0.3], [0.6, 0.5, 0.4])
+    ... )
+    >>> both = join_recordings([one, other])
     >>> both.time.tolist()
     [0.0, 1.0, 2.0, 3602.0, 3603.0, 3604.0]
     >>> [piece.begins for piece in both.pieces]
@@ -56,9 +61,9 @@ def join_recordings(recordings: Iterable[Recording]) -> Recording:
         return several[0]
     for k, other in enumerate(several):
         _require_alike(several[0], other)
-        if other.sha256 is not None and other.sha256 in [r.sha256 for r in several[:k]]:
+        if any(_is_same(r, other) for r in several[:k]):
             raise InputError(f"{other.source} is given twice; give each recording once")
-    several, begins = _laid_out(several)
+    several, begins, assumed = _laid_out(several)
     first = several[0]
     return replace(
         first,
@@ -69,9 +74,13 @@ def join_recordings(recordings: Iterable[Recording]) -> Recording:
         source=", ".join(r.source for r in several),
         sha256=None,
         pieces=tuple(
-            Piece(r.source, r.sha256, float(begin)) for begin, r in zip(begins, several, strict=True)
+            Piece(r.source, r.sha256, float(begin), assumed) for begin, r in zip(begins, several, strict=True)
         ),
     )
+
+
+def _is_same(one: Recording, other: Recording) -> bool:
+    return one.sha256 is not None and one.sha256 == other.sha256 and one.stamps[0] == other.stamps[0]
 
 
 def _require_alike(one: Recording, other: Recording) -> None:
@@ -97,8 +106,8 @@ def _require_alike(one: Recording, other: Recording) -> None:
             )
 
 
-def _laid_out(several: list[Recording]) -> tuple[list[Recording], list[float]]:
-    """Recordings in their order, and where on a common clock each begins [s]."""
+def _laid_out(several: list[Recording]) -> tuple[list[Recording], list[float], bool]:
+    """Recordings in their order, where on a common clock each begins [s], and whether that is assumed."""
     dated = isinstance(several[0].stamps[0], str)
     mixed = [r for r in several if isinstance(r.stamps[0], str) != dated]
     if mixed:
@@ -113,15 +122,32 @@ def _laid_out(several: list[Recording]) -> tuple[list[Recording], list[float]]:
     ends = [begin + float(r.time[-1] - r.time[0]) for begin, r in zip(begins, sorted_, strict=True)]
     overlap = [k for k in range(1, len(several)) if begins[k] <= ends[k - 1]]
     if not overlap:
-        return sorted_, begins
+        return sorted_, begins, False
     if dated:
         before, after = sorted_[overlap[0] - 1], sorted_[overlap[0]]
         raise InputError(
             f"{after.source} begins at {after.stamps[0]}, before {before.source} ends at "
             f"{before.stamps[-1]}; leave out the rows that are double"
         )
+    for k, one in enumerate(several):
+        for other in several[k + 1 :]:
+            _require_other_rows(one, other)
     placed = [0.0]
     for r in several[:-1]:
         gap = max(_APART, _ROWS_APART * np.nan_to_num(r.sample_time))
         placed.append(placed[-1] + float(r.time[-1] - r.time[0]) + gap)
-    return several, placed
+    return several, placed, True
+
+
+def _require_other_rows(one: Recording, other: Recording) -> None:
+    """Two exports of the same hours must not count twice."""
+    _, here, there = np.intersect1d(one.stamps, other.stamps, return_indices=True)
+    both = np.ones(len(here), dtype=bool)
+    for role in one:
+        if role not in one.constants:
+            both &= one[role][here] == other[role][there]
+    if both.sum() > _DOUBLE * max(len(here), 1):
+        raise InputError(
+            f"{other.source} and {one.source} hold {both.sum()} rows that are equal, time and values; "
+            "leave out the rows that are double"
+        )

@@ -39,11 +39,14 @@ class Piece:
         Checksum of the file.
     begins : float
         Where on the common clock its first row stands [s].
+    assumed : bool, default=False
+        Whether that is not known, because the times of the recordings begin anew.
     """
 
     source: str
     sha256: str | None
     begins: float
+    assumed: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is wrong with the data themselves, before any physics is asked."""
 
-from dataclasses import replace
-
-import numpy as np
-
 from sklvalve.recording._screen_clocks import screen_clocks
 from sklvalve.recording._screen_compressed import screen_compressed
 from sklvalve.recording._screen_meaning import screen_swapped, screen_units
+from sklvalve.recording._screen_pieces import screen_pieces
 from sklvalve.recording._screen_swaps import screen_readings
 from sklvalve.recording._screen_time import screen_gaps
 from sklvalve.recording._screen_tools import Finding
@@ -76,30 +73,12 @@ def screen_recording(recording: Recording) -> list[Finding]:
     """
     if not recording.pieces:
         return _screened(recording)
-    return [told for span in recording.spans for told in _of_piece(recording, *span)]
+    return screen_pieces(recording, _screened)
 
 
 def _screened(recording: Recording) -> list[Finding]:
     found = [each for screen in _SCREENS for each in screen(recording)]
     return [each for each in _once(found) if not _explained(each, found)]
-
-
-def _of_piece(joined: Recording, first: int, behind: int) -> list[Finding]:
-    """Findings about one of several recordings that were joined, rows counted in the whole."""
-    piece = replace(joined.slice(first, behind), pieces=())
-    begins = [each.begins for each in joined.pieces]
-    source = joined.pieces[int(np.searchsorted(begins, piece.time[0], side="right")) - 1].source
-    return [
-        each
-        | {
-            "detail": f"in {source}: {each['detail']}",
-            "rows": [
-                [first + start, first + stop]
-                for start, stop in each["rows"] or [[0, len(piece)]]  # type: ignore[attr-defined]
-            ],
-        }
-        for each in _screened(piece)
-    ]
 
 
 def _once(found: list[Finding]) -> list[Finding]:

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from sklvalve.report.noise import noise_told
 from sklvalve.report.parameters import parameters
-from sklvalve.report.place import intervals_words, region_words, share_words, since_known, since_words
+from sklvalve.report.place import intervals_words, moment, region_words, share_words, since_known, since_words
 from sklvalve.report.proof import further, left_out, note
 from sklvalve.report.words import (
     block_words,
@@ -52,7 +52,9 @@ def explanations(d: dict) -> list[Explanation]:
                 for member in effect["members"]
             ],
             parameters=parameters(effect, d),
-            sentence=" ".join(words for words in (effect.get("sentence"), _moves(effect)) if words),
+            sentence=" ".join(
+                words for words in (effect.get("sentence"), _moves(effect), _begins(effect, d)) if words
+            ),
             separated_by=effect.get("separated_by") or "",
         )
         for effect in d.get("effects") or []
@@ -67,6 +69,14 @@ def _moves(effect: dict) -> str:
         if size >= _TOLD_FROM
     ]
     return f"Where it acts, it moves {either(told, 'and')}." if told else ""
+
+
+def _begins(effect: dict, d: dict) -> str:
+    """Since when one of several acts; of a single one the location says it, with its interval."""
+    if len(d["effects"]) < 2 or "onset" not in effect:
+        return ""
+    onset = effect["onset"]
+    return "It is there from the start." if onset is None else f"It begins at {moment(onset, d['location'])}."
 
 
 def places(d: dict) -> list[tuple[str, str]]:
@@ -85,6 +95,8 @@ def places(d: dict) -> list[tuple[str, str]]:
     rows.append(("Since", since_words(location)))
     if location.get("intervals"):
         rows.append(("Present", intervals_words(location)))
+    if any(each.get("assumed") for each in location.get("recordings") or []):
+        rows.append(("Clock", "the times of the recordings begin anew: they stand in the order given"))
     return rows
 
 

@@ -58,7 +58,8 @@ def with_given(recording, given, role=None):
                 "opening or both"
             )
         signals[column] = _one_a_row(values, role, len(recording))
-        roles[column] = roles.get(role) or si_signal(column, mass_flow=recording.mass_flow)
+        like = roles.get(role) or si_signal(column, mass_flow=recording.mass_flow)
+        roles[column] = replace(like, column=column)
     return replace(recording, signals=signals, valve=replace(recording.valve, roles=roles))
 
 

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import csv
 import os
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from sklvalve.cli import main
+from sklvalve.cli.predict import _not_yet
+from sklvalve.recording import Recording
 from tests.cli import stand_in
 
 MODEL = "out/corrected_model.skops"
@@ -138,3 +141,15 @@ def test_water_that_boils_is_not_predicted(later, capsys):
     capsys.readouterr()
     assert main(PREDICT) == 2
     assert "where water boils, for p1" in capsys.readouterr().err
+
+
+def test_an_effect_that_is_yet_to_begin_is_told():
+    recording = Recording.from_frame({"time": np.arange(50.0), "command": np.linspace(0.0, 1.0, 50)})
+    effect = SimpleNamespace(key="leak", name="seat_leakage")
+    told = _not_yet(SimpleNamespace(effects=[effect], onsets={"leak": 20.0}), recording)
+    assert told == [
+        "seat_leakage acts from a moment on, and 20 of these 50 rows stand before it, by the clock of the "
+        "recording that was diagnosed."
+    ]
+    assert _not_yet(SimpleNamespace(effects=[effect], onsets={"leak": -5.0}), recording) == []
+    assert _not_yet(SimpleNamespace(effects=[effect], onsets=None), recording) == []

@@ -75,3 +75,10 @@ def test_a_cycle_is_reported_as_an_unknown_effect_and_corrected(healthy):
     assert content["unknown"]["inputs"][0] == "a cycle of 150 s"
     errors = content["fit"]["flow"]["rmse"]
     assert errors["corrected"] < 0.7 * errors["nominal"]
+
+
+def test_a_period_is_told_more_finely_than_the_length_of_the_recording_holds_apart(healthy):
+    # 1,200 rows hold apart 150 and 171 s; 160 s lies between
+    flow = healthy["flow"] + 0.03 * np.nanmax(healthy["flow"]) * np.sin(2.0 * np.pi * healthy.time / 160.0)
+    cycle = _found(replace(healthy, signals=healthy.signals | {"flow": flow}))
+    assert cycle.period == pytest.approx(160.0, rel=0.01)

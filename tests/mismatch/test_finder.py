@@ -113,6 +113,7 @@ def test_diagnosis_has_the_schema_and_is_json(found_healthy, found_leaking):
                 "probability",
                 "blocks",
                 "size",
+                "onset",
                 "parameters",
                 "sentence",
                 "separated_by",

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch import MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.gathering import settled
 from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces, noise_of
 from sklvalve.recording import InputError, Recording, Valve, join_recordings
@@ -81,12 +81,28 @@ def test_what_came_between_two_recordings_is_dated_by_the_second(two):
 
 def test_a_loop_without_a_simulation_is_diagnosed_alone():
     time = np.arange(400.0)
-    columns = {"command": 0.5 + 0.1 * np.sin(time), "process_value": 1.0 + np.cos(time)}
-    loop = Recording.from_frame({"time": time, **columns})
+    loops = [
+        Recording.from_frame({"time": time, "command": 0.5 + 0.1 * np.sin(time), "process_value": value})
+        for value in (1.0 + np.cos(time), 1.0 - np.cos(time))
+    ]
     with pytest.raises(InputError, match="one recording at a time"):
-        MissingPhysicsFinder().fit([loop, loop])
+        MissingPhysicsFinder().fit(loops)
 
 
 def test_no_target_beside_several(two):
     with pytest.raises(InputError, match="give no y"):
         MissingPhysicsFinder().fit(two, np.zeros(2600))
+
+
+@pytest.mark.slow
+def test_a_model_found_on_clocks_that_begin_anew_holds_what_has_begun(two, tmp_path):
+    pytest.importorskip("skops", reason='needs pip install "sklvalve[skops]"')
+    finder = MissingPhysicsFinder(effects=["clogging"]).fit(two)
+    save_model(tmp_path / "model.skops", finder)
+    corrected = load_model(tmp_path / "model.skops")["corrected"]
+    recorded = two[1]["flow"]
+    errors = [
+        np.sqrt(np.nanmean((recorded - s.predict(two[1])) ** 2))
+        for s in (corrected, finder.nominal_simulation_)
+    ]
+    assert errors[0] < 0.5 * errors[1]

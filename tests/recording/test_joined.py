@@ -37,7 +37,7 @@ def test_times_that_follow_each_other_keep_their_distance_and_are_put_in_order()
 
 
 def test_clocks_that_begin_anew_are_put_an_hour_apart_in_the_order_given():
-    one, other = _recording(), _recording(40)
+    one, other = _recording(), _recording(40, flow=np.linspace(0.01, 0.02, 40))
     joined = join_recordings([one, other])
     np.testing.assert_allclose(np.diff(joined.time)[59], 3600.0)
     assert joined.spans == [(0, 60), (60, 100)]
@@ -82,9 +82,48 @@ def test_seconds_and_dates_do_not_join():
 def test_findings_about_the_data_name_the_recording_and_its_rows():
     noise = 1e-4 * np.random.default_rng(0).normal(size=600)
     sound = _recording(600, flow=0.01 + noise)
-    gap = 0.01 + noise
+    gap = 0.012 + noise
     gap[100:110] = np.nan
     found = screen_recording(join_recordings([sound, replace(_recording(600, flow=gap), source="b.csv")]))
     told = [each for each in found if each["finding"] == "gap"]
     assert [each["rows"] for each in told] == [[[700, 710]]]
     assert told[0]["detail"].startswith("in b.csv: ")
+
+
+def test_a_sensor_that_never_moves_in_any_recording_is_told_once():
+    rng = np.random.default_rng(0)
+    several = [
+        _recording(400, flow=0.01 + 1e-4 * rng.normal(size=400), temperature=np.full(400, 313.15))
+        for _ in "ab"
+    ]
+    found = [each for each in screen_recording(join_recordings(several)) if each["role"] == "temperature"]
+    assert [(each["finding"], each["rows"]) for each in found] == [("frozen", None)]
+
+
+def test_a_short_recording_does_not_make_steps_coarse():
+    time = np.arange(900.0)
+    flow = np.round(0.01 + 0.005 * np.sin(time / 90.0), 5)
+    whole = _recording(900, flow=flow)
+    pieces = [whole.slice(0, 860), whole.slice(860, 900)]
+    told = [each for each in screen_recording(join_recordings(pieces)) if each["finding"] == "quantised"]
+    assert all(each["size"] < 0.005 for each in told)
+
+
+def test_hours_that_are_given_twice_are_refused():
+    rng = np.random.default_rng(0)
+    whole = _recording(300, flow=0.01 + 1e-4 * rng.normal(size=300))
+    with pytest.raises(InputError, match="hold 100 rows that are equal"):
+        join_recordings([whole.slice(0, 200), whole.slice(100, 300)])
+
+
+def test_parts_of_one_file_may_be_joined():
+    whole = replace(_recording(200), sha256="a")
+    joined = join_recordings([whole.slice(0, 90), whole.slice(100, 200)])
+    assert [piece.begins for piece in joined.pieces] == [0.0, 100.0]
+    assert not any(piece.assumed for piece in joined.pieces)
+
+
+def test_clocks_that_begin_anew_are_said_to_be_assumed():
+    rng = np.random.default_rng(0)
+    one, other = (_recording(flow=0.01 + 1e-4 * rng.normal(size=60)) for _ in "ab")
+    assert all(piece.assumed for piece in join_recordings([one, other]).pieces)
