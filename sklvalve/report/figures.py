@@ -50,7 +50,7 @@ def recording_figure(traces: dict) -> str:
             _shade(ax, traces, time)
             _mark_until(ax, traces, time)
             ax.legend(loc="lower left", bbox_to_anchor=(0.0, 0.97), ncols=2, borderaxespad=0.0)
-        axes[-1].set_xlabel(f"time from the first sample [{unit}]")
+        axes[-1].set_xlabel(f"{signals.time_words(traces)} [{unit}]")
         return to_svg(figure, "recording", "The recorded signals over time" + _ALT_FLAGGED)
 
 
@@ -78,7 +78,7 @@ def residual_figure(traces: dict) -> str | None:
             _shade(ax, traces, time)
             _mark_until(ax, traces, time)
             ax.legend(loc="lower left", bbox_to_anchor=(0.0, 0.97), ncols=2, borderaxespad=0.0)
-        axes[-1].set_xlabel(f"time from the first sample [{unit}]")
+        axes[-1].set_xlabel(f"{signals.time_words(traces)} [{unit}]")
         shown = " and ".join(map(role_words, roles))
         alt = f"Recorded less simulated {shown} over time, before and after the correction"
         return to_svg(figure, "residual", alt + _ALT_FLAGGED)

@@ -139,10 +139,12 @@ def _span(low: float, high: float, location: dict) -> str:
 def since_known(d: dict) -> bool:
     """Whether a diagnosis tells since when something acts.
 
-    What no effect explains is learnt from all rows alike, so that nothing tells when it began.
+    What no effect explains is learnt from all rows alike, so that nothing tells when it began; and where
+    nothing is even a candidate, nothing was dated.
     """
     location = d.get("location") or {}
-    return d["verdict"] != "none_of_these" or location.get("onset") is not None
+    nameless = d["verdict"] == "none_of_these" or (d["verdict"] == "cannot_tell" and not d.get("effects"))
+    return not nameless or location.get("onset") is not None
 
 
 def since_words(location: dict) -> str:

@@ -91,7 +91,8 @@ def places(d: dict) -> list[tuple[str, str]]:
     if not rows and not location.get("intervals"):
         return rows
     if not since_known(d):
-        return [*rows, ("Since", "not known: it was learnt from all rows alike")]
+        learnt = ": it was learnt from all rows alike" if d["verdict"] == "none_of_these" else ""
+        return [*rows, ("Since", f"not known{learnt}")]
     rows.append(("Since", since_words(location)))
     if location.get("intervals"):
         rows.append(("Present", intervals_words(location)))

@@ -39,6 +39,12 @@ def clock(traces: dict) -> Clock:
     return Clock(time / 86_400.0, "days")
 
 
+def time_words(traces: dict) -> str:
+    """What the times of `clock` count from."""
+    several = len(traces.get("begins", [])) > 1
+    return "time, the recordings one behind the other" if several else "time from the first sample"
+
+
 def residual(traces: dict, role: str, model: str) -> Array | None:
     """Recorded less simulated, in the recording's unit; None where one of the two is missing."""
     recorded, simulated = traces["recorded"].get(role), traces[model].get(role)
