@@ -54,8 +54,17 @@ def shifted(values, rows):
 
 
 def _on(name, change, columns, rng):
-    columns[name] = np.round(change(columns[name], rng), 3)
+    digits = decimals(columns[name])
+    columns[name] = np.round(change(columns[name], rng), digits)
     return columns
+
+
+def decimals(values):
+    """Decimals that a recording writes a channel with, six at most."""
+    for digits in range(6):
+        if np.abs(values - np.round(values, digits)).max() < 1e-9 * max(1.0, np.abs(values).max()):
+            return digits
+    return 6
 
 
 def _freeze(values, rng, *, rows, times):
@@ -108,7 +117,7 @@ def defects(made):
 def _compression(span):
     out = []
     for percent in (0.1, 0.25, 0.5, 1.0, 2.0):
-        for name in ("X", "F", "P1"):
+        for name in ("X", "F", "P1", "P2"):
             band = percent / 100.0 * span[name]
             kinds = {
                 "swinging door": lambda v, rng, band=band: swinging_door(v, band),

@@ -4,6 +4,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sklvalve.recording._screen_lines import different, straight_lines
 from sklvalve.recording._screen_tools import (
     Finding,
     finding,
@@ -18,7 +19,7 @@ from sklvalve.recording.recording import Recording
 Values = NDArray[np.float64]
 
 _FINEST = 2e-7  # of the largest value; finer steps than that are the computer's
-_LEAST_LINES, _LEAST_CHORDS = 10, 50
+_LEAST_CHORDS = 50
 _EXCESS = 4.0  # straight triples, as a multiple of what bends of nearly nought let expect
 _SHUFFLED = 8.0  # written steps; bends below them are the rounding's
 _LEAST_CHANGES = 12
@@ -42,31 +43,13 @@ def screen_compressed(recording: Recording) -> list[Finding]:
 
 
 def _straight_lines(time: Values, values: Values) -> str | None:
-    """Share of the moving rows inside straight lines.
-
-    Noise read in steps puts three samples on a line by chance, but hardly six. A valve at its rate limit also
-    runs straight, but always at the same slope; between a historian's points each line has its own.
-    """
-    slope = np.diff(values) / np.diff(time)
-    written = max(_written_step(values), quantum(values), 1e-8 * np.nanmax(np.abs(values), initial=0.0))
-    room = 2.1 * written / np.diff(time)[1:]
-    bends = np.abs(np.diff(slope)) > room
-    lines = [(start, stop + 2) for start, stop in runs(~bends & (slope[1:] != 0.0)) if stop - start >= 4]
-    slopes = [(values[stop - 1] - values[start]) / (time[stop - 1] - time[start]) for start, stop in lines]
-    rises = [abs(values[stop - 1] - values[start]) for start, stop in lines]
-    # a line must rise far more than the digits it is written in, or noise below these would count as one
-    kept = [place for place, rise in enumerate(rises) if rise > 10.0 * written]
-    moving = int((slope != 0.0).sum())
-    inside = sum(lines[place][1] - lines[place][0] - 1 for place in kept)
-    if len(kept) < _LEAST_LINES or inside < 0.6 * moving:
+    """Share of the moving rows inside straight lines."""
+    largest = np.nanmax(np.abs(values), initial=0.0)
+    lines = straight_lines(time, values, max(_written_step(values), quantum(values), 1e-8 * largest))
+    if lines is None:
         return None
-    if not _different(np.array([slopes[place] for place in kept])):
-        return None
-    if not _broken(np.diff(slope)[bends] * np.diff(time)[1:][bends] / written):
-        return None
-    rows = float(np.median([lines[place][1] - lines[place][0] for place in kept]))
     return (
-        f"{100.0 * inside / moving:.0f} % of its course is straight lines of {rows:g} rows in the middle: "
+        f"{100.0 * lines.share:.0f} % of its course is straight lines of {lines.rows:g} rows in the middle: "
         "a historian kept only their ends, so lags and friction cannot be judged from it"
     )
 
@@ -93,26 +76,13 @@ def _chords(time: Values, values: Values) -> str | None:
     # four times as wide a band of bends, so a quarter of those in it are expected among the straight ones
     if straight.sum() < _EXCESS * (0.25 * close.sum() + 1.0) or np.median(broken) < _SHUFFLED:
         return None
-    if not _different(np.array([slope[start] for start, _ in lines])):
+    if not different(np.array([slope[start] for start, _ in lines])):
         return None
     return (
         f"{100.0 * straight.sum() / moving.sum():.0f} % of its moving samples lie on the line through both "
         "neighbours, to the last digit: a historian kept only the ends of lines, so lags, friction and noise "
         "cannot be judged from it"
     )
-
-
-def _different(slopes: Values) -> bool:
-    """Whether lines have slopes of their own, not that of a rate limit."""
-    return len(np.unique(np.round(np.log(np.abs(slopes)) / 0.02))) >= 0.3 * min(len(slopes), 100)
-
-
-def _broken(bends: Values) -> bool:
-    """Whether lines meet in corners; a smooth course without noise bends little, and on in the same sense."""
-    if not len(bends):
-        return False
-    turns = np.diff(np.sign(bends)) != 0.0
-    return bool(turns.mean() > 0.3 if len(turns) else False) or float(np.median(np.abs(bends))) >= _SHUFFLED
 
 
 def _held(values: Values, unit: str) -> str | None:

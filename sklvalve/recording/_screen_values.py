@@ -4,6 +4,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sklvalve.recording._screen_lines import straight_lines
 from sklvalve.recording._screen_tools import (
     Finding,
     equal_runs,
@@ -36,6 +37,8 @@ def screen_quantised(recording: Recording) -> list[Finding]:
             (step >= noise and step >= _FINE * span) or (step >= 0.6 * noise and step >= _COARSE * span)
         ):
             continue
+        if straight_lines(recording.time, values, step):
+            continue  # a historian took the noise that its digits are finer than
         unit = recording.unit(role)
         detail = (
             f"read in steps of {step:.4g} {unit}{between}, {100.0 * step / span:.2g} % of its span; "
