@@ -54,6 +54,8 @@ def interval_of(workbench, member, fitted, quantity):
         return None
     half = np.hypot(_WITHIN_95 * spread, _mistaken(workbench, member, fitted, key))
     if quantity.log:
+        # what nothing bounds but physics would leave the range of a number
+        half = min(half, np.log(quantity.high / quantity.low))
         ends = value * np.exp(-half), value * np.exp(half)
     else:
         ends = value - half, value + half
