@@ -14,15 +14,20 @@ from sklvalve.recording._screen_lags import (
     rising_curve,
     slow,
 )
+from sklvalve.recording._screen_lines import straight_lines
 from sklvalve.recording._screen_pressures import Late, pressures_late
-from sklvalve.recording._screen_tools import Finding, finding
+from sklvalve.recording._screen_tools import Finding, finding, quantum, recorded
 from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
 
 _LEAST_ROWS = 300
+_ROWS_ALONE = 2000  # what is told from fewer rows must be told by their beginning and by their end as well
 _ROWS_FOR_PRESSURES = 2400  # their answers are faint: in a shorter recording chance has some as clear
+_LONGEST_POSITIONER = -4  # rows by which a command may come before its stem
+_SURELY_TOLD, _SURELY_AHEAD = 0.8, 4.0  # where the order of two columns rests on single rows
 _TOLD = 0.5  # share of a signal's quick moves that its cause must explain before their order is judged
 _LATE = 3  # rows; meters and pressure lines may lag by less
+Shift = tuple[str, int, str]  # role, rows late, why
 _WATCHED = ("command", "opening", "flow", "p1", "p2")
 
 
@@ -43,13 +48,15 @@ def screen_clocks(recording: Recording) -> list[Finding]:
     usable = np.all([np.isfinite(recording[role]) for role in signals], axis=0)
     usable[1:] &= np.diff(recording.time) < 1.5 * recording.sample_time
     lags = _lags(signals, usable, longest_lag(len(recording)))
-    if _exchanged(signals, lags):
+    if _exchanged(recording, signals, lags):
         detail = "moves before the command, and jitters less: the columns of the two have changed places"
         return [finding("swapped", "opening", detail)]
     late = {}
     if len(recording) >= _ROWS_FOR_PRESSURES:
         late = pressures_late(signals, usable, longest_lag(len(recording)))
     shift = _told_by_order(lags, late) or _told_by_pressures(late)
+    if shift is not None and len(recording) < _ROWS_ALONE and not _told_by_parts(shift, signals, usable):
+        return []
     if shift is None:
         return []
     role, rows, why = shift
@@ -93,17 +100,47 @@ def _jitter(values: Values, rows: NDArray[np.bool_]) -> Values:
     return np.clip(bend, -most, most)
 
 
+def _told_by_parts(shift: Shift, signals: dict[str, Values], usable: NDArray[np.bool_]) -> bool:
+    """Whether the first and the last two thirds say the same, well inside the lags that can be searched."""
+    count = len(usable)
+    for part in (slice(0, 2 * count // 3), slice(count // 3, count)):
+        longest = longest_lag(len(usable[part]))
+        moved = {role: values[part] for role, values in signals.items()}
+        if any(np.ptp(values) == 0.0 for values in moved.values()) or abs(shift[1]) > longest - 3:
+            return False
+        told = _told_by_order(_lags(moved, usable[part], longest), {})
+        if told is None or told[0] != shift[0] or abs(told[1] - shift[1]) > 2:
+            return False
+    return True
+
+
 def _named(names: tuple[str, ...], lags: list[Lag]) -> dict[str, Lag]:
     return dict(zip(names, lags, strict=True)) if lags else {}
 
 
-def _exchanged(signals: dict[str, Values], lags: dict[str, Lag]) -> bool:
+def _exchanged(recording: Recording, signals: dict[str, Values], lags: dict[str, Lag]) -> bool:
     """Whether the command is a sensor's, and the opening what drives it by the lag of a positioner."""
     stem = lags.get("command>opening")
-    if stem is None or not 1 <= _before(stem) <= 4:
+    if stem is None or not _LONGEST_POSITIONER <= min(stem.peak, stem.half) <= -1:
         return False
     sensor, driver = (signals[role][signals[role] > 0.03] for role in ("command", "opening"))
-    return noise_floor(sensor) > 1.2 * noise_floor(driver)
+    jitter, other = noise_floor(sensor), noise_floor(driver)
+    if _before(stem) and jitter > 1.2 * other:
+        # lines that a historian redrew jitter less than any command, and are early by their breadth
+        values = recorded(recording, "opening")
+        return straight_lines(recording.time, values, quantum(values)) is None
+    if stem.peak > -1 or stem.told < _SURELY_TOLD or stem.prominence < _SURELY_AHEAD:
+        return False
+    if jitter > 3.0 * other and _resting(signals["opening"]) > 0.3 > _resting(signals["command"]):
+        return True
+    step = quantum(recorded(recording, "command"))
+    jitter = noise_floor(recorded(recording, "command"))
+    return step > 2.0 * quantum(recorded(recording, "opening")) and jitter > 0.5 * step
+
+
+def _resting(values: Values) -> float:
+    """Share of the rows that repeat the one before exactly."""
+    return float((np.diff(values) == 0.0).mean())
 
 
 def _before(lag: Lag | None) -> int:
@@ -121,7 +158,7 @@ def _after(lag: Lag | None) -> int:
     return lag.peak if lag.early < 0.2 else 0
 
 
-def _told_by_order(lags: dict[str, Lag], late: dict[str, Late]) -> tuple[str, int, str] | None:
+def _told_by_order(lags: dict[str, Lag], late: dict[str, Late]) -> Shift | None:
     """The one of command, opening and flow whose clock is off: role, rows late, and why."""
     stem, water = lags.get("command>opening"), lags.get("opening>flow")
     stem_first, water_first, water_after = _before(stem), _before(water), _after(water)
@@ -157,7 +194,7 @@ def _opening_or_flow(lags: dict[str, Lag], rows: int) -> tuple[str, int, str]:
     return "flow", -rows, "it moves before the opening, its cause"
 
 
-def _told_by_pressures(late: dict[str, Late]) -> tuple[str, int, str] | None:
+def _told_by_pressures(late: dict[str, Late]) -> Shift | None:
     """The pressure whose clock is off; where both are off alike, it is the flow's, and the stem's with it."""
     off = {role: each for role, each in late.items() if each.rows}
     if len(off) == 2 and abs(off["p1"].rows - off["p2"].rows) <= 2:

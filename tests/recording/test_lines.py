@@ -22,3 +22,22 @@ def test_smooth_course_without_noise_is_no_compression():
         300.0 + 60.0 * np.sin(columns["time"] / 97.0 + np.cos(columns["time"] / 61.0)), 1
     )
     assert ("compressed", "p2") not in names(screened(columns))
+
+
+def test_opening_exchanged_with_a_command_that_rests_exactly():
+    columns = healthy()
+    columns["CV"] = np.round(np.repeat(np.random.default_rng(3).uniform(20.0, 80.0, 30), 100), 2)
+    rng, late = np.random.default_rng(4), np.concatenate([columns["CV"][:1], columns["CV"][:-1]])
+    columns["X"] = np.round((late + rng.normal(0.0, 0.06, 3000)) / 0.05) * 0.05
+    assert not names(screened(columns)) & {("swapped", "opening")}
+    columns["CV"], columns["X"] = columns["X"], columns["CV"]
+    assert ("swapped", "opening") in names(screened(columns))
+
+
+def test_order_in_a_short_window_needs_both_its_ends():
+    columns = healthy(5)
+    columns["F"] = np.roll(columns["F"], -7)
+    assert ("clock_shift", "flow") in names(screened({name: v[20:1520] for name, v in columns.items()}))
+    columns["F"][:1000] = np.roll(columns["F"], 7)[:1000]
+    short = {name: v[20:1520] for name, v in columns.items()}
+    assert ("clock_shift", "flow") not in names(screened(short))
