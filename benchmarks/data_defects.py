@@ -155,6 +155,9 @@ def _stops():
         ):
             plant = partial(_on, name, partial(_freeze, rows=rows, times=times))
             out.append(Defect(f"frozen {name} {label}", ("frozen",), (name,), plant))
+    for rows in (120, 300, 900):
+        plant = partial(_on, "CV", partial(_freeze, rows=rows, times=1))
+        out.append(Defect(f"frozen CV {rows} s", ("frozen",), ("CV",), plant))
     for name in ("X", "F", "P1", "P2"):
         for share in (0.02, 0.05, 0.15):
             for top in (True, False):

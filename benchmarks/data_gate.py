@@ -79,6 +79,8 @@ def group(defect, columns):
         if name == "CV":
             return "clock of the command " + ("late" if seconds > 0 else f"early, {columns['loop']} loop")
         return "clock of a pressure" if name in ("P1", "P2") else "clock of opening or flow"
+    if sort == "frozen" and words[1] == "CV":
+        return f"frozen command, {columns['loop']} loop, {words[2]} s"
     return "scaled P2 alone" if sort == "scaled" and words[1] == "P2" else sort
 
 

@@ -4,6 +4,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sklvalve.recording._screen_command import screen_command
 from sklvalve.recording._screen_lines import straight_lines
 from sklvalve.recording._screen_tools import (
     Finding,
@@ -72,7 +73,7 @@ def screen_saturated(recording: Recording) -> list[Finding]:
 
 def screen_frozen(recording: Recording) -> list[Finding]:
     """A sensor that repeats one value far longer than its noise allows."""
-    found = []
+    found = screen_command(recording)
     for role in measured(recording):
         values = recorded(recording, role)
         present = values[np.isfinite(values)]

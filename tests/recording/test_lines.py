@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from tests.recording.test_screening import healthy, names, screened, swinging_door
+from tests.recording.test_screening import healthy, names, screened, smooth, swinging_door
 
 
 @pytest.mark.parametrize("column", ["P1", "P2"])
@@ -41,3 +41,30 @@ def test_order_in_a_short_window_needs_both_its_ends():
     columns["F"][:1000] = np.roll(columns["F"], 7)[:1000]
     short = {name: v[20:1520] for name, v in columns.items()}
     assert ("clock_shift", "flow") not in names(screened(short))
+
+
+def stroked():
+    columns = healthy()
+    columns["X"] = np.round(smooth(columns["CV"], 4.0) + np.random.default_rng(6).normal(0.0, 0.15, 3000), 2)
+    return columns
+
+
+def test_command_that_rests_while_the_stem_strokes():
+    columns = stroked()
+    columns["CV"][700:1600] = columns["CV"][700]
+    (found,) = [each for each in screened(columns) if each["finding"] == "frozen"]
+    assert found["role"] == "command"
+    ((start, stop),) = found["rows"]
+    assert abs(start - 700) <= 60
+    assert abs(stop - 1600) <= 60
+
+
+def test_command_that_rests_while_the_stem_drifts_or_hunts_is_not_blamed():
+    columns = stroked()
+    columns["CV"][700:1600] = 50.0
+    columns["X"][700:1600] = np.round(50.0 + np.linspace(0.0, 20.0, 900) + 0.1 * np.sin(np.arange(900)), 2)
+    assert ("frozen", "command") not in names(screened(columns))
+    columns = stroked()
+    columns["CV"][:] = np.repeat(np.random.default_rng(7).uniform(30.0, 70.0, 3), 1000)
+    columns["X"] = np.round(columns["CV"] + 5.0 * np.sin(columns["time"] / 20.0), 2)
+    assert ("frozen", "command") not in names(screened(columns))
