@@ -15,14 +15,14 @@ from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import drop_is_unknown
 
 _NAMES = tuple(sorted({e.name for e in CATALOGUE}))
-# forms that an unrecorded pressure drop can make or hide: what bends, scales or slowly shifts the flow. Lost
-# motion, lags, dead times and a stem that does not move are not of its making
+# forms that an unrecorded pressure drop can make or hide: what bends, scales, slowly shifts or damps the
+# flow, for pump and line answer late too. Lost motion and a stem that does not move are not of its making
 _BY_THE_DROP = frozenset(
     (
         *("capacity_error", "flow_meter_gain", "flow_meter_bias", "flow_meter_drift"),
         *("flow_meter_drift_span", "density_change", "density_change_thermal", "sedimentation", "erosion"),
         *("seat_leakage", "bypass_open", "clogging", "wrong_characteristic", "piping_reducers", "line_loss"),
-        *("position_sensor_bias_loop", "position_sensor_gain_loop"),
+        *("position_sensor_bias_loop", "position_sensor_gain_loop", "sensor_lag"),
     )
 )
 # and without a position those as well that shift or end the stem's travel

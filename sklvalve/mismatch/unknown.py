@@ -7,6 +7,7 @@ import numpy as np
 
 from sklvalve.mismatch.cycles import find_cycle
 from sklvalve.mismatch.slow_rest import held_out_errors, skills, slow_rest, tuned
+from sklvalve.simulation.calibration import drop_is_unknown
 
 _MOST_SHIFTS = 100
 # share of the variance of the slow rest that must be predicted
@@ -63,11 +64,15 @@ def find_unknown(workbench, model, *, alpha, random_state=0, channels=None):
     Returns
     -------
     unknown : Unknown or None
-        The largest one that is significant and large enough to count.
+        The largest one that is significant and large enough to count; never one of the flow where nothing
+        tells the pressure drop.
     """
     rng = np.random.default_rng(random_state)
     best = None
     for channel in workbench.channels if channels is None else channels:
+        if channel == "flow" and drop_is_unknown(workbench.recording):
+            # a rest of the flow is first of all the drop's
+            continue
         for found in (
             _in_channel(workbench, model, channel, alpha, rng),
             _cycle_in(workbench, model, channel, alpha),

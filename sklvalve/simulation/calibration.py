@@ -36,16 +36,25 @@ def channels_of(recording):
 
 
 def choose_trim(recording, valve, tolerance):
-    """Trim of the sheet within its tolerance, or one to be learnt where the sheet has none."""
+    """Trim of the sheet within its tolerance, or one to be learnt where it cannot be held against the flow.
+
+    That is where the sheet has none, and where pressures were not recorded: what drives the flow then falls
+    as the valve opens, by as much as pump and line have it, and the sheet's curve does not show in the flow.
+    """
     if "flow" not in recording:
         return LearntTrim(np.array([0.0, 1.0]), 1.0, knots=(0.0, 1.0))
     if "simulated_flow" in recording:
         return GivenTrim.of(recording, valve)
-    if valve.characteristic in (None, "unknown"):
+    if drop_is_unknown(recording) or valve.characteristic in (None, "unknown"):
         opening = recording.get("opening")
         opening = recording["command"] if opening is None else opening
         return LearntTrim(opening, _kv_scale(recording, valve))
     return SheetTrim(valve, tolerance, _kv_scale(recording, valve))
+
+
+def drop_is_unknown(recording):
+    """Whether nothing tells the pressure drop: no pressures, and no simulated flow that knows of them."""
+    return not ({"p1", "p2"} <= set(recording) or "simulated_flow" in recording)
 
 
 def apparent_kv(recording):
@@ -63,7 +72,7 @@ def apparent_kv(recording):
 
 def _kv_scale(recording, valve):
     """Largest capacity that the recording shows [m3/h]."""
-    if valve.kv_rated is not None:
+    if valve.kv_rated is not None and not drop_is_unknown(recording):
         return valve.kv_rated
     kv = apparent_kv(recording)
     kv = kv[np.isfinite(kv)]
