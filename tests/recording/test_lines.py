@@ -68,3 +68,14 @@ def test_command_that_rests_while_the_stem_drifts_or_hunts_is_not_blamed():
     columns["CV"][:] = np.repeat(np.random.default_rng(7).uniform(30.0, 70.0, 3), 1000)
     columns["X"] = np.round(columns["CV"] + 5.0 * np.sin(columns["time"] / 20.0), 2)
     assert ("frozen", "command") not in names(screened(columns))
+
+
+def test_flow_that_hardly_moves_is_not_exchanged_for_a_pressure():
+    columns = healthy(8)
+    for name in ("CV", "X"):
+        columns[name] = np.round(50.0 + 0.03 * (columns[name] - 50.0), 2)
+    root = np.sqrt((columns["P1"] - columns["P2"]) / 100.0)
+    rng = np.random.default_rng(9)
+    columns["F"] = np.round(0.4 * columns["X"] * np.mean(root) + rng.normal(0.0, 0.2, 3000), 3)
+    columns["P2"] = np.round(300.0 + 60.0 * (columns["X"] - 50.0) + rng.normal(0.0, 1.0, 3000), 1)
+    assert not {each for each in names(screened(columns)) if each[0] == "swapped"}
