@@ -100,7 +100,8 @@ def opening_parameters(recording, valve, tolerance):
     if not is_electric(valve, recording):
         found = _air_parameters(recording, tolerance)
     # a few scans may lie between a command and its effect
-    scan = min(2.0 * recording.sample_time, tolerance.response)
+    longest = float(np.nanmax([recording.slice(*span).sample_time for span in recording.spans]))
+    scan = min(2.0 * longest, tolerance.response)
     found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))
     if "opening" in recording:
         zero = tolerance.position_zero
