@@ -27,7 +27,7 @@ def mismatch_p_value(findings, tried, unknown, workbench, n_candidates):
     p_value : float
         Never below 1e-12: no noise model is that good.
     """
-    least = {"opening": workbench.tolerance.opening_effect, "flow": workbench.tolerance.flow_effect}
+    least = workbench.least
     seen = [(f.gain, f.sizes, len(f.member.effect.parameters)) for f in findings]
     if not seen:
         seen = [(gain, sizes, 2) for gain, sizes in tried.values()]
@@ -35,7 +35,7 @@ def mismatch_p_value(findings, tried, unknown, workbench, n_candidates):
     # an onset may stand anywhere, though neighbours look alike: about as many as log2 of the rows
     tries = n_candidates * np.log2(max(len(workbench.recording), 4))
     for gain, sizes, parameters in seen:
-        beyond = max(max(1.0 - least[c] / size, 0.0) if size > 0.0 else 0.0 for c, size in sizes.items())
+        beyond = max(max(1.0 - least(c) / size, 0.0) if size > 0.0 else 0.0 for c, size in sizes.items())
         alone = chi2.sf(2.0 * max(gain, 0.0) * beyond**2, parameters + 1)
         p_values.append(-np.expm1(tries * np.log1p(-min(alone, 1.0 - 1e-16))))
     if unknown is not None:

@@ -221,7 +221,7 @@ class Workbench(Sharing, Sizes):
 
     def noise_settings(self, channel):
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
-        counts = self.least(channel) * self.spans[channel]
+        counts = self.tolerated(channel) * self.spans[channel]
         return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
     @contextmanager
