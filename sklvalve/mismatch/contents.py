@@ -151,10 +151,10 @@ def _unknown_entry(whole, judgement):
         # learnt without them: what a prediction of rows that are still to come would be like
         "correction": {"added": judgement.kept, "rmse_without": None, "rmse_with": None},
     }
-    zero, one = whole.in_recorded_units(unknown.channel, np.array([0.0, 1.0]))
-    entry |= described(unknown.correction, one - zero, whole.unit(unknown.channel))
+    unit = whole.per_si(unknown.channel)
+    entry |= described(unknown.correction, unit, whole.unit(unknown.channel))
     if judgement.errors is not None:
-        told = np.abs(one - zero) * np.array(judgement.errors)
+        told = abs(unit) * np.array(judgement.errors)
         entry["correction"] |= {"rmse_without": float(told[0]), "rmse_with": float(told[1])}
     return entry
 

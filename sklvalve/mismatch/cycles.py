@@ -69,17 +69,17 @@ def find_cycle(workbench, model, channel):
         role=channel,
         **workbench.noise_settings(channel),
     )
-    best = 0.0, None
+    filtered, best = _Filtered(noise, left), (0.0, None)
     # as high everywhere, or growing with the signal
     for height in (np.ones_like(simulated), np.nan_to_num(simulated / np.nanmax(np.abs(simulated)))):
         waves = partial(_waves, clock, height)
-        gains = [_gain(noise, left, waves(f)) for f in frequencies]
+        gains = [filtered.fitted(waves(f))[1] for f in frequencies]
         k = int(np.argmax(gains))
         if gains[k] < 0.3 * _LEAST_GAIN or _driven(simulated, left, waves, frequencies, k):
             continue
         # between the frequencies that the length of the recording holds apart
         near = frequencies[k] + np.linspace(-1.0, 1.0, _BETWEEN) / length
-        frequency = near[int(np.argmax([_gain(noise, left, waves(f)) for f in near]))]
+        frequency = near[int(np.argmax([filtered.fitted(waves(f))[1] for f in near]))]
         gain = _gain_with_own_noise(learn, left, waves(frequency))
         if gain > best[0]:
             best = gain, 1.0 / frequency
@@ -95,34 +95,31 @@ def _waves(clock, height, frequency):
     return np.column_stack([height * np.cos(angle), height * np.sin(angle)])
 
 
-def _whitened(noise, left, waves):
-    """Residuals and waves through the noise's filter, rows weighed as the robust loss weighs them."""
-    gap = ~np.isfinite(left)
-    white = noise.whiten(left)
-    weights = np.sqrt(robust_weights(white))
-    columns = [weights * noise.whiten(np.where(gap, np.nan, each)) for each in waves.T]
-    return weights * white, np.column_stack(columns)
+class _Filtered:
+    """Residuals through the noise's filter, rows weighed as the robust loss weighs them."""
 
+    def __init__(self, noise, left):
+        self._noise, self._gap = noise, ~np.isfinite(left)
+        white = noise.whiten(left)
+        self._weights = np.sqrt(robust_weights(white))
+        self._target = self._weights * white
 
-def _fitted(noise, left, waves):
-    target, columns = _whitened(noise, left, waves)
-    return np.linalg.lstsq(columns, target, rcond=None)[0]
-
-
-def _gain(noise, left, waves):
-    """What a cycle adds to the log likelihood while the noise stays as it is."""
-    target, columns = _whitened(noise, left, waves)
-    found = np.linalg.lstsq(columns, target, rcond=None)[0]
-    return 0.5 * float(target @ target - np.sum((target - columns @ found) ** 2))
+    def fitted(self, waves):
+        """Sizes of a cycle's waves, and what they add to the log likelihood while the noise stays."""
+        whitened = [self._noise.whiten(np.where(self._gap, np.nan, each)) for each in waves.T]
+        columns = self._weights[:, None] * np.column_stack(whitened)
+        size = np.linalg.lstsq(columns, self._target, rcond=None)[0]
+        left = self._target - columns @ size
+        return size, 0.5 * float(self._target @ self._target - left @ left)
 
 
 def _gain_with_own_noise(learn, left, waves):
     """What a cycle adds where the noise is learnt anew, without it and beside it."""
     alone = learn(residuals=left)
-    size = _fitted(alone, left, waves)
+    size, _ = _Filtered(alone, left).fitted(waves)
     for _ in range(_REFITS):
         beside = learn(residuals=left - waves @ size)
-        size = _fitted(beside, left, waves)
+        size, _ = _Filtered(beside, left).fitted(waves)
     return _cost(alone, left) - _cost(beside, left - waves @ size)
 
 

@@ -47,7 +47,7 @@ def further_proof(workbench, whole, judged, made, held, flagged):
     beyond = None if inside is None else _beyond(workbench, judged, inside)
     entries = {}
     for c in workbench.channels:
-        unit = np.diff(whole.in_recorded_units(c, np.array([0.0, 1.0])))[0]
+        unit = whole.per_si(c)
         entry = {}
         if beyond is not None:
             low, high, driver = _limits(workbench.recording)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a recording alone tells of the noise of its signals, beside what the noise model says."""
 
-import numpy as np
-
 from sklvalve.mismatch.repeats import repeats_floor
 from sklvalve.mismatch.steady import drivers_of, steady_floor
 
@@ -43,7 +41,7 @@ def model_free_noise(recording, channel, floor, achieved=None):
     driver, beside = drivers_of(recording, channel)
     quantum, values = recording.resolution(channel), recording[channel]
     # an error of opening is a share of travel, as that of a flow is in its unit: only the slope of it counts
-    unit = abs(float(np.diff(recording.in_recorded_units(channel, np.array([0.0, 1.0])))[0]))
+    unit = abs(recording.per_si(channel))
     found = {
         "steady": steady_floor(values, driver, beside, quantum),
         "repeats": repeats_floor(values, driver, beside, quantum),

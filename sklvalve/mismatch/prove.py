@@ -214,12 +214,14 @@ def errors(whole, made, held, channel, floor, *, random_state=0):
     The noise floor is no larger than the least error achieved: a floor that was passed was none.
     """
     unit = whole.unit(channel)
-    offset = whole.in_recorded_units(channel, np.zeros(1))[0]
-    slope = whole.in_recorded_units(channel, np.ones(1))[0] - offset
     recorded = whole.in_recorded_units(channel, whole[channel])
     seen = {k: whole.in_recorded_units(channel, v[channel]) for k, v in made.items()}
     rows = held & np.isfinite(recorded) & np.all([np.isfinite(v) for v in seen.values()], axis=0)
-    entry = {"unit": unit, "held_out_rows": int(rows.sum()), "noise_floor": float(floor * abs(slope))}
+    entry = {
+        "unit": unit,
+        "held_out_rows": int(rows.sum()),
+        "noise_floor": float(floor * abs(whole.per_si(channel))),
+    }
     for name, metric in (("rmse", rmse), ("mape", mape), ("err_max", err_max)):
         entry[name] = {}
         for kind, values in seen.items():

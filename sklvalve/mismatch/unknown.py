@@ -106,11 +106,9 @@ def _in_channel(workbench, model, channel, alpha, rng):
 def _cycle_in(workbench, model, channel, alpha):
     """A rest of the flow that comes back in time; what makes a stem swing, the actuator's effects say."""
     cycle = find_cycle(workbench, model, channel) if channel == "flow" else None
-    slow = (
-        None
-        if cycle is None or cycle.p_value > alpha
-        else slow_rest(workbench, model, channel, period=cycle.period)
-    )
+    if cycle is None or cycle.p_value > alpha:
+        return None
+    slow = slow_rest(workbench, model, channel, period=cycle.period)
     if slow is None:
         return None
     best = tuned(slow)

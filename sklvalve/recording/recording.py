@@ -219,6 +219,11 @@ class Recording:
         """
         return self.signal(role).from_si(values)
 
+    def per_si(self, role: str) -> float:
+        """What a difference of one in SI is in the recorded unit; negative in the other sense."""
+        zero, one = self.in_recorded_units(role, np.array([0.0, 1.0]))
+        return float(one - zero)
+
     def resolution(self, role: str) -> float:
         """Smallest step between two distinct recorded values of a role, in SI; 0 where all are equal.
 

@@ -150,6 +150,9 @@ def test_floor_that_was_passed_is_none():
         def in_recorded_units(self, role, values):
             return np.asarray(values)
 
+        def per_si(self, role):
+            return 1.0
+
         def __getitem__(self, role):
             return flow
 

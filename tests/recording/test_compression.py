@@ -1,22 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compression as fine as the noise is told, and what only looks like it is not."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from tests.recording.test_screening import N, healthy, names, screened, smooth, swinging_door
 
-
-def box_car(values, band, *, hold):
-    """Values kept when they leave a band about the last one kept; held, or joined by lines."""
-    kept = [0]
-    for row in range(1, len(values)):
-        if abs(values[row] - values[kept[-1]]) > band:
-            kept.append(row)
-    rows = np.arange(len(values))
-    if hold:
-        return values[np.array(kept)[np.searchsorted(kept, rows, side="right") - 1]]
-    return np.interp(rows, kept, values[kept])
+BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
+box_car = runpy.run_path(str(BENCHMARKS / "data_defects.py"))["box_car"]
 
 
 @pytest.mark.parametrize("share", [1.0, 2.0])

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A loop's finding laid out as diagnosis.json has it."""
 
-import numpy as np
-
 import sklvalve
 from sklvalve.recording.signal import ROLES
 
@@ -44,7 +42,7 @@ def loop_content(finding, recording, *, data=(), random_state=0):
         Errors in the recording's own unit. There is no black box among them, and no interval of the skill.
     """
     role = "flow" if "flow" in recording else "process_value"
-    unit = np.ptp(recording.in_recorded_units(role, np.array([0.0, 1.0])))
+    unit = abs(recording.per_si(role))
     nominal, corrected = (finding.fit["rmse"][kind] for kind in ("nominal", "corrected"))
     named = finding.verdict == "named"
     if not named:
