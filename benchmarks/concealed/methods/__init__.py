@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the benchmark judges: this package's finder, and the baselines that it is held against.
+
+Each module has ``diagnose(recording, *, folder=None) -> found``. `found` is laid out as diagnosis.json, as
+far as the method knows: ``verdict``, ``mismatch``, ``effects``, ``location``. Under the keys of `PRIVATE` it
+holds what is no plain data: simulations (``Recording -> {"flow", "opening"}`` in SI) and rows.
+"""
+
+from importlib import import_module
+
+#: Name in the lines of scores -> module.
+METHODS = {
+    "sklvalve": "ours",
+    "stepwise_bic": "stepwise_bic",
+    "random_forest": "random_forest",
+    "sparse_regression": "sparse_regression",
+    "no_noise_model": "no_noise_model",
+}
+
+#: Entries of `found` that are no plain data.
+PRIVATE = ("simulate", "simulate_nominal", "flagged", "boxes")
+
+
+def method(name):
+    """The function `diagnose` of a method.
+
+    Raises
+    ------
+    ValueError
+        If there is no such method.
+    """
+    if name not in METHODS:
+        raise ValueError(f"expected one of the methods {', '.join(METHODS)}; got {name!r}")
+    return import_module(f"{__name__}.{METHODS[name]}").diagnose
+
+
+def public(found):
+    """What a line of scores keeps of `found`: its plain data."""
+    return {key: value for key, value in found.items() if key not in PRIVATE}
+
+
+__all__ = ["METHODS", "PRIVATE", "method", "public"]

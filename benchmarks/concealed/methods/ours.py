@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""This package's finder."""
+
+from benchmarks.concealed.methods.rows import told_rows
+from sklvalve import MissingPhysicsFinder
+
+_TOLD = ("verdict", "mismatch", "location", "effects", "unknown")
+
+
+def diagnose(recording, *, folder=None, **settings):
+    """Diagnosis by `MissingPhysicsFinder`.
+
+    Parameters
+    ----------
+    recording : Recording
+    folder : path, default=None
+        Not used.
+    **settings
+        Of the finder.
+
+    Returns
+    -------
+    found : dict
+        As diagnosis.json; ``simulate`` and ``simulate_nominal`` where there is a simulation, ``flagged``,
+        the rows in which what was found acts, and ``boxes``, those of its regions and intervals.
+    """
+    finder = MissingPhysicsFinder(n_jobs=1, **settings).fit(recording)
+    content, traces = finder.diagnosis_.to_dict(), finder.diagnosis_.traces
+    found = {key: content[key] for key in _TOLD if key in content}
+    nominal = getattr(finder, "nominal_simulation_", None)
+    ratio = opening = None
+    if nominal is not None:
+        found |= {
+            "simulate": finder.corrected_simulation_.simulate,
+            "simulate_nominal": nominal.simulate,
+            "flagged": traces["flagged"],
+        }
+        ratio = traces.get("pressure_ratio")
+        opening = nominal.simulate(recording).get("opening") if "opening" not in recording else None
+    if found["verdict"] != "no_mismatch":
+        seconds = recording.time - recording.time[0]
+        found["boxes"] = told_rows(content, recording, seconds, opening=opening, pressure_ratio=ratio)
+    return found
