@@ -25,8 +25,10 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parent))
-from tables import judge, summary
+sys.path.insert(0, str(Path(__file__).parents[2]))
+from benchmarks.concealed.report.trial import summary
+from benchmarks.concealed.scoring.lines import read_lines
+from benchmarks.concealed.scoring.outcome import judge
 
 TOLD = ("effects", "verdict", "concealed", "loop", "noise", "onset", "strengths", "detectable", "parameters")
 
@@ -88,18 +90,6 @@ def score(place):
     return row
 
 
-def read(path):
-    """Rows of a file of scores; a line that was cut off counts as not written."""
-    rows = []
-    if path.exists():
-        for line in path.read_text(encoding="utf-8").splitlines():
-            try:
-                rows.append(json.loads(line))
-            except json.JSONDecodeError:
-                continue
-    return rows
-
-
 def line_of(row):
     """A row of the table of records."""
     truth = row["truth"]
@@ -125,8 +115,7 @@ def main(arguments=None):
     head = ("record", "truth", "verdict", "found", "s", "flow", "nominal", "opening", "nominal", "judged")
     head = "| " + " | ".join(head) + " |\n|" + "---|" * len(head)
     if options.combine:
-        rows = {(row["folder"], row["record"]): row for path in options.combine for row in read(path)}
-        rows = [rows[name] for name in sorted(rows)]
+        rows = sorted(read_lines(*options.combine), key=lambda row: (row["folder"], row["record"]))
         print("\n".join([head, *map(line_of, rows)]) + "\n\n" + summary(rows))
         return
     if options.folder is None:
@@ -135,7 +124,7 @@ def main(arguments=None):
     names = options.names or sorted(p.parent.name for p in options.folder.glob("*/truth.json"))
     name_of = "scores.jsonl" if of == 1 else f"scores_{part}_of_{of}.jsonl"
     out = options.out or options.folder / name_of
-    rows, commit = read(out), code()
+    rows, commit = read_lines(out) if out.exists() else [], code()
     done = {row["record"] for row in rows}
     # a line that was cut off goes
     out.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")

@@ -5,9 +5,7 @@ Rates are asserted, not single outcomes. The whole trial is in docs/validation.m
 third as long, tell whether something went badly wrong since.
 """
 
-import runpy
 from collections import Counter
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -23,7 +21,6 @@ pytestmark = pytest.mark.slow
 # Another seed would be another trial: this one was chosen before anything was diagnosed.
 SEED = 1204
 HEALTHY, WITH_EFFECT, ROWS = 4, 8, 1800
-JUDGE = Path(__file__).parents[2] / "benchmarks" / "concealed" / "tables.py"
 
 
 def draw(folder, effect, rng):
@@ -39,9 +36,7 @@ def draw(folder, effect, rng):
 @pytest.fixture(scope="module")
 def outcomes(tmp_path_factory):
     """What came of each record: (concealed, outcome, what was found)."""
-    if not JUDGE.exists():
-        pytest.skip("needs benchmarks/concealed of the repository")
-    judge = runpy.run_path(str(JUDGE))["judge"]
+    outcome = pytest.importorskip("benchmarks.concealed.scoring.outcome", reason="needs the repository")
     folder, rng = tmp_path_factory.mktemp("blind"), np.random.default_rng(SEED)
     named = [name for name in CONCEALABLE if EFFECTS[name].told is not None]
     effects = [None] * HEALTHY + [str(name) for name in rng.choice(named, WITH_EFFECT, replace=False)]
@@ -52,7 +47,7 @@ def outcomes(tmp_path_factory):
         finder = MissingPhysicsFinder().fit(read_recording(place / "recording.csv.gz", place / "valve.toml"))
         found = finder.diagnosis_.to_dict()
         names = [[m["name"] for m in entry["members"]] for entry in found["effects"]]
-        rows.append((effect, judge({"truth": truth, "found": found}), found["verdict"], names))
+        rows.append((effect, outcome.judge({"truth": truth, "found": found}), found["verdict"], names))
     return rows
 
 

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One word for what came of a record."""
+
+from itertools import permutations
+
+from benchmarks.concealed.scoring.lines import classes_of, failed, kind_of, true_names, verdict_of
+
+HEALTHY = ("right", "alarm", "failed")
+SINGLE = ("right", "wrong name", "cannot tell", "none of these", "missed", "failed")
+PAIR = ("both found", "one found", "neither", "wrong name", "failed")
+OUTSIDE = ("right", "cannot tell", "missed", "wrong name", "failed")
+WORDS = {"healthy": HEALTHY, "single": SINGLE, "pair": PAIR, "outside": OUTSIDE}
+
+
+def wrongly_named(line):
+    """Whether any class holds no true name, also where the verdict is that it cannot tell.
+
+    On a healthy record, and on one whose effect no catalogue holds, every name is a wrong one.
+    """
+    true = true_names(line)
+    return any(not names & true for names in classes_of(line))
+
+
+def found_names(line):
+    """True names that are held by classes of the verdict ``named``, each by a class of its own."""
+    if verdict_of(line) != "named":
+        return set()
+    true, classes = sorted(true_names(line)), classes_of(line)
+    best: set = set()
+    # few names and few classes: every way of giving each name a class can be tried
+    slots = classes + [set()] * len(true)
+    for given in permutations(range(len(slots)), len(true)):
+        held = {name for name, slot in zip(true, given, strict=True) if name in slots[slot]}
+        best = max(best, held, key=len)
+    return best
+
+
+def judge(line):
+    """One word for what came of a record: of `WORDS`, those of its kind.
+
+    Healthy: ``right`` without mismatch, else ``alarm``. One effect: ``right`` where a class of the verdict
+    ``named`` holds it and no class beside it is wrong, ``wrong name`` where any class holds no true name, and
+    else what was said instead: ``cannot tell``, ``none of these``, ``missed``. Several effects: ``both
+    found`` where each is held by a class of its own, ``one found``, ``neither``. Outside the catalogue:
+    ``right`` is ``none_of_these`` without any name. ``failed`` where the diagnosis broke.
+    """
+    if failed(line):
+        return "failed"
+    kind, verdict = kind_of(line), verdict_of(line)
+    if kind == "healthy":
+        return "right" if verdict == "no_mismatch" else "alarm"
+    if wrongly_named(line):
+        return "wrong name"
+    true = true_names(line)
+    if not true:
+        plain = {"none_of_these": "right", "cannot_tell": "cannot tell", "no_mismatch": "missed"}
+        return plain.get(verdict, "wrong name")
+    found = found_names(line)
+    if len(true) > 1:
+        return "both found" if found == true else "one found" if found else "neither"
+    if found:
+        return "right"
+    return {"cannot_tell": "cannot tell", "none_of_these": "none of these"}.get(verdict, "missed")
