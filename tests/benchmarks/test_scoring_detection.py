@@ -72,3 +72,10 @@ def test_power_by_size_as_drawn(a_line):
 
 def test_what_broke_was_not_detected(a_line, a_failure):
     assert detected([a_line("a", "cannot_tell"), a_failure("a"), a_line("a"), a_line()]) == Rate(1, 3)
+
+
+def test_detection_of_one_planned_size_asks_single_effects(a_line):
+    lines = [a_line("a", "named", "a", size_step=2.0), a_line("a", size_step=2.0)]
+    lines += [a_line("a+b", "named", "a", size_step=2.0), a_line("a", "named", "a", size_step=1.0)]
+    assert detected(lines, 2.0) == Rate(1, 2)
+    assert detected(lines) == Rate(3, 4)

@@ -6,7 +6,8 @@ import json
 import pytest
 
 from benchmarks.concealed.report.__main__ import main
-from benchmarks.concealed.report.breakdown import nasty, outcomes, outcomes_by
+from benchmarks.concealed.report.breakdown import nasty, outcomes, outcomes_by, overview
+from benchmarks.concealed.report.comparison import comparison
 from benchmarks.concealed.report.curves import power_curve, reliability_curve
 from benchmarks.concealed.report.failures import by_name, wrong_records
 from benchmarks.concealed.report.headline import FIGURES, Figure, headline
@@ -58,6 +59,27 @@ def test_the_rate_of_what_is_distinguishable_stands_beside(a_line):
     text = outcomes(lines)
     assert "of distinguishable" in text
     assert "| a | 2 | 1 | 0 | 0 | 0 | 1 | 0 | 50 % (1-99) | 0 % (0-84) | 100 % (2-100) | 1.0 |" in text
+
+
+def test_methods_are_compared_on_what_each_has(a_line):
+    lines = [a_line("a", "named", "a", excitation="wide"), a_line("a", "named", "b", excitation="closed")]
+    lines[1]["record"] = "other"
+    assert comparison(lines) == ""  # a single method
+    text = comparison([*lines, lines[0] | {"method": "second"}])
+    assert "| a | 1 of 2, wrong 1 | 1 of 1, wrong 0 |" in text
+    assert "| closed | 0 of 1, wrong 1 | - |" in text
+    assert "| concealed by |" not in text
+
+
+def test_the_overview_has_a_row_a_kind(lines):
+    rows = overview(lines).splitlines()[2:]
+    assert rows == [
+        "| nothing | 2 | right 1 | 50 % (1-99) | alarm 1 |",
+        "| one effect with a name | 3 | right 1 | 33 % (1-91) | wrong name 1, failed 1 |",
+        "| several effects | 1 | both found 0 | 0 % (0-98) | one found 1 |",
+        "| an effect of no catalogue | 1 | right 0 | 0 % (0-98) | cannot tell 1 |",
+    ]
+    assert overview([]) == "-"
 
 
 def test_failures_by_name(lines):

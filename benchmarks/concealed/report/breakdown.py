@@ -16,6 +16,13 @@ from benchmarks.concealed.scoring.naming import mean_class_size
 from benchmarks.concealed.scoring.outcome import WORDS, judge
 from benchmarks.concealed.scoring.rates import Rate
 
+LABELS = {
+    "healthy": "nothing",
+    "single": "one effect with a name",
+    "pair": "several effects",
+    "outside": "an effect of no catalogue",
+}
+
 
 def excitation(line):
     """How the valve was moved, and how noisy it was where that is told."""
@@ -94,6 +101,21 @@ def _clear_rate(lines, word):
     return Rate(sum(judge(line) == word for line in clear), len(clear))
 
 
+def overview(lines):
+    """Table of outcomes by kind of record."""
+    rows = []
+    for kind, label in LABELS.items():
+        some = of_kind(lines, kind)
+        counted = Counter(judge(line) for line in some)
+        first, *others = WORDS[kind]
+        words = ", ".join(f"{word} {counted[word]}" for word in others if counted[word]) or "-"
+        if some:
+            rows.append(
+                [label, len(some), f"{first} {counted[first]}", Rate(counted[first], len(some)), words]
+            )
+    return table(["concealed", "records", "as it should be", "(95 %)", "else"], rows)
+
+
 def outcomes(lines):
     """All tables of outcomes, of one method."""
     clear = any(line["truth"].get("distinguishable") is not None for line in lines)
@@ -109,6 +131,7 @@ def outcomes(lines):
     ]
     healthy = [outcomes_by(lines, "healthy", *by) for by in (("excitation", excitation), ("nasty by", nasty))]
     parts = [
+        section("All", overview(lines)),
         section("Healthy", *healthy),
         section("One effect with a name", *single),
         section("One effect that no catalogue holds", outcomes_by(lines, "outside", "effect", concealed)),

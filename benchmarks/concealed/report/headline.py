@@ -73,18 +73,26 @@ def _clear(figure, *arguments):
     return lambda lines: figure(distinguishable_only(lines), *arguments)
 
 
+def _sized(figure, size):
+    """The figure of records of one planned size."""
+    return lambda lines: figure(lines, size)
+
+
 NULLS = (
     Figure("alarms on healthy records", detection.alarms, high=0.025),
     Figure("p-value below alpha on healthy records", detection.rejected),
     Figure("p-values uniform (Kolmogorov-Smirnov)", detection.uniformity),
     Figure("anything concealed: a mismatch is told", detection.detected),
+    Figure("- one effect, of the size that can just be told", _sized(detection.detected, 1.0), low=0.85),
+    Figure("- twice as large", _sized(detection.detected, 2.0), low=0.95),
+    Figure("- three times as large", _sized(detection.detected, LARGE)),
 )
 NAMES = (
     Figure("class right, distinguishable", _clear(naming.class_right), low=0.9),
     Figure("- names in the right class", _clear(naming.mean_class_size), high=3.0, percent=False),
     Figure("- held by a class, whatever is named beside it", _clear(naming.class_holds)),
     Figure("- most probable name right, whatever the verdict", _clear(naming.top, 1)),
-    Figure("- among the first three names", _clear(naming.top, 3)),
+    Figure("- among the first three names", _clear(naming.top, 3), low=0.97),
     Figure("- class right, mean over effects", _clear(naming.macro_right)),
     Figure("class right, all with one effect", naming.class_right),
     Figure("- names in the right class", naming.mean_class_size),
@@ -113,12 +121,12 @@ PLACE = (
     Figure("- exactly the true ones", place.blocks_exact),
     Figure("- blocks told", place.blocks_told),
     Figure("rows flagged, F1", lambda lines: place.region(lines).f1, low=0.85, percent=False),
-    Figure("- intersection over union", lambda lines: place.region(lines).iou),
+    Figure("- intersection over union", lambda lines: place.region(lines).iou, low=0.7, percent=False),
     Figure("- F1 of flagging all rows", lambda lines: place.region(lines).everywhere),
     Figure("rows inside the regions told, F1", lambda lines: place.region(lines, "boxes").f1),
-    Figure("onset within 1 % of the record, abrupt, size 3", lambda lines: place.onset_near(lines, LARGE)),
-    Figure("- median error", lambda lines: place.onset_median(lines, LARGE), high=0.01),
-    Figure("- an onset is told", lambda lines: place.onset_told(lines, LARGE)),
+    Figure("onset within 1 % of the record, abrupt, size 3", _sized(place.onset_near, LARGE)),
+    Figure("- median error", _sized(place.onset_median, LARGE), high=0.01),
+    Figure("- an onset is told", _sized(place.onset_told, LARGE)),
     Figure("onset within 1 %, abrupt, all sizes", place.onset_near),
     Figure("onset told, but it was there from the start", place.onset_invented),
     Figure("95 % interval of the onset holds it", place.onset_coverage),
@@ -138,7 +146,7 @@ AGREES = (
     Figure("pooled skill on the truth without noise", improvement.skill, low=0.9, percent=False),
     Figure("- flow", lambda lines: improvement.skill(lines, ("flow",))),
     Figure("- opening", lambda lines: improvement.skill(lines, ("opening",))),
-    Figure("share of the gain of the true structure", improvement.oracle_share),
+    Figure("share of the gain of the true structure", improvement.oracle_share, low=0.95, percent=False),
     Figure("no channel made worse, all records", improvement.no_harm),
     Figure("errors not told, of the catalogue", improvement.untold),
 )

@@ -10,6 +10,7 @@ from benchmarks.concealed.report.breakdown import (
     outcomes,
     power_table,
 )
+from benchmarks.concealed.report.comparison import comparison
 from benchmarks.concealed.report.failures import failures
 from benchmarks.concealed.report.headline import headline
 from benchmarks.concealed.scoring.cost import codes, cost, load
@@ -37,7 +38,7 @@ def summary(lines):
 
 
 def report(lines, method=DEFAULT_METHOD):
-    """The headline of all methods, then all tables of one.
+    """The headline and the comparison of all methods, then all tables of one.
 
     Raises
     ------
@@ -48,5 +49,5 @@ def report(lines, method=DEFAULT_METHOD):
     if method not in methods:
         known = ", ".join(methods) or "none"
         raise ValueError(f"expected lines of the method {method!r}, got those of: {known}; choose another")
-    title = f"## {method}\n"
-    return "\n".join([headline(lines), "", title, summary(methods[method])])
+    parts = [headline(lines), comparison(lines), f"## {method}", summary(methods[method])]
+    return "\n\n".join(part for part in parts if part)

@@ -128,6 +128,13 @@ def _power(size, label, lines):
     return Power(float(size), label, detected, rate_of(judge(line) == "right" for line in lines))
 
 
-def detected(lines):
-    """Rate of records with anything concealed in which a mismatch is told; one that broke counts as not."""
-    return rate_of(bool(told_mismatch(line)) for line in of_kind(lines, "single", "pair", "outside"))
+def detected(lines, step=None):
+    """Rate of records with anything concealed in which a mismatch is told; one that broke counts as not.
+
+    With `step` only of records with one effect of that planned size.
+    """
+    if step is None:
+        some = of_kind(lines, "single", "pair", "outside")
+    else:
+        some = [line for line in of_kind(lines, "single") if size_step(line) == step]
+    return rate_of(bool(told_mismatch(line)) for line in some)

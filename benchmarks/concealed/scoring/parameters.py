@@ -30,7 +30,7 @@ def intervals(line):
     """
     truth = line["truth"]
     for name, told in (truth.get("parameters") or {}).items():
-        for entry in entries_of(line):
+        for entry in entries_of(line) if told else ():
             given = (entry.get("parameters") or {}).get(told.get("parameter"))
             if names_of(entry)[:1] != [name] or given is None or given.get("unit") != told.get("unit"):
                 continue
