@@ -24,7 +24,11 @@ ALSO = {
 
 @dataclass(frozen=True)
 class Effect:
-    """One effect: catalogue's name, block, main parameter, and how large it may sensibly get."""
+    """One effect: catalogue's name, block, main parameter, and how large it may sensibly get.
+
+    `least` is a smallest size in rows, for what is nothing below one; `late` says that from the start it
+    would be calibration.
+    """
 
     name: str
     key: str
@@ -36,6 +40,7 @@ class Effect:
     late: bool = False
     needs: tuple = ()
     injected: bool = True
+    least: float = 0.0
 
 
 def _largest_kv(base):
@@ -121,11 +126,12 @@ EFFECTS = (
     ),
     Effect(
         "dead_time", "dead_time", "actuator",
-        lambda s, base, acts: _more(delay=s / base.dt * acts), 30.0, told=_main("delay", "s"),
+        lambda s, base, acts: _more(delay=s / base.dt * acts), 30.0, told=_main("delay", "s"), least=1.0,
     ),
     Effect(
         "actuator_lag", "actuator_lag", "actuator",
-        lambda s, base, acts: _more(lag=s / base.dt * acts), 60.0, told=_main("time_constant", "s"),
+        lambda s, base, acts: _more(lag=s / base.dt * acts), 60.0,
+        told=_main("time_constant", "s"), least=1.0,
     ),
     Effect("slew_limit", "slew_limit", "actuator", _slower, 600.0),
     Effect("seat_leakage", "seat_leakage", "valve", _share("leak"), 0.5, told=_main("leak_kv", "m3/h", _kv)),
@@ -150,8 +156,8 @@ EFFECTS = (
         told=_main("fl", "1", lambda size, base: _knee(base) * (1.0 - size)),
     ),
     Effect(
-        "external_leakage", "external_leakage", "valve", _share("outside_leak"), 0.5, needs=("back pressure",),
-        told=_main("leak_kv", "m3/h", _kv),
+        "external_leakage", "external_leakage", "valve", _share("outside_leak"), 0.5,
+        needs=("back pressure",), told=_main("leak_kv", "m3/h", _kv),
     ),
     Effect(
         "flow_meter_gain", "flow_meter_gain", "measurement",
@@ -169,7 +175,7 @@ EFFECTS = (
     ),
     Effect(
         "sensor_lag", "sensor_lag", "measurement",
-        lambda s, base, acts: _more(meter_lag=s / base.dt * acts), 120.0, told=_main("lag", "s"),
+        lambda s, base, acts: _more(meter_lag=s / base.dt * acts), 120.0, told=_main("lag", "s"), least=1.0,
     ),
     Effect(
         "position_sensor_bias", "position_sensor_bias", "measurement",

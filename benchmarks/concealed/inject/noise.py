@@ -85,13 +85,15 @@ class Ruler:
     def from_nothing(self, change):
         """Distance of an effect from no effect."""
         seen, recorded, *_ = self.base.with_effect(change)
-        return self.squared(self.white(self.base.unexplained(seen, recorded)) - self._own(seen, recorded, change))
+        return self.squared(
+            self.white(self.base.unexplained(seen, recorded)) - self._own(seen, recorded, change)
+        )
 
     def _own(self, seen, recorded, change):
         return self.white(self.base.unexplained(seen, recorded, change))
 
     def detectable(self, effect, sign, acts, most=None):
-        """Size at which an effect is just detectable, with its sign; None where it is beyond what is sensible."""
+        """Size at which an effect is just detectable, with its sign; None beyond what is sensible."""
         most = effect.most if most is None else most
         distance = lambda size: self.from_nothing(effect.change(sign * size, self.base, acts))  # noqa: E731
         if distance(most) < DETECTABLE:

@@ -79,7 +79,9 @@ class Loop:
 
     def distance(self, command, moved):
         """Squared whitened length of a change of the flow that no linear process of the command takes up."""
-        quiet = self.value - self.answer(self.fast(self.command - self.command[0])[0], self.fast(self.command)[1])
+        quiet = self.value - self.answer(
+            self.fast(self.command - self.command[0])[0], self.fast(self.command)[1]
+        )
         ahead, scatter = autoregression(quiet[: self.rows])
         white = lambda y: lfilter(ahead, [1.0], y[: self.rows]) / scatter  # noqa: E731
         about = command - command.mean()
@@ -90,7 +92,7 @@ class Loop:
         return float(left @ left)
 
     def distances(self, stick, jump, onset):
-        """Distance from a sound stem, and between stiction and the nearest play (or play and a like stiction)."""
+        """Distance from a sound stem, and between stiction and the nearest play, or the reverse."""
         command, _, _ = self.run(stick, jump, onset)
         quick, per_row = self.fast(command)
         acts = np.arange(len(quick)) * self.dt / per_row >= onset
@@ -179,7 +181,9 @@ def windows(data):
 def identified(name, command, value, setpoint, dt):
     """A loop from its three signals."""
     lags = np.r_[0.0, np.geomspace(0.2, 6.0, 18)]
-    gain, lag = min((_instrumented(command, value, setpoint, lag) for lag in lags), key=lambda one: one[0])[1:]
+    gain, lag = min((_instrumented(command, value, setpoint, lag) for lag in lags), key=lambda one: one[0])[
+        1:
+    ]
     span = 30
     moved = np.corrcoef(setpoint[span:] - setpoint[:-span], value[span:] - value[:-span])[0, 1] \
         if np.ptp(setpoint) > 0.0 else 0.0  # fmt: skip

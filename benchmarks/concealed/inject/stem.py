@@ -10,7 +10,7 @@ import numpy as np
 
 
 def delayed(signal, rows):
-    """A signal as it was `rows` rows before, between rows on the straight line; before the first row it rests."""
+    """A signal as it was `rows` rows before, between rows on the straight line."""
     at = np.arange(len(signal)) - rows
     return np.interp(at, np.arange(len(signal)), signal)
 
