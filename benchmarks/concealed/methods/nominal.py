@@ -74,7 +74,7 @@ def nominal_of(recording):
     return _KNOWN[recording]
 
 
-class one_thread:  # noqa: N801
+class one_thread:
     """Run what is inside in one thread: methods are compared by their processor time."""
 
     def __enter__(self):
