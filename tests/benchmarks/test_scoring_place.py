@@ -73,6 +73,7 @@ def test_the_length_of_a_record(a_line):
     assert place.duration(a_line("a", duration=50.0, rows=7)) == 50.0
     assert place.duration(a_line("a", rows=7, sample_time=10.0)) == 70.0
     assert place.duration(a_line("a") | {"rows": {"of": 9}}) == 9.0
+    assert place.duration(a_line("a", rows=7, intervals=[[0.0, 3.0], [5.0, 60.0]])) == 60.0
     assert place.duration(a_line("a")) is None
     assert place.onset_error(abrupt(a_line, 5.0, 6.0, rows=None)) is None
 

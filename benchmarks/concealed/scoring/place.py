@@ -114,12 +114,16 @@ def region(lines, which="told"):
 
 
 def duration(line):
-    """Length of the record [s]; a second a row where the truth tells no other."""
+    """Length of the record [s]: as told, or rows times ``sample_time``, or to the end of the last interval.
+
+    Rows are taken for seconds where the truth tells no ``sample_time``, unless an interval ends later.
+    """
     truth = line["truth"]
     if truth.get("duration"):
         return float(truth["duration"])
-    rows = truth.get("rows") or (line.get("rows") or {}).get("of")
-    return None if not rows else float(rows) * float(truth.get("sample_time") or 1.0)
+    rows = truth.get("rows") or (line.get("rows") or {}).get("of") or 0
+    ends = [float(end) for _, end in truth.get("intervals") or ()]
+    return max([rows * float(truth.get("sample_time") or 1.0), *ends]) or None
 
 
 def onset_error(line):
