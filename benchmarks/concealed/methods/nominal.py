@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The calibrated simulation without further effects under plain white noise: where the baselines begin."""
 
+from contextlib import contextmanager
 from dataclasses import dataclass
-from weakref import WeakKeyDictionary
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -14,7 +14,8 @@ from sklvalve.simulation import ValveSimulation
 from sklvalve.simulation.fitting import PlainNoise
 from sklvalve.simulation.side_by_side import with_threads
 
-_KNOWN: WeakKeyDictionary = WeakKeyDictionary()
+# the last recording asked for and its calibration: several methods ask for the same one
+_LAST: list = []
 
 
 @dataclass(eq=False)
@@ -48,7 +49,7 @@ def white(workbench, model):
 
 
 def nominal_of(recording):
-    """Calibration of a recording from several starts; kept as long as the recording itself.
+    """Calibration of a recording from several starts; kept until another recording is asked for.
 
     Parameters
     ----------
@@ -63,28 +64,23 @@ def nominal_of(recording):
     InputError
         If the recording lacks what a simulation is judged by.
     """
-    if recording not in _KNOWN:
+    if not (_LAST and _LAST[0] is recording):
         require_diagnosable(recording)
+        _LAST.clear()
         with one_thread():
             workbench = prepared_workbench(recording)
             guess, _ = first_guess(workbench)
             model = workbench.fit((), start=guess)
             workbench.use_noise(white(workbench, model))
-            _KNOWN[recording] = Nominal(workbench, workbench.fit((), start=model))
-    return _KNOWN[recording]
+            _LAST[:] = recording, Nominal(workbench, workbench.fit((), start=model))
+    return _LAST[1]
 
 
-class one_thread:
+@contextmanager
+def one_thread():
     """Run what is inside in one thread: methods are compared by their processor time."""
-
-    def __enter__(self):
-        self._inside = threadpool_limits(1, user_api="blas"), with_threads(1)
-        for each in self._inside:
-            each.__enter__()
-
-    def __exit__(self, *error):
-        for each in reversed(self._inside):
-            each.__exit__(*error)
+    with threadpool_limits(1, user_api="blas"), with_threads(1):
+        yield
 
 
 def simulation_of(workbench, model):

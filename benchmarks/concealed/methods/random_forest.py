@@ -9,7 +9,9 @@ probability from which on a name is told.
 """
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
+from zlib import crc32
 
 import joblib
 import numpy as np
@@ -33,7 +35,7 @@ _DROPPED = {"opening": ("opening",), "pressures": ("p1", "p2")}
 _LOADED: dict = {}
 
 
-def train(folder, *, each=20, healthy=300, random_state=0, trees=600, report=None):
+def train(folder, *, each=20, healthy=300, random_state=0, trees=600, names=None, report=None):
     """Make the training set and the forest.
 
     Parameters
@@ -44,6 +46,8 @@ def train(folder, *, each=20, healthy=300, random_state=0, trees=600, report=Non
         Recordings of every effect, and with nothing in them.
     random_state : int, default=0
     trees : int, default=600
+    names : sequence of str, default=None
+        Effects to be told apart; all of the catalogue unless given.
     report : callable, default=None
         Called with the number of recordings made and their name.
 
@@ -55,7 +59,14 @@ def train(folder, *, each=20, healthy=300, random_state=0, trees=600, report=Non
     """
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    table, names, labels = _training_set(folder, each, healthy, random_state, report)
+    forms = candidates_for_training()
+    wanted = {name: forms[name] for name in (forms if names is None else names)}
+    told = crc32("+".join(wanted).encode())
+    kept = folder / f"training_{each}_{healthy}_{random_state}_{told:08x}.npz"
+    if not kept.exists():
+        _make_training_set(kept, wanted, each, healthy, random_state, report)
+    stored = np.load(kept)
+    table, labels = stored["table"], stored["labels"]
     classifier = RandomForestClassifier(
         trees,
         min_samples_leaf=2,
@@ -63,19 +74,15 @@ def train(folder, *, each=20, healthy=300, random_state=0, trees=600, report=Non
         oob_score=True,
         random_state=random_state,
     ).fit(table, labels)
-    forest = {"classifier": classifier, "features": names} | _tuned(classifier, labels)
+    forest = {"classifier": classifier, "features": stored["names"].tolist()} | _tuned(classifier, labels)
     joblib.dump(forest, folder / FILE, compress=3)
     _LOADED.pop(folder / FILE, None)
     return forest
 
 
-def _training_set(folder, each, healthy, random_state, report):
-    kept = folder / f"training_{each}_{healthy}_{random_state}.npz"
-    if kept.exists():
-        stored = np.load(kept)
-        return stored["table"], stored["names"].tolist(), stored["labels"]
+def _make_training_set(kept, wanted, each, healthy, random_state, report):
     rows, labels = [], []
-    plan = [(NOTHING, (), healthy), *((n, forms, each) for n, forms in candidates_for_training().items())]
+    plan = [(NOTHING, (), healthy), *((n, forms, each) for n, forms in wanted.items())]
     for k, (name, forms, many) in enumerate(plan):
         # each name its own source: another number of recordings of one does not change the others
         rng, made = np.random.default_rng([random_state, k]), 0
@@ -92,7 +99,6 @@ def _training_set(folder, each, healthy, random_state, report):
     names = sorted(rows[0])
     table = np.array([[row[name] for name in names] for row in rows], dtype=np.float32)
     np.savez_compressed(kept, table=table, names=np.array(names), labels=np.array(labels))
-    return table, names, np.array(labels)
 
 
 def _drawn_features(rng, forms):
@@ -113,8 +119,6 @@ def _drawn_features(rng, forms):
 
 
 def _without(recording, roles):
-    from dataclasses import replace
-
     return replace(recording, signals={r: v for r, v in recording.signals.items() if r not in roles})
 
 
