@@ -12,16 +12,20 @@ quick part and a wander whose model is fitted each time.
 
 import argparse
 import os
+import sys
 import time
+from pathlib import Path
 
 import numpy as np
 from scipy.signal import lfilter
 
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from benchmarks.concealed.methods.rows import overlap, told_rows
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import CONCEALABLE, make_valve_recording
 from sklvalve.mismatch.bands import simultaneous_bands
 from sklvalve.mismatch.calibrating import calibrated
-from sklvalve.mismatch.cells import cells_of, cells_of_signals, direction_of_travel, rate_of_travel
+from sklvalve.mismatch.cells import cells_of, cells_of_signals, rate_of_travel
 from sklvalve.mismatch.noise import fit_noise
 from sklvalve.mismatch.preparation import prepared_workbench
 
@@ -42,43 +46,6 @@ def truly_acting(made, twin, onset):
     else:
         gap = np.abs(made.flow_without_noise["flow"] - twin.flow_without_noise["flow"]).to_numpy()[:n]
     return (gap > 0.2 * np.quantile(gap[int(onset) :], 0.99)) & (gap > 0.0)
-
-
-def told_rows(diagnosis, recording, seconds):
-    """Rows of the regions that a diagnosis names, within its intervals; all of these where it names none."""
-    location, traces = diagnosis.content["location"], diagnosis.traces
-    opening = recording["opening"]
-    signals = {
-        "opening": opening,
-        "pressure_ratio": traces["pressure_ratio"],
-        "dp": traces["dp"],
-        "flow": recording["flow"],
-        "temperature": recording["temperature"],
-        "rate": rate_of_travel(opening, recording.time),
-    }
-    way = direction_of_travel(opening)
-    inside = np.zeros(len(recording), dtype=bool)
-    for region in location["regions"]:
-        box = np.ones(len(recording), dtype=bool)
-        for bound in (region, region.get("and")):
-            if bound is not None:
-                box &= (signals[bound["signal"]] >= bound["low"]) & (
-                    signals[bound["signal"]] <= bound["high"]
-                )
-        if region["direction"] is not None:
-            box &= (way > 0.0) == (region["direction"] == "opening")
-        inside |= box
-    if not location["regions"]:
-        inside[:] = True
-    during = np.zeros(len(recording), dtype=bool)
-    for begin, end in location["intervals"]:
-        during |= (seconds >= begin) & (seconds <= end)
-    return inside & during
-
-
-def overlap(told, true):
-    """Intersection over union."""
-    return float(np.sum(told & true) / max(np.sum(told | true), 1))
 
 
 def effects(many, rows, rng):
@@ -120,7 +87,9 @@ def effects(many, rows, rng):
         share = float("nan")
         if found and right:
             true = truly_acting(made, twin, onset)
-            share = overlap(told_rows(diagnosis, recording, made.frame["time"].to_numpy(dtype=float)), true)
+            seconds = made.frame["time"].to_numpy(dtype=float)
+            ratio = diagnosis.traces["pressure_ratio"]
+            share = overlap(told_rows(diagnosis.content, recording, seconds, pressure_ratio=ratio), true)
             shares.append((share, overlap(np.ones(rows, dtype=bool), true)))
             wide += share > 0.5
         place = "; ".join(_told(region) for region in location["regions"]) or "-"

@@ -37,7 +37,7 @@ def told_rows(content, recording, seconds, *, opening=None, pressure_ratio=None)
                 values = signals[bound["signal"]]
                 box &= (values >= bound["low"]) & (values <= bound["high"])
         if region.get("direction") is not None:
-            box &= (way > 0.0) == (region["direction"] == "opening")
+            box &= way > 0.0 if region["direction"] == "opening" else way < 0.0
         inside |= box
     if not location["regions"]:
         inside[:] = True
