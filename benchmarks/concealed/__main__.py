@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The benchmark in one command: draw records, seal their truths, diagnose, score, and print the tables.
+
+    python -m benchmarks.concealed FOLDER --seed 7                      the whole of it
+    python -m benchmarks.concealed FOLDER --seed 7 --small              a quick look: some 60 records
+    python -m benchmarks.concealed FOLDER --methods sklvalve            records that are there, one method
+    python -m benchmarks.concealed FOLDER --given                       with the user's own simulation
+
+Stopped and started again, it goes on where it was. FOLDER then holds a folder for every record, `seal.txt`, a
+file of scores for every method, `runs.log`, `tables.md`, and the curves. A method of one's own joins by one
+module in `benchmarks/concealed/methods` (see its ``__init__``).
+"""
+
+import argparse
+import sys
+from pathlib import Path
+
+from benchmarks.concealed.draw import broken_seals, seal
+from benchmarks.concealed.methods import METHODS
+from benchmarks.concealed.report.__main__ import main as report
+from benchmarks.concealed.run import draw_all, judge_all, log
+
+WHOLE = {"healthy": 200, "each": 6, "pairs": 60, "outside": 80, "defects": 16}
+SMALL = {"healthy": 15, "each": 1, "pairs": 6, "outside": 8, "defects": 2}
+
+
+def main(arguments=None):
+    """Run it; returns the exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.concealed", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", type=int, help="draw the records of this seed; none are drawn without")
+    parser.add_argument("--small", action="store_true", help="a tenth of the records")
+    for name, many in WHOLE.items():
+        parser.add_argument(
+            f"--{name}", type=int, help=f"records of this kind (of each effect, if each); {many}"
+        )
+    parser.add_argument("--methods", nargs="*", choices=METHODS, default=list(METHODS), metavar="NAME")
+    parser.add_argument(
+        "--given", action="store_true", help="hold the user's own simulation against the flow"
+    )
+    parser.add_argument("--jobs", type=int, default=2, help="processes; 2")
+    options = parser.parse_args(arguments)
+    folder = options.folder.resolve()
+    if options.seed is not None:
+        sizes = dict(SMALL if options.small else WHOLE)
+        sizes |= {name: getattr(options, name) for name in WHOLE if getattr(options, name) is not None}
+        draw_all(folder, options.seed, options.jobs, **sizes)
+        log(folder, f"drawn with seed {options.seed} and {sizes}; sealed as {seal(folder)}")
+    if not any(folder.glob("record_*/truth.json")):
+        parser.error(f"expected records in {folder}, or a --seed to draw them by")
+    if broken := broken_seals(folder):
+        parser.error(f"the truth of {', '.join(broken)} is not the one that was sealed")
+    if not options.methods:
+        return 0
+    names = ["sklvalve"] if options.given else options.methods
+    files = judge_all(folder, names, options.jobs, given=options.given)
+    out = folder / ("report_given" if options.given else "report")
+    return report([*map(str, files), "--out", str(out)])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which records a benchmark holds: a plan that a seed draws, a case a record.
+
+Of 640 records about 200 hold nothing, 300 one effect of the catalogue, 60 two, 80 one that no catalogue
+holds. Every effect comes at one, two and three times what its own record could just tell, in different
+excitations, and every one is concealed in some further way.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.concealed.plant import EFFECTS, NAMED, OUTSIDE
+from benchmarks.concealed.plant.programs import EXCITATIONS
+
+# what makes a record harder, beside the size of the effect, its excitation and the moment it begins
+OF_HEALTHY = (
+    "loud", "wandering", "correlated", "growing_with_flow", "quantised", "badly_tuned", "wrong_sheet",
+    "disturbed", "confounded", "retuned",
+)  # fmt: skip
+OF_EFFECTS = (
+    "compensated", "wandering", "correlated", "growing_with_flow", "rare", "wrong_sheet", "quantised",
+    "compressed", "confounded", "disturbed", "retuned", "no_opening", "no_p2",
+)  # fmt: skip
+ONLY_IN = {"rare": ("wide",), "badly_tuned": ("closed", "cascade"), "retuned": ("closed", "cascade")}
+# pairs that hide one another, or that live in different blocks
+PAIRS = (
+    ("seat_leakage", "piping_reducers"), ("choked_flow", "outlet_bias"), ("stiction", "positioner_deadband"),
+    ("choked_flow", "plug_backlash"), ("stiction", "seat_leakage"), ("link_backlash", "clogging"),
+    ("dead_time", "erosion"), ("positioner_deadband", "meter_bias"), ("actuator_lag", "plug_backlash"),
+    ("supply_pressure_drop", "seat_leakage"), ("slew_limit", "meter_lag"), ("friction", "wrong_characteristic"),
+)  # fmt: skip
+STEPS = (1.0, 2.0, 3.0)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What one record is to be: its kind, what it conceals, how large, how excited, and how concealed."""
+
+    number: int
+    kind: str
+    effects: tuple = ()
+    step: float | None = None
+    excitation: str = "wide"
+    course: str = "start"
+    nasty: tuple = ()
+
+    @property
+    def name(self):
+        """Name of the record's folder; it tells nothing."""
+        return f"record_{self.number:04d}"
+
+
+def plan(seed, healthy=200, each=6, pairs=60, outside=80, defects=16):
+    """Cases in a drawn order.
+
+    Parameters
+    ----------
+    seed : int
+    healthy, pairs, outside, defects : int
+        Numbers of records with nothing in them, with two effects, with one of no catalogue, and with an
+        effect in a recording whose columns are exchanged or mislabelled.
+    each : int
+        Records of every effect of the catalogue.
+    """
+    rng = np.random.default_rng([seed, 9])
+    drawn = [_healthy(rng, i) for i in range(healthy)]
+    for name in NAMED:
+        drawn += [_single(rng, "single", name, i) for i in range(each)]
+    drawn += [_single(rng, "outside", OUTSIDE[i % len(OUTSIDE)], i // len(OUTSIDE)) for i in range(outside)]
+    drawn += [_pair(rng, PAIRS[i % len(PAIRS)]) for i in range(pairs)]
+    drawn += [_defect(rng, i) for i in range(defects)]
+    order = rng.permutation(len(drawn))
+    return [Case(i, *drawn[k]) for i, k in enumerate(order)]
+
+
+def _ways(rng, names, excitation, many, course="start"):
+    possible = [n for n in names if excitation in ONLY_IN.get(n, EXCITATIONS)]
+    if course != "start":
+        # a wrong capacity of the sheet can hide only what was there from the start
+        possible = [n for n in possible if n != "compensated"]
+    return tuple(str(n) for n in rng.choice(possible, min(many, len(possible)), replace=False))
+
+
+def _healthy(rng, i):
+    excitation = EXCITATIONS[i % len(EXCITATIONS)]
+    return "healthy", (), None, excitation, "start", _ways(rng, OF_HEALTHY, excitation, 2)
+
+
+def _single(rng, kind, name, i):
+    effect = EFFECTS[name]
+    excitation = str(rng.choice(effect.asks or EXCITATIONS))
+    possible = {"start": ["start"], "within": ["within", "on_and_off"]}.get(
+        effect.when, ["start", "start", "within", "on_and_off"]
+    )
+    if effect.grows:
+        possible = ["start", "within", "mended"]
+    if name == "stuck_valve":
+        possible = ["within"]
+    course = str(rng.choice(possible))
+    nasty = _ways(rng, OF_EFFECTS, excitation, 1, course)
+    if effect.block == "actuator" or name.startswith(("sensor", "loop")):
+        nasty = tuple(n for n in nasty if n not in ("no_opening", "compensated"))
+    return kind, (name,), STEPS[i % len(STEPS)], excitation, course, nasty
+
+
+def _pair(rng, names):
+    excitation = str(rng.choice(["wide", "wide", "closed"]))
+    if any(EFFECTS[name].asks for name in names):
+        excitation = "wide"
+    nasty = _ways(rng, ("wandering", "growing_with_flow", "wrong_sheet", "disturbed"), excitation, 1)
+    return "pair", tuple(names), float(rng.choice([2.0, 3.0])), excitation, "start", nasty
+
+
+def _defect(rng, i):
+    name = str(rng.choice([n for n in NAMED if EFFECTS[n].fluid == "water" and EFFECTS[n].when != "within"]))
+    kind = ("exchanged", "rescaled")[i % 2]
+    return "defect", (name,), 2.0, str(rng.choice(EFFECTS[name].asks or EXCITATIONS)), "start", (kind,)

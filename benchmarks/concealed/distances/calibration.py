@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What of a change calibration could take up: all that a data sheet leaves open, each within its bounds.
+
+The bounds are those of the design: capacity, trim and F_L 10 %, responses 3 s each, static error half a
+percent, zeros 1 % of travel, 0.5 % of the flow's span and 0.25 % of the pressures'. What the drawn plant has
+used of a bound already is no longer free.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import lsq_linear
+
+from benchmarks.concealed.plant.columns import COLUMNS
+from benchmarks.concealed.plant.hardware import relative_capacity
+from benchmarks.concealed.plant.noise import whiten_flow, whiten_opening
+
+CAPACITY, TRIM, RECOVERY, RESPONSE, STATIC, ZERO_X = 0.1, 0.1, 0.1, 3.0, 0.01, 0.01
+ZERO_FLOW, ZERO_P = 0.005, 2500.0
+_HATS = np.linspace(0.0, 1.0, 8)
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """Whitened series that calibration may add to a channel, and what multiples it may take of each."""
+
+    basis: np.ndarray
+    triangle: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    law: object
+
+    def left(self, change):
+        """Whitened change, less what calibration can take of it."""
+        white = self.law(change[:, None])[:, 0]
+        return white - self.basis @ self._taken(white)
+
+    def distance(self, white):
+        """Squared sum that calibration leaves of a whitened series."""
+        rest = white - self.basis @ self._taken(white)
+        return float(rest @ rest)
+
+    def _taken(self, white):
+        return self.triangle @ self.multiples(white)
+
+    def multiples(self, white):
+        """What calibration takes of each of its series."""
+        scale = np.maximum(np.linalg.norm(self.triangle, axis=0), 1e-9)
+        found = lsq_linear(self.triangle / scale, self.basis.T @ white, (self.low * scale, self.high * scale))
+        return found.x / scale
+
+
+def nuisance_of(scene, channel):
+    """Nuisance of a channel of a scene, about the sound plant."""
+    columns, low, high = _flow_series(scene) if channel == "flow" else _opening_series(scene)
+    law = _flow_law(scene) if channel == "flow" else _opening_law(scene)
+    rows = scene.recorded
+    white = law(np.column_stack([column[rows] for column in columns]))
+    basis, triangle = np.linalg.qr(white)
+    wide = np.maximum(np.array(high) - np.array(low), 1e-9)
+    return Nuisance(basis, triangle, np.array(low), np.array(low) + wide, law)
+
+
+def _shifted(scene, **columns):
+    table = scene.sound.copy()
+    for name, step in columns.items():
+        table[:, COLUMNS.index(name)] += step
+    return table
+
+
+def _opening_series(scene):
+    base = scene.seen("opening", scene.sound)
+    steps = (
+        (_shifted(scene, lag=RESPONSE), 0.0, 1.0),
+        (_shifted(scene, dead_time=RESPONSE), -0.1, 1.0),
+        (_shifted(scene, link_play=STATIC), 0.0, 1.0),
+        (_shifted(scene, dead_zone=0.5 * STATIC), 0.0, 1.0),
+    )
+    series = [scene.seen("opening", table) - base for table, _, _ in steps]
+    low, high = [s[1] for s in steps], [s[2] for s in steps]
+    return [*series, np.full_like(base, ZERO_X), ZERO_X * base], [*low, -1.0, -1.0], [*high, 1.0, 1.0]
+
+
+def _flow_series(scene):
+    plant, base = scene.plant, scene.seen("flow", scene.sound)
+    sheet, sound = plant.sheet, plant.sound
+    own = plant.trim[-1] / plant.written["kv_rated"] - 1.0
+    fl = float(np.mean(plant.fl)) / plant.written["fl"] - 1.0
+    steps = [
+        (_shifted(scene, capacity=CAPACITY), -1.0 - own / CAPACITY, 1.0 - own / CAPACITY),
+        (
+            _shifted(scene, meter_bias=ZERO_FLOW * plant.span),
+            *_left(sound["meter_bias"] / (ZERO_FLOW * plant.span)),
+        ),
+        (_shifted(scene, meter_lag=RESPONSE), -0.3, 1.0 - sound["meter_lag"] / RESPONSE),
+        (_shifted(scene, plug_play=STATIC), 0.0, 1.0),
+        (_shifted(scene, plug_offset=ZERO_X), *_left(sound["plug_offset"] / ZERO_X)),
+        (_shifted(scene, fl_factor=RECOVERY), *_left(fl / RECOVERY)),
+        (_shifted(scene, p1_bias=ZERO_P), -1.0, 1.0),
+    ]
+    series = [scene.seen("flow", table) - base for table, _, _ in steps]
+    low, high = [s[1] for s in steps], [s[2] for s in steps]
+    grid = np.linspace(0.0, 1.0, plant.trim.size)
+    phi = relative_capacity(sheet, grid)
+    tolerance = TRIM * np.maximum(phi, 1e-2) ** -0.2
+    used = (plant.trim / plant.trim[-1] - phi) / np.maximum(phi, 1e-6) / tolerance
+    for place in _HATS[1:-1]:
+        hat = np.clip(1.0 - np.abs(grid - place) * 7.0, 0.0, 1.0)
+        trim = plant.trim * (1.0 + hat * tolerance)
+        series.append(scene.flow(scene.sound, trim)[::5] - base)
+        taken = float(np.interp(place, grid, used))
+        low.append(-1.0 - taken)
+        high.append(1.0 - taken)
+    if "opening" in scene.lacking:
+        for table, least, most in (
+            (_shifted(scene, lag=RESPONSE), 0.0, 1.0),
+            (_shifted(scene, dead_time=RESPONSE), -0.1, 1.0),
+            (_shifted(scene, dead_zone=0.5 * STATIC), 0.0, 1.0),
+        ):
+            series.append(scene.seen("flow", table) - base)
+            low.append(least)
+            high.append(most)
+    return series, low, high
+
+
+def _left(used):
+    return min(-1.0 - used, 0.0), max(1.0 - used, 0.0)
+
+
+def _opening_law(scene):
+    return lambda columns: whiten_opening(columns, scene.plant.law)
+
+
+def _flow_law(scene):
+    plant, rows = scene.plant, scene.recorded
+    flow = scene.seen("flow", scene.sound)[rows]
+    step = scene.seen("flow", _shifted(scene, plug_offset=0.005))[rows]
+    by_opening = np.abs(step - flow) / 0.005
+    drop = np.maximum(scene.p1 - scene.p2, 1e3)[::5][rows]
+    by_drop = 0.5 * np.abs(flow) / drop
+    if "p2" in scene.lacking:
+        # what the unknown pressure does is noise to every explanation
+        pressure = float(np.std(scene.p2[::5][rows]))
+        law = plant.law.__class__(**{**plant.law.__dict__, "p_wandering": plant.law.p_wandering + pressure})
+    else:
+        law = plant.law
+    lag = plant.sound["meter_lag"]
+    return lambda columns: whiten_flow(columns, law, plant.span, flow, by_opening, by_drop, lag)

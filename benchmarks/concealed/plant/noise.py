@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Noise of the meters: the law it is drawn from, and by which the plant's own distances are measured."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+
+from benchmarks.concealed.plant.programs import wander
+
+# kinds of noise that a record may have more of than usual
+KINDS = ("loud", "wandering", "correlated", "growing_with_flow")
+
+
+@dataclass(frozen=True)
+class Law:
+    """Standard deviations, as shares of the flow meter's span, of travel [1], and in [Pa].
+
+    `correlated` has a time constant of 20 s, so that neighbours correlate with 0.95; `wandering` one of
+    `slow` seconds; `turbulence` is a share of the flow.
+    """
+
+    white: float = 0.002
+    correlated: float = 0.0008
+    wandering: float = 0.0008
+    slow: float = 600.0
+    turbulence: float = 0.002
+    with_flow: float = 0.0
+    x_white: float = 0.0008
+    x_wandering: float = 0.0003
+    p_white: float = 200.0
+    p_wandering: float = 120.0
+
+    @classmethod
+    def drawn(cls, rng, kinds):
+        """Law of one record, with more of each kind that is named."""
+        loud = 2.5 if "loud" in kinds else 1.0
+        return cls(
+            white=0.002 * loud * rng.uniform(0.6, 1.2),
+            correlated=(0.003 if "correlated" in kinds else 0.0008) * loud,
+            wandering=(0.003 if "wandering" in kinds else 0.0008) * loud,
+            slow=float(rng.uniform(250.0, 1000.0)),
+            turbulence=0.002 * rng.uniform(0.5, 1.2),
+            with_flow=1.5 if "growing_with_flow" in kinds else 0.0,
+            x_white=0.0008 * loud * rng.uniform(0.5, 1.3),
+            x_wandering=0.0003 * loud,
+            p_white=200.0 * loud,
+            p_wandering=120.0 * loud,
+        )
+
+    def draw(self, rng, n, span):
+        """Noise of each signal over `n` seconds: flow [m3/h], its turbulence, opening [1], pressures [Pa]."""
+        flow = self.white * rng.standard_normal(n) + self.correlated * wander(rng, n, 20.0)
+        flow += self.wandering * wander(rng, n, self.slow)
+        drawn = {"flow": span * flow, "turbulence": self.turbulence * wander(rng, n, 2.0)}
+        drawn["opening"] = self.x_white * rng.standard_normal(n) + self.x_wandering * wander(rng, n, 500.0)
+        for role in ("p1", "p2"):
+            zero = rng.uniform(-1.2e3, 1.2e3)
+            drawn[role] = (
+                zero + self.p_white * rng.standard_normal(n) + self.p_wandering * wander(rng, n, 400.0)
+            )
+        drawn["temperature"] = rng.uniform(-0.3, 0.3) + 0.05 * rng.standard_normal(n)
+        return drawn
+
+    def envelope(self, flow, span):
+        """Factor on the flow meter's noise, row by row."""
+        return 1.0 + self.with_flow * np.clip(flow / span, 0.0, 1.0)
+
+
+@njit
+def _innovations(columns, poles, sizes, white):
+    """Columns through the Kalman filter of some first-order noises and a white one, divided by its spread."""
+    n, width = columns.shape
+    many = poles.size
+    mean, spread = np.zeros((many, width)), np.eye(many)
+    out = np.empty((n, width))
+    for k in range(n):
+        if k > 0:
+            for i in range(many):
+                mean[i] *= poles[i]
+                for j in range(many):
+                    spread[i, j] *= poles[i] * poles[j]
+                spread[i, i] += 1.0 - poles[i] ** 2
+        shared = spread @ sizes[k]
+        variance = white[k] + sizes[k] @ shared
+        for c in range(width):
+            wrong = columns[k, c]
+            for i in range(many):
+                wrong -= sizes[k, i] * mean[i, c]
+            out[k, c] = wrong / np.sqrt(variance)
+            for i in range(many):
+                mean[i, c] += shared[i] / variance * wrong
+        for i in range(many):
+            for j in range(many):
+                spread[i, j] -= shared[i] * shared[j] / variance
+    return out
+
+
+def _whitened(columns, parts, white):
+    n = len(columns)
+    poles = np.array([np.exp(-1.0 / seconds) for seconds, _ in parts])
+    sizes = np.column_stack([np.broadcast_to(size, n) for _, size in parts])
+    white = np.broadcast_to(np.asarray(white, dtype=float), n)
+    return _innovations(
+        np.ascontiguousarray(columns), poles, np.ascontiguousarray(sizes), np.ascontiguousarray(white)
+    )
+
+
+def whiten_opening(columns, law):
+    """Series of opening [1], one row a second, as multiples of what its sensor's noise leaves unforeseen."""
+    white = law.x_white**2 + (2.5e-4) ** 2 / 12.0 + 1e-9
+    return _whitened(columns, [(500.0, law.x_wandering)], white)
+
+
+def whiten_flow(columns, law, span, flow, by_opening, by_drop, lag):
+    """Series of flow [m3/h], as multiples of the noise of a flow that is computed from recorded signals.
+
+    `by_opening` [m3/h] and `by_drop` [m3/h/Pa] say what the noise of position and pressures does to it; both
+    are damped as the meter damps.
+    """
+    pole = np.exp(-1.0 / max(lag, 0.3))
+    damped = np.sqrt((1.0 - pole) / (1.0 + pole))
+    rough = law.envelope(flow, span)
+    stem = np.hypot(law.x_white, 2.5e-4 / np.sqrt(12.0))
+    parts = [
+        (20.0, law.correlated * span * rough),
+        (law.slow, law.wandering * span * rough),
+        (2.0 + lag, law.turbulence * np.abs(flow) * np.sqrt(2.0 / (2.0 + lag))),
+        (max(lag, 0.3), damped * np.hypot(stem * by_opening, np.sqrt(2.0) * law.p_white * by_drop)),
+        (500.0, law.x_wandering * by_opening),
+        (400.0, np.sqrt(2.0) * law.p_wandering * by_drop),
+    ]
+    return _whitened(columns, parts, (law.white * span * rough) ** 2 + (2.5e-4 * span) ** 2 / 12.0)

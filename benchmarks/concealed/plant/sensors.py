@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From what the plant does to what a historian holds: scan, converter, exception reporting."""
+
+import numpy as np
+
+BITS = 12
+RANGES = {"CV": 100.0, "X": 104.0, "P1": 2500.0, "P2": 2500.0, "T1": 200.0}
+
+
+def scan(fine, moments, a_second):
+    """Values at these moments [s] of a series with `a_second` rows a second."""
+    return np.interp(moments, np.arange(fine.size) / a_second, fine)
+
+
+def scan_moments(rng, n, jitter):
+    """When one channel is read: every second, late by its place in the scan and a little more [s]."""
+    return np.arange(n) + rng.uniform(0.0, 0.15) + rng.uniform(0.0, jitter, n)
+
+
+def convert(values, width, bits=BITS):
+    """Values as an analogue-to-digital converter of this many bits gives them, over a range of `width`."""
+    step = width / 2.0**bits
+    return np.round(values / step) * step
+
+
+def held(values, width):
+    """Exception reporting: a value stands until the signal has left it by `width`."""
+    out, last = np.empty_like(values), values[0]
+    for k, value in enumerate(values):
+        if abs(value - last) > width:
+            last = value
+        out[k] = last
+    return out
