@@ -28,7 +28,8 @@ PAIRS = (
     ("seat_leakage", "piping_reducers"), ("choked_flow", "outlet_bias"), ("stiction", "positioner_deadband"),
     ("choked_flow", "plug_backlash"), ("stiction", "seat_leakage"), ("link_backlash", "clogging"),
     ("dead_time", "erosion"), ("positioner_deadband", "meter_bias"), ("actuator_lag", "plug_backlash"),
-    ("supply_pressure_drop", "seat_leakage"), ("slew_limit", "meter_lag"), ("friction", "wrong_characteristic"),
+    ("supply_pressure_drop", "seat_leakage"), ("slew_limit", "meter_lag"),
+    ("friction", "wrong_characteristic"),
 )  # fmt: skip
 STEPS = (1.0, 2.0, 3.0)
 

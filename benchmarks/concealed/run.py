@@ -108,7 +108,7 @@ def log(folder, text):
 
 
 def code():
-    """Commit that is judged, with a mark where the package was changed since; nothing outside a repository."""
+    """Commit that is judged, with a mark where the package was changed; nothing outside a repository."""
     here = Path(__file__).parents[2]
 
     def told(*words):

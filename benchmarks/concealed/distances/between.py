@@ -6,6 +6,8 @@ holds and what it would hold under that explanation, over the explanation's size
 that calibration may take up. Two explanations are told apart from 14 on (3 % of mistakes).
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from benchmarks.concealed.distances.calibration import nuisance_of
@@ -95,7 +97,7 @@ def _least(scene, name, course, change, nuisance, alone):
             sizes = sorted(tried)
             middle = sizes.index(min(tried, key=tried.get))
             around = sizes[max(middle - 1, 0) : middle + 2]
-            for a, b in zip(around[:-1], around[1:], strict=True):
+            for a, b in pairwise(around):
                 size = float(np.sqrt(a * b))
                 tried[size] = _at(scene, name, sign * size, course, touched, change, nuisance, alone)
         best = min(best, *tried.values())

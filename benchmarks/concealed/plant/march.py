@@ -97,7 +97,7 @@ def march_loop(schedule, given, auto, setpoint, weather, meter_noise, hard, trim
     n = schedule.shape[0]
     out = np.empty((n * A_SECOND, 7))
     history = np.empty(n)
-    cv, level, inner, outer, before = given[0], 0.5, 0.0, 0.0, 0.0
+    cv, level, outer, before = given[0], 0.5, 0.0, 0.0
     state = _start(cv, hard)
     plug = cv
     q, p1, p2 = 0.0, weather[0, 0], weather[0, 1]
@@ -122,7 +122,7 @@ def march_loop(schedule, given, auto, setpoint, weather, meter_noise, hard, trim
                 target = min(max(outer + level_gain * wrong, 0.05 * hard[KV]), 1.6 * hard[KV])
             error = target - seen
             if k == 0 or auto[k - 1] == 0:
-                inner, outer = cv, seen
+                outer = seen
             else:
                 cv = min(max(cv + gain * (error - before + error / reset), low), high)
             before = error
