@@ -79,6 +79,11 @@ def test_distances_leave_out_absent_effects(a_line):
     assert distances_of(a_line("a", distances=None)) == (None, None, None)
 
 
+def test_excitation(a_line):
+    assert excitation_of(a_line(loop="wide")) == "wide"
+    assert excitation_of(a_line(excitation="cascade", loop="closed")) == "cascade"
+
+
 def test_sizes(a_line):
     assert times_of(a_line("a", times=1.5, size_step=1.0)) == 1.5
     assert times_of(a_line("a", size_step=2.0)) == 2.0

@@ -35,6 +35,11 @@ def test_the_right_class(lines):
     assert naming.macro_right(lines).value == pytest.approx((2 / 4 + 0 / 2) / 2)
 
 
+def test_the_size_of_the_class_that_holds_it(a_line):
+    assert naming.class_size(a_line("a", "named", "b/c/d", "e/a")) == 2
+    assert naming.class_size(a_line("a", "named", "b/c/d")) is None
+
+
 def test_names_by_belief(lines, a_line):
     assert naming.top(lines, 1) == Rate(2, 6)
     assert naming.top(lines, 3) == Rate(2, 6)
@@ -112,9 +117,11 @@ def test_answers_where_nothing_is_open(a_line, a_failure):
     clear = {"distances": {"nothing": 400.0, "others": {"b": 20.1}}}
     between = {"distances": {"nothing": 400.0, "others": {"b": 20.0}}}
     lines = [a_line("a", "named", "a", **clear), a_line("a", "named", "a/b", **clear)]
+    lines += [a_line("a", "named", "b", **clear)]
     lines += [a_line("a", "cannot_tell", **clear), a_failure("a", **clear)]
     lines += [a_line("a", "named", "a", **between), a_line("a", "named", "a"), a_line()]
-    assert honesty.answered(lines) == Rate(2, 4)
-    assert honesty.one_name(lines) == Rate(1, 4)
+    assert honesty.answered(lines) == Rate(3, 5)  # whether rightly is asked elsewhere
+    assert honesty.one_name(lines) == Rate(1, 5)
     assert honesty.told_open(lines) == Rate(0, 0)
     assert honesty.left_open(a_line("a")) is None
+    assert not honesty.left_open(a_line("a", distances={"nothing": 6.0}))

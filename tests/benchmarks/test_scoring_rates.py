@@ -79,6 +79,9 @@ def test_the_median_lies_between_ranks():
     """Of 9 values the 2nd and the 8th hold the median with 96 %; of 5 no two do with 95 %."""
     median = quantile_of(range(1, 10))
     assert (median.value, median.low, median.high) == (5.0, 2.0, 8.0)
+    # all of six lie above the median, or below it, once in 32 times
+    six = quantile_of([1.0, 2.0, 3.0, 4.0, 5.0, 6.0])
+    assert (six.low, six.high) == (1.0, 6.0)
     few = quantile_of([1.0, 2.0, 3.0, 4.0, 5.0])
     assert few.value == 3.0
     assert np.isnan(few.low)
