@@ -34,6 +34,8 @@ class Judgement:
         Whether the learnt rest lowers the error of rows it was not learnt from, so that it is added.
     errors : tuple of float or None
         Rms of the unknown's channel on such rows, without and with the learnt rest [SI].
+    evidence : Evidence or None
+        What the p-value was made of.
     """
 
     verdict: str
@@ -45,6 +47,7 @@ class Judgement:
     tried: object = None
     kept: bool = False
     errors: tuple | None = None
+    evidence: object = None
 
     @property
     def found(self):

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
+from sklvalve.mismatch.detect import circumstances_of
 from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.further_proof import further_proof
@@ -66,6 +67,8 @@ class MissingPhysicsFinder(BaseEstimator):
     Attributes
     ----------
     diagnosis_ : Diagnosis
+    evidence_ : Evidence or None
+        What the p-value was made of; None where nothing was asked, and for a loop as below.
     nominal_simulation_, corrected_simulation_ : ValveSimulation
         Calibrated without, and with, what was found; absent for a loop known by command and flow, or another
         value, only (docs/loops.md). What no effect explains is learnt and added to the
@@ -172,6 +175,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("calibrating", 0.05)
         judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, seed)
         judged, spoilt = withheld(judged, data)
+        self.evidence_ = judged.evidence
         self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
         self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
         self._say("proving on held-out rows", 0.85)
@@ -197,6 +201,7 @@ class MissingPhysicsFinder(BaseEstimator):
         """A loop known by command and value only: there is no simulation of its valve, then."""
         for name in ("nominal_simulation_", "corrected_simulation_"):
             self.__dict__.pop(name, None)
+        self.evidence_ = None
         data = screen_recording(recording)
         self._say("comparing explanations", 0.1)
         found = diagnose_loop(recording, alpha=float(self.alpha), random_state=seed)
@@ -217,9 +222,11 @@ class MissingPhysicsFinder(BaseEstimator):
 
     def _judge(self, workbench, effects, slips, seed):
         """Search among the effects, and the judgement on what it finds."""
+        nominal = calibrated(workbench)
+        circumstances = circumstances_of(workbench)
         explanation = explain(
             workbench,
-            calibrated(workbench),
+            nominal,
             worth_searching(effects, slips),
             threshold=self.evidence,
             most=self.max_effects,
@@ -227,7 +234,7 @@ class MissingPhysicsFinder(BaseEstimator):
         )
         self._say("looking for the unknown", 0.8)
         more = {"alpha": float(self.alpha), "random_state": seed}
-        return judge(workbench, explanation, len(effects), slips=slips, **more)
+        return judge(workbench, explanation, len(effects), circumstances, slips=slips, **more)
 
     def _say(self, stage, done):
         if self.callback is not None:

@@ -5,17 +5,17 @@ from dataclasses import replace
 
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
-from sklvalve.mismatch.detect import mismatch_p_value
+from sklvalve.mismatch.detect import Evidence, mismatch_p_value, p_value_of_what_counts, strength_of_effects
 from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
 from sklvalve.mismatch.slip_finding import P_VALUE, beside_slips, with_slips
-from sklvalve.mismatch.unknown import find_unknown
+from sklvalve.mismatch.unknown import look_for_rest
 from sklvalve.mismatch.verdict import class_of, verdict_of
 
 # a rest of so many times what counts needs no further proof
 _LARGE = 2.0
 
 
-def judge(workbench, explanation, n_candidates, *, alpha, random_state, slips=None):
+def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_state, slips=None):
     """Verdict, what stands of the findings, and the model and the learnt rest that go with it.
 
     Slips of the stem that are evident name stiction where the search has not: then its findings in the
@@ -27,6 +27,8 @@ def judge(workbench, explanation, n_candidates, *, alpha, random_state, slips=No
     explanation : Explanation
     n_candidates : int
         Number of effects considered.
+    circumstances : Circumstances
+        What chance depends on, as they were before the search.
     alpha : float
         Level of the test.
     random_state : int
@@ -38,6 +40,7 @@ def judge(workbench, explanation, n_candidates, *, alpha, random_state, slips=No
     judgement : Judgement
     """
     told = {"alpha": alpha, "n_candidates": n_candidates, "random_state": random_state}
+    told["circumstances"] = circumstances
     searched = _judged(workbench, explanation, explanation.findings, explanation.model, **told)
     if slips is None or _names_stiction(searched):
         return searched
@@ -63,26 +66,48 @@ def blocked(workbench):
     return Judgement("cannot_tell", None, [], None, nominal, nominal)
 
 
-def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, random_state, channels=None):
+def _judged(
+    workbench,
+    explanation,
+    findings,
+    model,
+    *,
+    alpha,
+    n_candidates,
+    circumstances,
+    random_state,
+    channels=None,
+):
     asked = {}
 
     def rest_of(model):
         if model not in asked:
             # of the least error itself: orthogonal to all that was fitted and is free to move
             fitted = workbench.least_squares(model)
-            rest = find_unknown(workbench, fitted, alpha=alpha, random_state=random_state, channels=channels)
-            asked[model] = rest if rest is not None and _stands(workbench, fitted, rest) else None
+            more = {"random_state": random_state, "channels": channels}
+            rest, strong = look_for_rest(workbench, fitted, alpha=alpha, **more)
+            asked[model] = rest if rest is not None and _stands(workbench, fitted, rest) else None, strong
         return asked[model]
 
-    def p_value_of(findings, unknown):
-        return mismatch_p_value(findings, explanation.tried, unknown, workbench, n_candidates)
+    def weighed(findings, model):
+        """What is left, the evidence with its p-value, and whether it is enough, and enough that counts."""
+        unknown, rest = rest_of(model)
+        evidence = Evidence(strength_of_effects(explanation, workbench), rest, circumstances)
+        p_value = mismatch_p_value(evidence)
+        counting = 0.0
+        if unknown is None:
+            counting = p_value_of_what_counts(findings, explanation.tried, workbench, n_candidates)
+        elif unknown.period is not None:
+            # a cycle is told by a law of its own
+            p_value = min(p_value, unknown.p_value)
+        return unknown, evidence, p_value, max(p_value, counting) <= alpha
 
-    nominal, unknown = explanation.nominal, rest_of(model)
-    p_value = p_value_of(findings, unknown)
-    if findings and p_value > alpha:
+    nominal = explanation.nominal
+    unknown, evidence, p_value, enough = weighed(findings, model)
+    if findings and not enough:
         # effects too weak to be told from chance must not hide a rest that is not
-        findings, unknown = [], rest_of(nominal)
-        p_value = p_value_of(findings, unknown)
+        findings = []
+        unknown, evidence, p_value, enough = weighed(findings, nominal)
     upheld = not findings or holds_out(workbench, nominal, model)
     explained = 0.0
     if unknown is not None and findings:
@@ -90,17 +115,17 @@ def _judged(workbench, explanation, findings, model, *, alpha, n_candidates, ran
     if not upheld:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         findings = []
-    verdict, findings = verdict_of(findings, unknown, p_value, alpha, explained)
+    verdict, findings = verdict_of(findings, unknown, enough, explained)
     if not findings and verdict != "no_mismatch":
-        unknown = rest_of(nominal) or unknown
+        unknown = rest_of(nominal)[0] or unknown
         verdict = "none_of_these" if unknown is not None else "cannot_tell"
     nominal = workbench.least_squares(nominal)
     model = _else_as(workbench, workbench.least_squares(model), nominal) if findings else nominal
     if verdict == "no_mismatch" or unknown is None:
-        return Judgement(verdict, p_value, findings, None, nominal, model)
+        return Judgement(verdict, p_value, findings, None, nominal, model, evidence=evidence)
     tried = folded(workbench, model, unknown)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
-    return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told)
+    return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, evidence)
 
 
 def _stands(workbench, model, unknown):

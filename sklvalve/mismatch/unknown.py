@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mismatch.cycles import find_cycle
+from sklvalve.mismatch.detect import strength
 from sklvalve.mismatch.slow_rest import held_out_errors, skills, slow_rest, tuned
 from sklvalve.simulation.calibration import drop_is_unknown
 
@@ -45,6 +46,11 @@ class Unknown:
 
 
 def find_unknown(workbench, model, *, alpha, random_state=0, channels=None):
+    """The predictable rest alone, as `look_for_rest` finds it; None where there is none."""
+    return look_for_rest(workbench, model, alpha=alpha, random_state=random_state, channels=channels)[0]
+
+
+def look_for_rest(workbench, model, *, alpha, random_state=0, channels=None):
     """Look for a predictable rest in each channel.
 
     The rest is averaged over short stretches in which nothing moves fast, and predicted from slow signals by
@@ -66,34 +72,47 @@ def find_unknown(workbench, model, *, alpha, random_state=0, channels=None):
     unknown : Unknown or None
         The largest one that is significant and large enough to count; never one of the flow where nothing
         tells the pressure drop.
+    strength : float or None
+        Of the strongest rest, one that counts or not; None where none could be learnt.
     """
     rng = np.random.default_rng(random_state)
-    best = None
+    best, strengths = None, []
     for channel in workbench.channels if channels is None else channels:
         if channel == "flow" and drop_is_unknown(workbench.recording):
             # a rest of the flow is first of all the drop's
             continue
-        for found in (
-            _in_channel(workbench, model, channel, alpha, rng),
-            _cycle_in(workbench, model, channel, alpha),
-        ):
+        slow = slow_rest(workbench, model, channel)
+        learnt = None
+        if slow is not None:
+            learnt = tuned(slow)
+            chance = _by_chance(learnt, rng)
+            strengths.append(_strength(workbench, channel, learnt, chance))
+            learnt = _in_channel(workbench, channel, learnt, chance, alpha)
+        for found in (learnt, _cycle_in(workbench, model, channel, alpha)):
             if found is not None and (best is None or found.size > best.size):
                 best = found
-    return best
+    return best, max(strengths, default=None)
 
 
-def _in_channel(workbench, model, channel, alpha, rng):
-    slow = slow_rest(workbench, model, channel)
-    if slow is None:
-        return None
-    y, best = slow.y, tuned(slow)
+def _by_chance(learnt, rng):
+    """Skills with the rest shifted against its inputs: the inputs, and all that is dear about them, stay."""
+    y = learnt.slow.y
+    possible = np.arange(len(y) // 8, len(y) - len(y) // 8)
+    shifts = rng.choice(possible, size=min(_MOST_SHIFTS, len(possible)), replace=False)
+    return skills(learnt.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
+
+
+def _strength(workbench, channel, learnt, chance):
+    deviations = (learnt.skill - chance.mean()) / max(float(chance.std()), 1e-12)
+    # without a kink where the skill is that of chance, so that no two recordings are alike
+    deviations = np.logaddexp(0.0, deviations)
+    return strength(deviations, _acting_rms(learnt.predicted) / workbench.least(channel))
+
+
+def _in_channel(workbench, channel, best, chance, alpha):
     size = _acting_rms(best.predicted)
     if size < workbench.least(channel) or best.skill < _LEAST_SKILL:
         return None
-    # the rest shifted against its inputs: the inputs, and all that is dear about them, stay
-    possible = np.arange(len(y) // 8, len(y) - len(y) // 8)
-    shifts = rng.choice(possible, size=min(_MOST_SHIFTS, len(possible)), replace=False)
-    chance = skills(best.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
     p_value = (1.0 + np.sum(chance >= best.skill)) / (1.0 + len(chance))
     # no number of shifts that is cheap can show less than one in their number
     if p_value > max(alpha, 1.5 / (1.0 + len(chance))):

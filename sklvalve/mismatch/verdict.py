@@ -28,18 +28,19 @@ def class_of(finding):
     return dict(sorted(found.items(), key=lambda item: -item[1][0]))
 
 
-def verdict_of(findings, unknown, p_value, alpha, explained):
+def verdict_of(findings, unknown, enough, explained):
     """Verdict, and the findings that stand.
 
     Parameters
     ----------
     findings : list of Finding
     unknown : Unknown or None
-    p_value, alpha : float
+    enough : bool
+        Whether there is more than chance makes, and more than counts.
     explained : float
         Size of what the effects explain, share of span, in the unknown's channel [1].
     """
-    if p_value > alpha:
+    if not enough:
         return "no_mismatch", []
     if unknown is not None and unknown.size > _DOUBTFUL * explained:
         return "none_of_these", []

@@ -65,7 +65,8 @@ def _agreement(d: dict) -> str:
     p_value = p_words(d["mismatch"].get("p_value"))
     if d.get("reasons"):
         return " ".join([f"Sticking of a size that matters is excluded ({p_value}).", *d["reasons"]])
-    if d["mismatch"].get("detected"):
+    level, chance = d["mismatch"].get("alpha"), d["mismatch"].get("p_value")
+    if d["mismatch"].get("detected") or (None not in (level, chance) and chance <= level):
         return (
             "Nothing that matters is missing: simulation and recording differ by more than noise "
             f"({p_value}), but by less than the data-sheet tolerances and the size that counts."

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2
 
-from sklvalve.mismatch.detect import mismatch_p_value
+from sklvalve.mismatch.detect import p_value_of_what_counts
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.gate import effects_switched_off
@@ -34,15 +34,15 @@ def _finding(*rivals, gain=100.0, sizes=None):
     return SimpleNamespace(member=made[0].member, rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
 
 
-def _p(findings=(), tried=None, unknown=None, candidates=20):
-    return mismatch_p_value(list(findings), tried or {}, unknown, BENCH, candidates)
+def _p(findings=(), tried=None, candidates=20):
+    return p_value_of_what_counts(list(findings), tried or {}, BENCH, candidates)
 
 
 LEAK = ("seat_leakage", -10.0, 0.6)
 BYPASS = ("bypass_open", -10.5, 0.4)
 
 
-# ---- is there anything
+# ---- does anything count
 
 
 def test_nothing_tried_and_nothing_found_is_no_mismatch():
@@ -71,10 +71,6 @@ def test_more_evidence_never_raises_it_and_more_tries_never_lower_it(gain, more,
     assert p_of(gain, candidates + 1) >= p_of(gain, candidates)
 
 
-def test_an_unknown_rest_counts_too():
-    assert _p(unknown=SimpleNamespace(p_value=0.004)) == 0.004
-
-
 # ---- which
 
 
@@ -94,15 +90,15 @@ def test_class_is_sorted_and_joins_the_forms_of_an_effect():
 def test_verdicts():
     sure, unsure = _finding(LEAK, BYPASS), _finding(("clogging", -3.0, 0.5), ("dead_time", -30.0, 0.5))
     big, small = (SimpleNamespace(size=size) for size in (0.03, 0.003))
-    assert verdict_of([sure], None, 0.02, 0.01, 0.05) == ("no_mismatch", [])
-    assert verdict_of([sure], None, 0.001, 0.01, 0.05) == ("named", [sure])
-    assert verdict_of([unsure], None, 0.001, 0.01, 0.05) == ("cannot_tell", [unsure])
-    assert verdict_of([unsure, sure], None, 0.001, 0.01, 0.05) == ("named", [unsure, sure])
-    assert verdict_of([], None, 0.001, 0.01, 0.0) == ("cannot_tell", [])
-    assert verdict_of([], small, 0.001, 0.01, 0.0) == ("none_of_these", [])
+    assert verdict_of([sure], None, False, 0.05) == ("no_mismatch", [])
+    assert verdict_of([sure], None, True, 0.05) == ("named", [sure])
+    assert verdict_of([unsure], None, True, 0.05) == ("cannot_tell", [unsure])
+    assert verdict_of([unsure, sure], None, True, 0.05) == ("named", [unsure, sure])
+    assert verdict_of([], None, True, 0.0) == ("cannot_tell", [])
+    assert verdict_of([], small, True, 0.0) == ("none_of_these", [])
     # a rest that is large against what the effects explain makes their names doubtful, a small one does not
-    assert verdict_of([sure], big, 0.001, 0.01, 0.05) == ("none_of_these", [])
-    assert verdict_of([sure], small, 0.001, 0.01, 0.05) == ("named", [sure])
+    assert verdict_of([sure], big, True, 0.05) == ("none_of_these", [])
+    assert verdict_of([sure], small, True, 0.05) == ("named", [sure])
 
 
 # ---- what the data forbid, where, since when, and what next

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How strong the evidence against healthy recordings gets by chance, and how rare a stronger one is."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sklvalve.mismatch.healthy_table import TABLES
+
+
+@dataclass(frozen=True)
+class Circumstances:
+    """What the strength of chance depends on, known before a search.
+
+    Parameters
+    ----------
+    noise : float
+        Logarithm of the noise of the noisier channel in multiples of what counts there.
+    travel : float
+        From the 5 % to the 95 % quantile of the opening; of the command, or of the flow as share of its span,
+        where no opening is recorded [1].
+    no_opening : float
+        1 where no opening is recorded, else 0.
+    no_drop : float
+        1 where nothing tells the pressure drop, else 0.
+    """
+
+    noise: float
+    travel: float
+    no_opening: float
+    no_drop: float
+
+
+@dataclass(frozen=True)
+class Table:
+    r"""Distribution of a strength among healthy recordings, relative to what is typical in the circumstances.
+
+    The typical strength is the exponential of a linear function of the circumstances, each held within its
+    range in the reference. Relative to it the chance of more falls as in the reference up to a threshold,
+    linearly between quantiles, and from there on as the generalised Pareto law has it,
+
+    .. math:: P(v) = P_u \left(1 + \xi \frac{v - u}{\sigma}\right)^{-1/\xi}
+
+    to which the excesses over a high threshold tend (Pickands, Annals of Statistics 3, 1975). Its shape is
+    held at zero or above, so that no strength, however large, is impossible.
+
+    Parameters
+    ----------
+    recordings : int
+        Number of healthy recordings.
+    offset : float
+        Logarithm of the typical strength where all circumstances are zero.
+    slopes : dict
+        Circumstance -> change of that logarithm.
+    ranges : dict
+        Circumstance -> (lowest, highest) in the reference.
+    quantiles : tuple of float
+        Of the relative strength, at equally spaced probabilities from 0 to that of the threshold.
+    above : float
+        Share of the reference above the threshold, the last quantile.
+    scale, shape : float
+        Of the tail.
+    """
+
+    recordings: int
+    offset: float
+    slopes: dict
+    ranges: dict
+    quantiles: tuple
+    above: float
+    scale: float
+    shape: float
+
+    def typical(self, circumstances):
+        """Typical strength of healthy recordings."""
+        held = {c: np.clip(getattr(circumstances, c), *self.ranges[c]) for c in self.slopes}
+        return float(np.exp(self.offset + sum(slope * held[c] for c, slope in self.slopes.items())))
+
+
+EFFECTS, REST = (Table(**TABLES[name]) for name in ("effects", "rest"))
+
+
+def exceeded(table, strength, circumstances):
+    """Share of healthy recordings whose strength is at least this.
+
+    Parameters
+    ----------
+    table : Table
+    strength : float
+    circumstances : Circumstances
+
+    Returns
+    -------
+    share : float
+        Between 0, never reached, and 1; falls with the strength, without a step.
+    """
+    relative = strength / table.typical(circumstances)
+    threshold = table.quantiles[-1]
+    if relative <= threshold:
+        chances = np.linspace(1.0, table.above, len(table.quantiles))
+        # below the least of the reference nothing is known but that all are above zero
+        return float(np.interp(relative, (0.0, *table.quantiles[1:]), chances))
+    excess = (relative - threshold) / table.scale
+    if table.shape < 1e-6:
+        return float(table.above * np.exp(-excess))
+    return float(table.above * np.exp(-np.log1p(table.shape * excess) / table.shape))
