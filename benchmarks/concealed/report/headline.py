@@ -164,7 +164,7 @@ TRUST = (
     Figure("- by true names alone", honesty.one_name),
 )
 COST = (
-    Figure("seconds a record, median", lambda lines: cost.cost(lines)),
+    Figure("seconds a record, median", cost.cost),
     Figure("memory a record [MB], median", lambda lines: cost.cost(lines, "peak_mb")),
     Figure("the diagnosis broke", naming.breaks),
 )
