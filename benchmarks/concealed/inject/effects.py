@@ -27,7 +27,7 @@ class Effect:
     """One effect: catalogue's name, block, main parameter, and how large it may sensibly get.
 
     `least` is a smallest size in rows, for what is nothing below one; `late` says that from the start it
-    would be calibration.
+    would be calibration, `allowed` how much of it a sheet leaves open from the start.
     """
 
     name: str
@@ -41,6 +41,7 @@ class Effect:
     needs: tuple = ()
     injected: bool = True
     least: float = 0.0
+    allowed: float = 0.0
 
 
 def _largest_kv(base):
@@ -113,25 +114,27 @@ EFFECTS = (
     Effect(
         "backlash", "linkage_backlash", "actuator",
         lambda s, base, acts: _more(linkage_play=s * acts), 0.3, told=_main("width", "1"), needs=("opening",),
+        allowed=0.01,
     ),
     Effect(
         "backlash", "plug_backlash", "valve",
-        lambda s, base, acts: _more(plug_play=s * acts), 0.3, told=_main("width", "1"),
+        lambda s, base, acts: _more(plug_play=s * acts), 0.3, told=_main("width", "1"), allowed=0.01,
     ),
-    Effect("stiction", "stiction", "actuator", _stiction, 0.3),
+    Effect("stiction", "stiction", "actuator", _stiction, 0.3, allowed=0.01),
     Effect(
         "positioner_deadband", "positioner_deadband", "actuator",
         lambda s, base, acts: _more(dead_band=s * acts), 0.2, told=_main("half_width", "1"),
-        needs=("opening",),
+        needs=("opening",), allowed=0.005,
     ),
     Effect(
         "dead_time", "dead_time", "actuator",
-        lambda s, base, acts: _more(delay=s / base.dt * acts), 30.0, told=_main("delay", "s"), least=1.0,
+        lambda s, base, acts: _more(delay=s / base.dt * acts), 30.0, told=_main("delay", "s"),
+        least=1.0, allowed=3.0,
     ),
     Effect(
         "actuator_lag", "actuator_lag", "actuator",
         lambda s, base, acts: _more(lag=s / base.dt * acts), 60.0,
-        told=_main("time_constant", "s"), least=1.0,
+        told=_main("time_constant", "s"), least=1.0, allowed=3.0,
     ),
     Effect("slew_limit", "slew_limit", "actuator", _slower, 600.0),
     Effect("seat_leakage", "seat_leakage", "valve", _share("leak"), 0.5, told=_main("leak_kv", "m3/h", _kv)),
@@ -175,7 +178,8 @@ EFFECTS = (
     ),
     Effect(
         "sensor_lag", "sensor_lag", "measurement",
-        lambda s, base, acts: _more(meter_lag=s / base.dt * acts), 120.0, told=_main("lag", "s"), least=1.0,
+        lambda s, base, acts: _more(meter_lag=s / base.dt * acts), 120.0, told=_main("lag", "s"),
+        least=1.0, allowed=3.0,
     ),
     Effect(
         "position_sensor_bias", "position_sensor_bias", "measurement",

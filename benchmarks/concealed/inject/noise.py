@@ -3,7 +3,9 @@
 
 The distance of two explanations is the squared length of the difference of their rests, each whitened by the
 autoregression of the healthy rest, with all that a calibration leaves free projected away. An effect is just
-detectable at a distance of 25 from nothing; two explanations are told apart from 14 on.
+detectable at a distance of 25 from nothing; two explanations are told apart from 14 on. Real noise is more
+than an autoregression: how large it makes an effect look that is not there is measured by sliding the real
+rest past the effect's signature, and distances are divided by that.
 """
 
 from dataclasses import replace
@@ -16,6 +18,11 @@ from benchmarks.concealed.inject.effects import ALSO, EFFECTS, possible
 from benchmarks.concealed.inject.passage import Trim
 
 DETECTABLE, APART, ORDER = 25.0, 14.0, 12
+
+
+# from this change on an effect counts: rms where it acts, of the largest flow or of travel
+COUNTS = 0.005
+SHIFTS = 25
 
 
 def autoregression(rest, order=ORDER):
@@ -92,25 +99,52 @@ class Ruler:
     def _own(self, seen, recorded, change):
         return self.white(self.base.unexplained(seen, recorded, change))
 
-    def detectable(self, effect, sign, acts, most=None):
-        """Size at which an effect is just detectable, with its sign; None beyond what is sensible."""
-        most = effect.most if most is None else most
-        distance = lambda size: self.from_nothing(effect.change(sign * size, self.base, acts))  # noqa: E731
-        if distance(most) < DETECTABLE:
+    def inflation(self, change):
+        """Mean square of the size that real noise seems to hold of an effect, in standard errors; at least 1.
+
+        The rest is shifted in a circle past the effect, which keeps its slow part and its calibration errors.
+        """
+        seen, recorded, *_ = self.base.with_effect(change)
+        mark = self.white(self.base.unexplained(seen, recorded)) - self._own(seen, recorded, change)
+        mark = mark - self.free @ (self.free.T @ mark)
+        rest = self.white(self.base.rests()).reshape(len(self.filters), -1)
+        steps = range(0, self.base.rows, max(self.base.rows // SHIFTS, 1))
+        sizes = [np.roll(rest, step, axis=1).ravel() @ mark for step in steps]
+        return max(float(np.mean(np.square(sizes)) / (mark @ mark)), 1.0)
+
+    def counted(self, change):
+        """Change that an effect makes, rms where it acts: the larger of flow over its largest and opening."""
+        _, _, stem_opening, made = self.base.with_effect(change)
+        rest, _ = self.base.rests()
+        sound = self.base.stem() if rest is None else self.base.opening
+        most = float(np.quantile(self.base.recorded_flow, 0.995))
+        moved = (made - self.base.passage(sound)) / most, stem_opening + self.base.sensor(change) - sound
+        # a stem that nobody recorded shows in the flow alone
+        return max(_where_acting(part[: self.base.rows]) for part in moved[: 1 if rest is None else 2])
+
+    def detectable(self, effect, sign, acts):
+        """Size from which an effect can be told and counts, with its sign; None beyond what is sensible."""
+        change = lambda size: effect.change(sign * size, self.base, acts)  # noqa: E731
+        first = _least(lambda size: self.from_nothing(change(size)) >= DETECTABLE, effect.most)
+        if first is None:
             return None
-        low, high = 1e-4 * most, most
-        if distance(low) > DETECTABLE:
-            return sign * low
-        for _ in range(18):
-            middle = np.sqrt(low * high)
-            low, high = (low, middle) if distance(middle) > DETECTABLE else (middle, high)
-        return sign * float(high)
+        inflated = DETECTABLE * self.inflation(change(first))
+        least = _least(
+            lambda size: self.from_nothing(change(size)) >= inflated and self.counted(change(size)) >= COUNTS,
+            effect.most,
+        )
+        if least is None:
+            return None
+        # less than a scan is no delay or lag, and what a sheet leaves open from the start is calibration
+        least = max(least, effect.least * self.base.dt) + (effect.allowed if acts.all() else 0.0)
+        return sign * least if least <= effect.most else None
 
     def distances(self, effect, size, acts):
         """Distance from nothing, and from each other effect at its best size and beginning."""
         change = effect.change(size, self.base, acts)
         seen, recorded, *_ = self.base.with_effect(change)
         own = self._own(seen, recorded, change)
+        inflation = self.inflation(change)
         nothing = self.squared(self.white(self.base.unexplained(seen, recorded)) - own)
         others: dict[str, float] = {}
         for rival in EFFECTS:
@@ -123,7 +157,7 @@ class Ruler:
                     others[name] = min(best, others.get(name, np.inf), nothing)
         for name in ALSO.get(effect.name, ()):
             others[name] = 0.0
-        return nothing, others
+        return nothing / inflation, {name: distance / inflation for name, distance in others.items()}
 
     def _nearest(self, rival, acts, seen, recorded, own):
         """Least distance over the sizes of one rival: a coarse row of sizes, then closer about the best."""
@@ -142,3 +176,23 @@ class Ruler:
                 if value < best:
                     best, size = value, trial
         return best
+
+
+def _least(enough, most):
+    """Smallest size that is enough, by halving in logarithms; None where even the largest is not."""
+    if not enough(most):
+        return None
+    low, high = 1e-4 * most, most
+    if enough(low):
+        return low
+    for _ in range(16):
+        middle = np.sqrt(low * high)
+        low, high = (low, middle) if enough(middle) else (middle, high)
+    return float(high)
+
+
+def _where_acting(change):
+    """Root mean square over the rows in which a change is a fifth of its largest or more."""
+    size = np.abs(change)
+    acting = size > 0.2 * np.quantile(size[size > 0.0], 0.99) if np.any(size > 0.0) else size > 0.0
+    return float(np.sqrt(np.mean(change[acting] ** 2))) if acting.any() else 0.0

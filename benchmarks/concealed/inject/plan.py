@@ -107,8 +107,6 @@ def _sized(effect, step, bases, rulers, rng):
         least = rulers[base.name].detectable(effect, sign, acts)
         if least is None:
             continue
-        # a delay or lag of less than a scan is none
-        least = sign * max(abs(least), effect.least * base.dt)
         if abs(step * least) <= effect.most:
             return base, step * least, first, acts
     return None

@@ -23,6 +23,7 @@ from benchmarks.concealed.inject.stem import stick_slip
 LAST_ROWS = 150
 # rows over which changes of set-point, command and flow are compared
 SPANS = (1, 3, 10, 30, 100)
+LEAST_BAND = 0.25
 # least correlation of the set-point's changes with the flow's, and least share that the controller explains
 LEAST_MOVED, LEAST_CONTROLLED = 0.4, 0.7
 
@@ -109,9 +110,12 @@ class Loop:
         return self.distance(command, own), other
 
     def detectable(self, jump_share, onset):
-        """Stick band [% of travel] that is just detectable; None where even the widest is not."""
-        most = 2.0 * float(np.ptp(np.quantile(self.command, [0.01, 0.99])))
-        grid = np.geomspace(0.01, 1.0, 25) * most
+        """Stick band [% of travel] that can be told and counts; None where even the widest cannot.
+
+        A band counts from a quarter of the command's movement on: every valve has a smaller one.
+        """
+        moved = float(np.ptp(np.quantile(self.command, [0.01, 0.99])))
+        grid = np.geomspace(LEAST_BAND, 2.0, 16) * moved
         for band in grid:
             if self.distances(band, jump_share * band, onset)[0] >= DETECTABLE:
                 return float(band)
