@@ -22,7 +22,7 @@ _SIZES = 7
 _STRETCH = (0.75, 1.35)
 
 
-def between(scene, course, true):
+def between(scene, course, true, others=None):
     """Distances from the truth of a scene.
 
     Parameters
@@ -33,6 +33,8 @@ def between(scene, course, true):
         When it acts.
     true : sequence of str
         What is concealed, by the plant's names.
+    others : sequence of str, default=None
+        Names of the catalogue that are asked for; all unless given.
 
     Returns
     -------
@@ -51,7 +53,8 @@ def between(scene, course, true):
     found = {"nothing": nothing}
     for name in NAMED:
         effect = EFFECTS[name]
-        if effect.told in told or not _possible(effect, scene, course):
+        asked = others is None or effect.told in others
+        if not asked or effect.told in told or not _possible(effect, scene, course):
             continue
         least = min(_least(scene, name, c, change, nuisance, alone) for c in _courses(effect, course))
         found[effect.told] = min(least, found.get(effect.told, np.inf))
