@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a diagnosis says, laid out as diagnosis.json has it, and the traces that pictures are drawn from."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +36,10 @@ class Judgement:
         Rms of the unknown's channel on such rows, without and with the learnt rest [SI].
     evidence : Evidence or None
         What the p-value was made of.
+    left : LeftOver or None
+        What the closest explanation leaves over, where that is more than noise and so speaks against it.
+    closest : list of Finding
+        Explanations that are not named for it.
     """
 
     verdict: str
@@ -48,6 +52,8 @@ class Judgement:
     kept: bool = False
     errors: tuple | None = None
     evidence: object = None
+    left: object = None
+    closest: list = field(default_factory=list)
 
     @property
     def found(self):
@@ -91,8 +97,9 @@ def content_of(
     unknown, found = judgement.unknown, judgement.found
     entries = [effect_entry(f, whole, workbench) for f in judgement.findings]
     blocks = sorted({b for e in entries for b in e["blocks"]})
-    if not blocks and unknown is not None:
-        blocks = ["valve" if unknown.channel == "flow" else "actuator"]
+    rest = unknown if unknown is not None else judgement.left
+    if not blocks and rest is not None:
+        blocks = ["valve" if rest.channel == "flow" else "actuator"]
     classes = [class_of(f) for f in judgement.findings]
     location = {"blocks": blocks, "regions": [], "onset": None, "intervals": []}
     if found:
@@ -111,7 +118,7 @@ def content_of(
         "fit": fit,
         "proof": "later_rows" if len(whole) > len(workbench.recording) else "four_blocks",
         "not_testable": not_testable,
-        "next_test": mend or next_test(classes, judgement.verdict, unknown, workbench, judgement.findings),
+        "next_test": mend or next_test(classes, judgement.verdict, rest, workbench, judgement.findings),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
         "provenance": {
             "sklvalve": sklvalve.__version__,
@@ -123,8 +130,10 @@ def content_of(
     }
     if mend:
         content["reasons"] = [mend]
-    if unknown is not None:
-        content["unknown"] = _unknown_entry(whole, judgement)
+    if rest is not None:
+        content["unknown"] = _unknown_entry(whole, judgement) if unknown is not None else _unlearnt(rest)
+    if judgement.left is not None:
+        content["unknown"] |= _beyond_noise(whole, workbench, judgement)
     return content
 
 
@@ -141,6 +150,29 @@ def _recordings(whole):
         }
         for p, many in zip(whole.pieces, rows, strict=True)
     ]
+
+
+def _unlearnt(left):
+    """The entry of a rest that follows from nothing recorded, as far as can be told."""
+    return {
+        "signal": left.channel,
+        "inputs": [],
+        "size": left.size,
+        "skill": None,
+        "p_value": left.p_value,
+        "correction": {"added": False, "rmse_without": None, "rmse_with": None},
+    }
+
+
+def _beyond_noise(whole, workbench, judgement):
+    """How far a rest is beyond noise, and what comes closest of the known effects and is not named for it."""
+    left = judgement.left
+    closest = [effect_entry(f, whole, workbench) for f in judgement.closest]
+    keys = ("members", "size", "sentence")
+    return {
+        "beyond_noise": {"size": left.size, "noise": left.noise, "allowed": left.allowed},
+        "closest": [{key: entry[key] for key in keys} for entry in closest],
+    }
 
 
 def _unknown_entry(whole, judgement):

@@ -3,6 +3,7 @@
 
 from dataclasses import replace
 
+from sklvalve.mismatch.adequacy import left_over
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value, p_value_of_what_counts, strength_of_effects
@@ -119,13 +120,27 @@ def _judged(
     if not findings and verdict != "no_mismatch":
         unknown = rest_of(nominal)[0] or unknown
         verdict = "none_of_these" if unknown is not None else "cannot_tell"
+    # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
+    left, closest = left_over(workbench, model, nominal), []
+    if left is not None and _speaks_against(left, verdict, alpha):
+        closest, findings, verdict = findings, [], "none_of_these"
+        p_value = max(min(p_value, left.p_value), 1e-12)
+        unknown = unknown or rest_of(nominal)[0]
+    else:
+        left = None
     nominal = workbench.least_squares(nominal)
     model = _else_as(workbench, workbench.least_squares(model), nominal) if findings else nominal
+    more = {"left": left, "closest": closest, "evidence": evidence}
     if verdict == "no_mismatch" or unknown is None:
-        return Judgement(verdict, p_value, findings, None, nominal, model, evidence=evidence)
+        return Judgement(verdict, p_value, findings, None, nominal, model, **more)
     tried = folded(workbench, model, unknown)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
-    return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, evidence)
+    return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, **more)
+
+
+def _speaks_against(left, verdict, alpha):
+    """Whether what is left over of the flow speaks against a verdict that was reached without it."""
+    return left.is_no_wander(alpha) if verdict == "no_mismatch" else left.too_much
 
 
 def _stands(workbench, model, unknown):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What to do at the valve to learn more."""
 
+from sklvalve.mismatch.adequacy import LeftOver
 from sklvalve.mismatch.planning import planned
 
 
@@ -12,7 +13,7 @@ def next_test(classes, verdict, unknown, workbench, findings=()):
     classes : list of dict
         Classes as `class_of` gives them.
     verdict : str
-    unknown : Unknown or None
+    unknown : Unknown, LeftOver or None
     workbench : Workbench
     findings : sequence of Finding, default=()
         Those of the classes: with them the test is one that simulations of it have shown to be the best.
@@ -28,6 +29,11 @@ def next_test(classes, verdict, unknown, workbench, findings=()):
     for members in open_ones or classes:
         who = next(iter(members.values()))[1]
         return who.effect.separated_by
+    if isinstance(unknown, LeftOver):
+        return (
+            "Hold the command for half an hour while the pressures go on: what still comes and goes hangs on "
+            "something that is not recorded; record what is near, such as pumps, gas, deposits or the meter."
+        )
     if unknown is not None and unknown.period is not None:
         return (
             f"Look for what repeats every {unknown.period:.3g} s, such as a pump, another loop or a batch: "

@@ -11,6 +11,7 @@ from sklvalve.report.words import (
     either,
     number,
     p_words,
+    percent,
     role_words,
     spoken,
     sure,
@@ -102,15 +103,32 @@ def _unknown(d: dict) -> str:
     lost = left_out(d)
     return (
         f"{besides}{'something' if besides else 'Something'} is missing that no known effect explains: it "
-        f"acts {_place(d, d['location']['blocks'])} and follows from {_inputs(d)}, so it is no noise "
-        f"({p_words(d['mismatch'].get('p_value'))}){f', but {lost}' if lost else _gain(d)}."
+        f"acts {_place(d, d['location']['blocks'])} and {_no_noise(d)} "
+        f"({p_words(d['mismatch'].get('p_value'))}){f', but {lost}' if lost else _gain(d)}.{_closest(d)}"
     )
 
 
-def _inputs(d: dict) -> str:
-    """Signals from which what no effect explains can be predicted."""
-    inputs = (d.get("unknown") or {}).get("inputs")
-    return either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
+def _no_noise(d: dict) -> str:
+    """What tells it from noise: the signals from which it can be predicted, or its size alone."""
+    unknown = d.get("unknown") or {}
+    inputs, beyond = unknown.get("inputs"), unknown.get("beyond_noise")
+    if beyond and not inputs:
+        return (
+            f"follows from nothing recorded, but its slow part ({percent(beyond['size'])} of span) is more "
+            f"than a flow may wander whose quick noise is {percent(beyond['noise'])}"
+        )
+    told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
+    return f"follows from {told}, so it is no noise"
+
+
+def _closest(d: dict) -> str:
+    """The known effects that come closest and leave too much; empty where there are none."""
+    unknown = d.get("unknown") or {}
+    if not unknown.get("closest"):
+        return ""
+    names = either([class_words(effect["members"]) for effect in unknown["closest"]], "and")
+    left = percent(unknown["beyond_noise"]["size"])
+    return f" Closest comes {names}, but that leaves {left} of span that is no noise."
 
 
 def _undecided(d: dict) -> str:

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether a hypothesis explains a flow down to its noise: one that only imitates what is missing does not.
+
+An effect of no catalogue takes the name of the one that imitates it best, and the noise model hides what the
+imitation leaves: learnt from that very rest, it takes it for wander. So the rest is held against noise in
+which no hypothesis has a part, that of stretches in which the valve rests.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.stats import chi2
+
+from sklvalve.mismatch.distance import SHARE_MISTAKEN
+from sklvalve.mismatch.steady import LENGTH, drivers_of, steady_floor
+from sklvalve.simulation.calibration import drop_is_unknown
+
+# a healthy simulation is slowly wrong by this share of what counts as an effect
+_INADEQUACY = 0.25
+# a hypothesis that leaves so many times what it may leave is not what happened
+_TOO_MUCH = 1.3
+# where no effect was found at all: a meter may wander by somewhat more than its quick noise
+_MORE_THAN_WANDER = 1.6
+# a row in which the simulated flow moves by more than this share of its span is of no slow rest
+_MOVES = 0.004
+_FEWEST = 8
+# correlations below this are chance
+_CHANCE = 0.05
+
+
+@dataclass(frozen=True)
+class LeftOver:
+    """What a hypothesis leaves over of the flow, slowly.
+
+    Attributes
+    ----------
+    channel : str
+    size : float
+        Rms of the rest's means over stretches in which the flow moves little, share of span [1].
+    noise : float
+        Quick noise of the flow, share of span [1].
+    allowed : float
+        What may be left over, share of span [1].
+    p_value : float
+        Of a rest of this size or more where the true one is as large as is allowed.
+    """
+
+    channel: str
+    size: float
+    noise: float
+    allowed: float
+    p_value: float
+
+    @property
+    def times(self):
+        """How many times what is allowed."""
+        return self.size / self.allowed
+
+    @property
+    def too_much(self):
+        """Whether a hypothesis that leaves this may not be named."""
+        return self.times > _TOO_MUCH
+
+    def is_no_wander(self, alpha):
+        """Whether a simulation without any effect that leaves this lacks something."""
+        return self.times > _MORE_THAN_WANDER and self.p_value < alpha
+
+
+def left_over(workbench, model, nominal):
+    r"""What a hypothesis leaves over of the flow beside what it may.
+
+    With :math:`\sigma` the quick noise of the flow, :math:`c` the size from which on an effect counts and
+    :math:`E` what the hypothesis explains, rms of the same means, the rest may be as large as
+
+    .. math:: \sqrt{\sigma^2 + (0.25 c)^2 + (0.15 E)^2}
+
+    so that a meter may wander by as much as it jitters, and a simulation may get a share of an effect wrong.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model, nominal : Model
+        The hypothesis, and the calibrated simulation without any effect (the same where none was found).
+
+    Returns
+    -------
+    left : LeftOver or None
+        None where nothing can be said: without flow or position, where nothing tells the pressure drop, or
+        where too few rows are at rest.
+    """
+    recording = workbench.recording
+    if "flow" not in workbench.channels or workbench.coupled or drop_is_unknown(recording):
+        return None
+    span = workbench.spans["flow"]
+    rest = workbench.residuals(model)["flow"] / span
+    shown = model.predictions["flow"] / span
+    quiet = np.abs(np.gradient(np.nan_to_num(shown))) < _MOVES
+    slow = _means(rest, quiet)
+    if np.isfinite(slow).sum() < _FEWEST:
+        return None
+    noise = _quick_noise(recording, rest, quiet, span)
+    if noise is None:
+        return None
+    explained = _rms(_means(shown - nominal.predictions["flow"] / span, quiet))
+    parts = noise, _INADEQUACY * workbench.least("flow"), SHARE_MISTAKEN * explained
+    allowed, size = float(np.sqrt(np.sum(np.square(parts)))), _rms(slow)
+    many = effective_number(slow)
+    p_value = float(chi2.sf(many * (size / allowed) ** 2, many))
+    return LeftOver("flow", size, noise, allowed, p_value)
+
+
+def effective_number(series):
+    """Number of independent values that tell the variance of a correlated series as well (Bartlett).
+
+    Parameters
+    ----------
+    series : ndarray of shape (n,)
+        With a mean near zero; NaN in gaps.
+
+    Returns
+    -------
+    number : float
+    """
+    known = np.isfinite(series)
+    filled = np.where(known, series, 0.0)
+    variance, squares = np.sum(filled**2) / max(known.sum(), 1), 0.0
+    for lag in range(1, len(series) // 3):
+        both = np.sum(known[lag:] & known[:-lag])
+        correlation = np.sum(filled[lag:] * filled[:-lag]) / max(both * variance, 1e-300)
+        # beyond the first lag at which nothing is left there is chance only
+        if both < _FEWEST // 2 or correlation < _CHANCE:
+            break
+        squares += correlation**2
+    return float(known.sum() / (1.0 + 2.0 * squares))
+
+
+def _quick_noise(recording, rest, quiet, span):
+    """Quick noise of the flow as share of span: of stretches at rest, or else what the rest itself jitters."""
+    driver, beside = drivers_of(recording, "flow")
+    steady = steady_floor(recording["flow"], driver, beside, recording.resolution("flow")).value
+    if steady is not None:
+        return steady / span
+    variances = _variances_about_lines(np.where(quiet, rest, np.nan))
+    # what a hypothesis gets wrong of the quick movement is no noise: the calmer stretches tell
+    return float(np.sqrt(np.quantile(variances, 0.25))) if len(variances) >= _FEWEST else None
+
+
+def _table(values):
+    many = len(values) // LENGTH
+    return values[: many * LENGTH].reshape(many, LENGTH)
+
+
+def _means(values, keep):
+    """Means of stretches; NaN where less than half of one is kept."""
+    table = _table(np.where(keep, values, np.nan))
+    count = np.isfinite(table).sum(axis=1)
+    return np.where(count > 0.5 * LENGTH, np.nansum(table, axis=1) / np.maximum(count, 1), np.nan)
+
+
+def _variances_about_lines(values):
+    """Scatter of stretches without a gap about a straight line each."""
+    table = _table(values)
+    table = table[np.isfinite(table).all(axis=1)]
+    table = table - table.mean(axis=1, keepdims=True)
+    along = np.linspace(-1.0, 1.0, LENGTH)
+    slopes = table @ along / (along @ along)
+    return np.sum((table - slopes[:, None] * along) ** 2, axis=1) / (LENGTH - 2)
+
+
+def _rms(values):
+    return float(np.sqrt(np.nanmean(values**2)))
