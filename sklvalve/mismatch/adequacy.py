@@ -135,7 +135,7 @@ def effective_number(series):
 
 
 def _quick_noise(recording, rest, quiet, span):
-    """Quick noise of the flow as share of span: of stretches at rest, or else what the rest itself jitters."""
+    """Quick noise of the flow, share of span: of stretches at rest, or else what the rest itself jitters."""
     driver, beside = drivers_of(recording, "flow")
     steady = steady_floor(recording["flow"], driver, beside, recording.resolution("flow")).value
     if steady is not None:

@@ -100,7 +100,7 @@ def test_correlated_values_count_for_fewer(n, keep, seed, gap):
 
 
 def test_an_imitation_is_not_named(healthy):
-    """Deposits that come and go pass for a drift, or for nothing, when noise is learnt from what they leave."""
+    """Deposits that come and go pass for noise that is learnt from what they leave."""
     dirty = _with_flow(healthy, _deposits(len(healthy), 0.15, seed=3))
     found = MissingPhysicsFinder(effects=("backlash", "flow_meter_drift")).fit(dirty)
     told = found.diagnosis_.to_dict()
