@@ -208,6 +208,7 @@ def _truth(case, plant, course, strengths, sizes, clean, table, behind):
         "nasty": list(case.nasty),
         "size_step": case.step,
         "rows": plant.rows,
+        "duration": float(plant.rows),
         "rows_later": plant.n - plant.rows,
         "noise_rms": noise,
         "fluid": plant.fluid,

@@ -18,12 +18,25 @@ from benchmarks.concealed.plant.noise import whiten_flow, whiten_opening
 CAPACITY, TRIM, RECOVERY, RESPONSE, STATIC, ZERO_X = 0.1, 0.1, 0.1, 3.0, 0.01, 0.01
 ZERO_FLOW, ZERO_P = 0.005, 2500.0
 _HATS = np.linspace(0.0, 1.0, 8)
+# what an actuator may be slower or slacker by; two sizes of what is no line in its size
+_RESPONSES = (
+    ({"lag": RESPONSE}, 0.0),
+    ({"lag": 0.3 * RESPONSE}, -1.0),
+    ({"dead_time": RESPONSE}, -0.1),
+    ({"dead_time": 0.3 * RESPONSE}, -1.0),
+    ({"stroke_time": 2.0 * RESPONSE}, 0.0),
+    ({"link_play": STATIC}, -0.2),
+    ({"link_play": 0.4 * STATIC}, -1.0),
+    ({"dead_zone": 0.5 * STATIC}, -0.2),
+    ({"dead_zone": 0.2 * STATIC}, -1.0),
+)
 
 
 @dataclass(frozen=True)
 class Nuisance:
-    """Whitened series that calibration may add to a channel, and what multiples it may take of each."""
+    """Series that calibration may add to a channel, plain and whitened, and what multiples it may take."""
 
+    plain: np.ndarray
     basis: np.ndarray
     triangle: np.ndarray
     low: np.ndarray
@@ -31,17 +44,16 @@ class Nuisance:
     law: object
 
     def left(self, change):
-        """Whitened change, less what calibration can take of it."""
+        """What calibration leaves of a change: its distance, and the rest in the channel's own unit."""
         white = self.law(change[:, None])[:, 0]
-        return white - self.basis @ self._taken(white)
+        taken = self.multiples(white)
+        rest = white - self.basis @ (self.triangle @ taken)
+        return float(rest @ rest), change - self.plain @ taken
 
     def distance(self, white):
         """Squared sum that calibration leaves of a whitened series."""
-        rest = white - self.basis @ self._taken(white)
+        rest = white - self.basis @ (self.triangle @ self.multiples(white))
         return float(rest @ rest)
-
-    def _taken(self, white):
-        return self.triangle @ self.multiples(white)
 
     def multiples(self, white):
         """What calibration takes of each of its series."""
@@ -55,10 +67,11 @@ def nuisance_of(scene, channel):
     columns, low, high = _flow_series(scene) if channel == "flow" else _opening_series(scene)
     law = _flow_law(scene) if channel == "flow" else _opening_law(scene)
     rows = scene.recorded
-    white = law(np.column_stack([column[rows] for column in columns]))
+    plain = np.column_stack([column[rows] for column in columns])
+    white = law(plain)
     basis, triangle = np.linalg.qr(white)
     wide = np.maximum(np.array(high) - np.array(low), 1e-9)
-    return Nuisance(basis, triangle, np.array(low), np.array(low) + wide, law)
+    return Nuisance(plain, basis, triangle, np.array(low), np.array(low) + wide, law)
 
 
 def _shifted(scene, **columns):
@@ -70,12 +83,7 @@ def _shifted(scene, **columns):
 
 def _opening_series(scene):
     base = scene.seen("opening", scene.sound)
-    steps = (
-        (_shifted(scene, lag=RESPONSE), 0.0, 1.0),
-        (_shifted(scene, dead_time=RESPONSE), -0.1, 1.0),
-        (_shifted(scene, link_play=STATIC), 0.0, 1.0),
-        (_shifted(scene, dead_zone=0.5 * STATIC), 0.0, 1.0),
-    )
+    steps = [(_shifted(scene, **column), low, 1.0) for column, low in _RESPONSES]
     series = [scene.seen("opening", table) - base for table, _, _ in steps]
     low, high = [s[1] for s in steps], [s[2] for s in steps]
     return [*series, np.full_like(base, ZERO_X), ZERO_X * base], [*low, -1.0, -1.0], [*high, 1.0, 1.0]
@@ -93,7 +101,9 @@ def _flow_series(scene):
             *_left(sound["meter_bias"] / (ZERO_FLOW * plant.span)),
         ),
         (_shifted(scene, meter_lag=RESPONSE), -0.3, 1.0 - sound["meter_lag"] / RESPONSE),
-        (_shifted(scene, plug_play=STATIC), 0.0, 1.0),
+        (_shifted(scene, meter_lag=0.4 * RESPONSE), -1.0, 1.0),
+        (_shifted(scene, plug_play=STATIC), -0.2, 1.0),
+        (_shifted(scene, plug_play=0.4 * STATIC), -1.0, 1.0),
         (_shifted(scene, plug_offset=ZERO_X), *_left(sound["plug_offset"] / ZERO_X)),
         (_shifted(scene, fl_factor=RECOVERY), *_left(fl / RECOVERY)),
         (_shifted(scene, p1_bias=ZERO_P), -1.0, 1.0),
@@ -112,14 +122,10 @@ def _flow_series(scene):
         low.append(-1.0 - taken)
         high.append(1.0 - taken)
     if "opening" in scene.lacking:
-        for table, least, most in (
-            (_shifted(scene, lag=RESPONSE), 0.0, 1.0),
-            (_shifted(scene, dead_time=RESPONSE), -0.1, 1.0),
-            (_shifted(scene, dead_zone=0.5 * STATIC), 0.0, 1.0),
-        ):
-            series.append(scene.seen("flow", table) - base)
+        for column, least in _RESPONSES:
+            series.append(scene.seen("flow", _shifted(scene, **column)) - base)
             low.append(least)
-            high.append(most)
+            high.append(1.0)
     return series, low, high
 
 

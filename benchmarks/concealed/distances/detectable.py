@@ -29,17 +29,16 @@ def scene_of(plant, strengths, course, lacking=()):
 
 
 def standing_out(scene):
-    """Distance of a scene from a sound plant, and the largest share of span or travel that it moves."""
+    """Distance of a scene from a sound plant, and the share of span or travel that it moves, calibrated."""
     distance = share = 0.0
     for channel in scene.channels():
         if not scene.touches(scene.schedule, channel):
             continue
         change = scene.seen(channel, scene.schedule) - scene.seen(channel, scene.sound)
         change = change[scene.recorded]
-        nuisance = nuisance_of(scene, channel)
-        rest = nuisance.left(change)
-        distance += float(rest @ rest)
-        share = max(share, acting_share(change, scene, channel))
+        alone, rest = nuisance_of(scene, channel).left(change)
+        distance += alone
+        share = max(share, acting_share(rest, scene, channel))
     return distance, share
 
 

@@ -17,6 +17,7 @@ _READING = ("x_gain", "x_bias", "loop_gain", "loop_bias")
 _BEHIND = FLOW_SIDE + _READING
 # what moves the stem itself; the reading's own errors do not
 _BEFORE = tuple(name for name in COLUMNS if name not in FLOW_SIDE and name not in ("x_gain", "x_bias"))
+_STEM = [_AT[name] for name in _BEFORE]
 
 
 class Scene:
@@ -46,6 +47,7 @@ class Scene:
         self.p2 = self.loop[:, P2_READ] + fine["p2_bias"]
         self.sound = self.scheduled({}, Course())
         self.recorded = slice(WARM_UP, self.n)
+        self._stem = None
 
     def scheduled(self, strengths, course):
         """Schedule of these effects over the rows that count."""
@@ -65,6 +67,11 @@ class Scene:
         return self._read(self._moved(schedule)[:, 0], self._fine(schedule))
 
     def _moved(self, schedule):
+        """Stem under a schedule; of a sound actuator it is marched once."""
+        if np.array_equal(schedule[:, _STEM], self.sound[:, _STEM]):
+            if self._stem is None:
+                self._stem = self.plant.actuator(self.sound, self.command, self.p1 - self.p2)
+            return self._stem
         return self.plant.actuator(schedule, self.command, self.p1 - self.p2)
 
     def flow(self, schedule, trim=None):

@@ -4,7 +4,7 @@
 from benchmarks.concealed.methods.rows import told_rows
 from sklvalve import MissingPhysicsFinder
 
-_TOLD = ("verdict", "mismatch", "location", "effects", "unknown")
+_TOLD = ("verdict", "mismatch", "location", "effects", "unknown", "data")
 
 
 def diagnose(recording, *, folder=None, **settings):

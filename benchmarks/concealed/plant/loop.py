@@ -102,7 +102,8 @@ def wanted(state, history, k, share, row):
 def stem_step(h, state, force, stiffness, row, hard):
     """One step of the stem under LuGre friction, bristles and spring taken implicitly.
 
-    Canudas de Wit et al. 1995: dz/dt = v - sigma0 |v| z / g(v), F = sigma0 z + sigma1 dz/dt.
+    Canudas de Wit et al. 1995: dz/dt = v - sigma0 |v| z / g(v), F = sigma0 z + sigma1 dz/dt, with Tustin's
+    g(v) = F_c + (F_s - F_c) exp(-|v| / v_s), which falls from rest on: a slow stem moves by jumps.
     """
     travel = hard[TRAVEL]
     more = row[BEND_FRICTION] * max(state[X] / travel - row[BEND_BEGIN], 0.0) / (1.0 - row[BEND_BEGIN])
@@ -110,7 +111,7 @@ def stem_step(h, state, force, stiffness, row, hard):
     v, z = state[V], state[BRISTLE]
     sigma0 = stick / (row[REACH] * travel)
     sigma1 = hard[BRISTLE_DAMPING] * np.sqrt(sigma0 * hard[MASS])
-    sliding = coulomb + (stick - coulomb) * np.exp(-((v / hard[STRIBECK]) ** 2))
+    sliding = coulomb + (stick - coulomb) * np.exp(-abs(v) / hard[STRIBECK])
     decay = 1.0 + h * sigma0 * abs(v) / sliding
     # z_new = (z + h v_new) / decay, so that the friction is a line in v_new
     held = sigma0 * z / decay + sigma1 * (z / decay - z) / h

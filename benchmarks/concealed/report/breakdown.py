@@ -21,6 +21,7 @@ LABELS = {
     "single": "one effect with a name",
     "pair": "several effects",
     "outside": "an effect of no catalogue",
+    "defect": "columns exchanged or mislabelled",
 }
 
 

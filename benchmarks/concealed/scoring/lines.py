@@ -5,7 +5,7 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
-KINDS = ("healthy", "single", "pair", "outside")
+KINDS = ("healthy", "single", "pair", "outside", "defect")
 DEFAULT_METHOD = "sklvalve"
 # Distance from the truth above which the generator calls another explanation distinguishable.
 DISTINGUISHABLE = 14.0

@@ -9,7 +9,10 @@ HEALTHY = ("right", "alarm", "failed")
 SINGLE = ("right", "wrong name", "cannot tell", "none of these", "missed", "failed")
 PAIR = ("both found", "one found", "neither", "wrong name", "failed")
 OUTSIDE = ("right", "cannot tell", "missed", "wrong name", "failed")
-WORDS = {"healthy": HEALTHY, "single": SINGLE, "pair": PAIR, "outside": OUTSIDE}
+DEFECT = ("right", "wrong name", "missed", "failed")
+WORDS = {"healthy": HEALTHY, "single": SINGLE, "pair": PAIR, "outside": OUTSIDE, "defect": DEFECT}
+# findings about the data by which a defect of the columns is told
+TELLING = ("swapped", "unit_suspect")
 
 
 def wrongly_named(line):
@@ -42,11 +45,14 @@ def judge(line):
     ``named`` holds it and no class beside it is wrong, ``wrong name`` where any class holds no true name, and
     else what was said instead: ``cannot tell``, ``none of these``, ``missed``. Several effects: ``both
     found`` where each is held by a class of its own, ``one found``, ``neither``. Outside the catalogue:
-    ``right`` is ``none_of_these`` without any name. ``failed`` where the diagnosis broke.
+    ``right`` is ``none_of_these`` without any name. Exchanged or mislabelled columns: ``right`` where that is
+    said, or no name is given. ``failed`` where the diagnosis broke.
     """
+    kind, verdict = kind_of(line), verdict_of(line)
+    if kind == "defect":
+        return _of_defect(line)
     if failed(line):
         return "failed"
-    kind, verdict = kind_of(line), verdict_of(line)
     if kind == "healthy":
         return "right" if verdict == "no_mismatch" else "alarm"
     if wrongly_named(line):
@@ -61,3 +67,15 @@ def judge(line):
     if found:
         return "right"
     return {"cannot_tell": "cannot tell", "none_of_these": "none of these"}.get(verdict, "missed")
+
+
+def _of_defect(line):
+    """Of a recording whose columns are exchanged or mislabelled: ``right`` where that is said, or no name given."""
+    if failed(line):
+        return "right" if str(line.get("failed", "")).startswith("InputError") else "failed"
+    told = {item.get("finding") for item in line["found"].get("data") or ()}
+    if told & set(TELLING):
+        return "right"
+    if classes_of(line):
+        return "wrong name"
+    return "missed" if verdict_of(line) == "no_mismatch" else "right"
