@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The benchmark's plant: its physics at rest, its friction, its effects one by one, and that it stands alone."""
+"""The plant of the benchmark: physics at rest, friction, effects one by one, and that it stands alone."""
 
 import ast
 from pathlib import Path

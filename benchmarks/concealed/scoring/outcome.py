@@ -70,7 +70,7 @@ def judge(line):
 
 
 def _of_defect(line):
-    """Of a recording whose columns are exchanged or mislabelled: ``right`` where that is said, or no name given."""
+    """Of exchanged or mislabelled columns: ``right`` where that is said, or no name is given."""
     if failed(line):
         return "right" if str(line.get("failed", "")).startswith("InputError") else "failed"
     told = {item.get("finding") for item in line["found"].get("data") or ()}
