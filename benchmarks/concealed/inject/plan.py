@@ -5,7 +5,7 @@ import numpy as np
 
 from benchmarks.concealed.inject import damadics, refinery, watersafe
 from benchmarks.concealed.inject.effects import ALSO, EFFECTS, possible
-from benchmarks.concealed.inject.noise import APART, Ruler
+from benchmarks.concealed.inject.noise import APART, DETECTABLE, Ruler
 from benchmarks.concealed.inject.writing import of_base, of_loop
 
 # what the diagnosis names on the untouched stretches cannot be told from what is put in on top
@@ -137,17 +137,23 @@ def of_windows(loops, count, rng):
         quiet = {"flow": None, "opening": None}
         truth = _nothing("refinery", loop.name, quiet)
         out.append({"table": table, "behind": behind, "sheet": sheet, "truth": truth, "rows": loop.rows})
+    drawn: set[tuple] = set()
     done, attempts = 0, 0
     while done < count and attempts < 10 * count:
         attempts += 1
         loop, step = loops[rng.integers(len(loops))], STEPS[done % 3]
         share = (0.0, float(rng.uniform(0.3, 1.0)))[(done // 3) % 2]
         onset = float(loop.dt * int(rng.uniform(0.25, 0.5) * loop.rows)) if rng.random() < 0.4 else 0.0
-        least = loop.detectable(share, onset)
+        case = loop.name, share == 0.0, step, onset
+        least = None if case in drawn else loop.detectable(share, onset)
         if least is None:
             continue
-        out.append(_sticking(loop, step * least, share, onset, step))
-        done += 1
+        record = _sticking(loop, step * least, share, onset, step)
+        # a wide band can hide what a narrow one shows, where the stem hardly moves any more
+        if record["truth"]["distances"]["nothing"] >= DETECTABLE:
+            drawn.add(case)
+            out.append(record)
+            done += 1
     return out
 
 

@@ -24,6 +24,8 @@ LAST_ROWS = 150
 # rows over which changes of set-point, command and flow are compared
 SPANS = (1, 3, 10, 30, 100)
 LEAST_BAND = 0.25
+# rows of response to the command that a linear explanation may have
+RESPONSE = 13
 # least correlation of the set-point's changes with the flow's, and least share that the controller explains
 LEAST_MOVED, LEAST_CONTROLLED = 0.4, 0.7
 
@@ -86,7 +88,7 @@ class Loop:
         ahead, scatter = autoregression(quiet[: self.rows])
         white = lambda y: lfilter(ahead, [1.0], y[: self.rows]) / scatter  # noqa: E731
         about = command - command.mean()
-        delayed = [np.r_[np.full(k, about[0]), about[: len(about) - k]] for k in range(4)]
+        delayed = [np.r_[np.full(k, about[0]), about[: len(about) - k]] for k in range(RESPONSE)]
         free = np.linalg.qr(np.column_stack([white(y) for y in (np.ones(len(about)), *delayed)]))[0]
         left = white(moved)
         left = left - free @ (free.T @ left)
