@@ -61,6 +61,15 @@ def _start(cv, hard):
 
 
 @njit
+def _share_of_way(step, free, q, drop, rho, row):
+    """How far a column between the taps lets the flow go to where it would be free, within a step."""
+    if row[TAP_INERTIA] <= 0.0:
+        return 1.0
+    wait = rho * row[TAP_INERTIA] * max(free, q) / (3600.0 * 2.0 * max(drop, 1e3))
+    return 1.0 - np.exp(-step / max(wait, 1e-3))
+
+
+@njit
 def _line_flow(plug, q0, source, tank, fluid, row, hard, trim, fl_table):
     """Flow after one tick, and pressures at the taps, the water column taken implicitly."""
     celsius, rho, p_vapour, floor = fluid
@@ -73,11 +82,8 @@ def _line_flow(plug, q0, source, tank, fluid, row, hard, trim, fl_table):
             push = hard[INERTANCE] * (trial - q0) / TICK
             p1 = source - hard[SOURCE_LOSS] * trial * abs(trial) - 0.5 * push
             p2 = tank + hard[OUTLET_LOSS] * trial * abs(trial) + 0.5 * push
-            inner = p1 - rho * row[TAP_INERTIA] * (trial - q0) / (3600.0 * TICK)
-            rest[i] = valve_flow(
-                plug, inner, p2, celsius, rho, p_vapour, floor, q0, row, hard, trim, fl_table
-            )
-            rest[i] -= trial
+            free = valve_flow(plug, p1, p2, celsius, rho, p_vapour, floor, q0, row, hard, trim, fl_table)
+            rest[i] = q0 + _share_of_way(TICK, free, q0, p1 - p2, rho, row) * (free - q0) - trial
         change = -rest[0] * step / (rest[1] - rest[0])
         q = max(q + change, 0.0)
         if abs(change) < 1e-6 * hard[KV]:
@@ -184,12 +190,7 @@ def march_valve(schedule, stem, p1, p2, weather, hard, trim, fl_table):
         plug = follow(stem[i], plug, row[PLUG_PLAY])
         celsius, rho, p_vapour, floor = weather[k, 2], weather[k, 3], weather[k, 4], weather[k, 5]
         free = valve_flow(plug, p1[i], p2[i], celsius, rho, p_vapour, floor, q, row, hard, trim, fl_table)
-        if row[TAP_INERTIA] > 0.0 and i > 0:
-            # the column between the taps: q approaches by its time constant at this drop
-            wait = rho * row[TAP_INERTIA] * max(free, q) / (3600.0 * 2.0 * max(p1[i] - p2[i], 1e3))
-            q += (1.0 - np.exp(-step / max(wait, 1e-3))) * (free - q)
-        else:
-            q = free
+        q = free if i == 0 else q + _share_of_way(step, free, q, p1[i] - p2[i], rho, row) * (free - q)
         passing = at_the_meter(q, p1[i], p2[i], rho, p_vapour, row)
         if i == 0:
             meter = passing
