@@ -41,9 +41,13 @@ def withheld(judgement, data):
     if unknown is not None and unknown.channel in spoilt:
         judgement = replace(judgement, unknown=None, tried=None, kept=False, errors=None)
         unknown = None
+    left = judgement.left if unknown is None else None
+    if left is not None and left.channel in spoilt:
+        judgement = replace(judgement, left=None, closest=[])
     blamed = [f"what a historian left out of {role}" for role in redrawn]
     blamed += [f"the coarse steps of {role}" for role in _roles(data, "quantised")]
-    if not blamed or unknown is not None or judgement.verdict in ("no_mismatch", "named"):
+    beyond = unknown is not None or judgement.left is not None
+    if not blamed or beyond or judgement.verdict in ("no_mismatch", "named"):
         return judgement, None
     silent = replace(judgement, verdict="cannot_tell", p_value=None, findings=[], model=judgement.nominal)
     return silent, (
