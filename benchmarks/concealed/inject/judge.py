@@ -106,7 +106,10 @@ def main(arguments=None):
     lines = [json.loads(row) for row in rows if row.endswith("}")]
     done = {line["record"] for line in lines}
     out.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
-    for folder in sorted(path.parent for path in options.folder.glob("*/truth.json")):
+    # the untouched ones first, against which the others are judged
+    kind = lambda path: json.loads(path.read_text(encoding="utf-8"))["kind"] != "healthy"  # noqa: E731
+    truths = sorted(options.folder.glob("*/truth.json"), key=lambda path: (kind(path), path))
+    for folder in (path.parent for path in truths):
         if folder.name not in done:
             lines.append(diagnosed(folder, options.method))
             with out.open("a", encoding="utf-8") as file:
