@@ -51,7 +51,7 @@ def draw(folder, seed, part=(1, 1), report=print, **sizes):
             )
             report(f"{case.name}: {' + '.join(case.effects)} is not possible in {ATTEMPTS} plants")
             continue
-        _write(place, made)
+        write(place, made)
         report(f"{case.name} written")
 
 
@@ -65,7 +65,7 @@ def _made(case, seed):
     return None
 
 
-def _write(place, made):
+def write(place, made):
     rows = made.truth["rows"]
     waiting = place.with_name(f".{place.name}.{os.getpid()}")
     shutil.rmtree(waiting, ignore_errors=True)

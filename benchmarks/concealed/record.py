@@ -34,8 +34,18 @@ class Made:
     truth: dict
 
 
-def make(case, seed):
+def make(case, seed, *, rows=None, strengths=None):
     """Draw the record of a case.
+
+    Parameters
+    ----------
+    case : Case
+    seed : int
+    rows : int, default=None
+        Of the record; drawn where none are given.
+    strengths : dict, default=None
+        Sizes of the effects, where they are known from an earlier draw: neither they nor distances are
+        looked for, which takes most of the time.
 
     Raises
     ------
@@ -43,21 +53,25 @@ def make(case, seed):
         If the effect cannot be so large in this plant.
     """
     rng = np.random.default_rng([seed, 3])
-    rows = int(rng.choice([2400, 3000, 3600, 4800]))
+    drawn = int(rng.choice([2400, 3000, 3600, 4800]))
+    rows = drawn if rows is None else rows
     fluid = next((EFFECTS[n].fluid for n in case.effects if EFFECTS[n].fluid != "water"), "water")
     plant = Plant(seed, case.excitation, rows, LATER, fluid, case.nasty)
     course = Course.drawn(rng, case.course, rows)
     lacking = tuple(n[3:] for n in case.nasty if n.startswith("no_"))
     _write_sheet(rng, plant, case)
-    strengths, sizes = _sized(rng, plant, case, course, lacking)
+    known, sizes = strengths is not None, {}
+    signs = {name: float(rng.choice([-1.0, 1.0])) for name in case.effects if EFFECTS[name].signed}
+    if not known:
+        strengths, sizes = _sized(plant, case, course, lacking, signs)
     whole = Scene(plant, *_run(plant, strengths, course), lacking, later=True)
     if "compensated" in case.nasty:
         _compensate(plant, whole)
-    scene = scene_of(plant, strengths, course, lacking)
     clean, table = _recorded(rng, plant, whole, case)
     behind = _behind(whole, clean)
     truth = _truth(case, plant, course, strengths, sizes, clean, table, behind)
-    truth |= _distances(case, scene, course)
+    if not known:
+        truth |= _distances(case, scene_of(plant, strengths, course, lacking), course)
     valve = _valve(plant, table, case)
     given = _given(valve) if "F_sim" in table and case.kind in ("healthy", "single") else None
     return Made(table, valve, given, behind, truth)
@@ -85,12 +99,11 @@ def _compensate(plant, scene):
     plant.written["kv_rated"] = float(round(plant.trim[-1] * np.clip(mean, 0.92, 1.08), 2))
 
 
-def _sized(rng, plant, case, course, lacking):
+def _sized(plant, case, course, lacking, signs):
     """Sizes of the effects, and what is told of how they were found."""
     strengths, told = {}, {}
     for name in case.effects:
-        sign = float(rng.choice([-1.0, 1.0])) if EFFECTS[name].signed else 1.0
-        size, found = of_times(plant, name, course, case.step, lacking, sign)
+        size, found = of_times(plant, name, course, case.step, lacking, signs.get(name, 1.0))
         if size is None:
             raise Impossible(f"{name} of {case.step:g} times its detectable size is not possible here")
         strengths[name] = float(size)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One drawn plant, which runs with any effects on the same surroundings."""
 
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -138,7 +139,7 @@ class Plant:
             effect = EFFECTS[name]
             active = course.active(self.n_all, effect.grows)
             self.grown_for = float(np.count_nonzero(active > 0.0))
-            self._dice = np.random.default_rng([self.seed, 2, list(EFFECTS).index(name)])
+            self._dice = np.random.default_rng([self.seed, 2, zlib.crc32(name.encode())])
             if size != 0.0:
                 effect.apply(columns, size, active, self)
         return table

@@ -18,6 +18,12 @@ def _settling(columns, size, active, plant):
     columns["capacity"] *= 1.0 - size * active
 
 
+def _thick_when_cold(columns, size, active, plant):
+    """Oil whose viscosity, of this size at 20 degC, falls as it warms."""
+    columns["viscosity"] += size * active
+    columns["viscosity_fall"][:] = plant.share(0.03, 0.06)
+
+
 def _per_hour(size, plant):
     """Growth to this size, from the onset to the last row."""
     return size * 3600.0 / max(plant.grown_for, 1.0)
@@ -129,6 +135,17 @@ EFFECTS = (
         "valve",
         add("viscosity"),
         2e-3,
+        "m2/s",
+        when="start",
+        fluid="oil",
+        parameter=own("viscosity", "m2/s"),
+    ),
+    Effect(
+        "viscosity_change",
+        "viscosity_change",
+        "valve",
+        _thick_when_cold,
+        5e-3,
         "m2/s",
         when="start",
         fluid="oil",
