@@ -23,9 +23,18 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 from scipy.stats import beta, genpareto, kstest
+from threadpoolctl import threadpool_limits
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.recording import Recording, Valve
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch.detect import Evidence, mismatch_p_value
+from sklvalve.mismatch.gate import with_seized_stems
+from sklvalve.mismatch.healthy import Circumstances
+from sklvalve.mismatch.preparation import candidates, prepared_workbench
+from sklvalve.mismatch.sifting import sifted
+from sklvalve.mismatch.withholding import withheld
+from sklvalve.recording import Recording, Valve, screen_recording
+from sklvalve.simulation.side_by_side import with_threads
 
 KINDS = ("wander", "heavy tails", "noise that grows with the flow", "noisy pressures")
 # what a third of the recordings lack, and up to which draw of 0 to 1
@@ -47,9 +56,9 @@ def draw(seed, *, nastier=False):
     """A healthy recording, and what was drawn of it."""
     rng = np.random.default_rng([seed, 17])
     told = {"seed": seed, "loop": ("wide", "closed", "mixed")[rng.integers(3)]}
-    told["noise"] = float(np.exp(rng.uniform(np.log(0.5), np.log(3.0))))
+    told["times_noise"] = float(np.exp(rng.uniform(np.log(0.5), np.log(3.0))))
     rows = int(np.exp(rng.uniform(np.log(2400), np.log(4200))))
-    settings = {"loop": told["loop"], "noise": told["noise"], "n_samples": rows, "n_later": 0}
+    settings = {"loop": told["loop"], "noise": told["times_noise"], "n_samples": rows, "n_later": 0}
     made = make_valve_recording(None, **settings, random_state=int(rng.integers(2**31)))
     frame, span, time = made.frame, made.frame.F.max(), np.arange(rows)
     if rng.random() < 0.4:
@@ -87,14 +96,17 @@ def add_noise(frame, kind, span, rng):
 
 
 def searched(recording):
-    """Evidence and outcome of a recording, as the finder judges them."""
-    from sklvalve import MissingPhysicsFinder
-
-    finder = MissingPhysicsFinder(n_jobs=1).fit(recording)
-    content, evidence = finder.diagnosis_.to_dict(), finder.evidence_
-    told = {name: getattr(evidence, name) for name in STRENGTHS}
-    told |= {name: getattr(evidence.circumstances, name) for name in CIRCUMSTANCES}
-    return told | {"verdict": content["verdict"], "p_value": content["mismatch"]["p_value"]}
+    """Evidence and verdict of a recording, as the finder judges it; what follows the verdict is left out."""
+    finder = MissingPhysicsFinder(n_jobs=1)
+    data = with_seized_stems(screen_recording(recording), recording)
+    _, recording = sifted(recording, recording, data)
+    with threadpool_limits(1, user_api="blas"), with_threads(1):
+        workbench = prepared_workbench(recording, None, None)
+        effects, _ = candidates(workbench, "all", data)
+        judged, _ = withheld(finder._judged(workbench, None, effects, 0), data)
+    told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
+    told |= {name: getattr(judged.evidence.circumstances, name) for name in CIRCUMSTANCES}
+    return told | {"verdict": judged.verdict, "p_value": judged.p_value}
 
 
 def table_of(rows, name):
@@ -155,8 +167,6 @@ def interval(many, of):
 
 def check(rows):
     """Lines that say whether the p-values of the table in place are uniform, and what was alarmed."""
-    from sklvalve.mismatch.detect import Evidence, mismatch_p_value
-    from sklvalve.mismatch.healthy import Circumstances
 
     def again(row):
         return mismatch_p_value(
