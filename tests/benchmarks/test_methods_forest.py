@@ -57,7 +57,7 @@ def test_a_forest_answers_and_is_kept(folder):
     loose = random_forest.diagnose(recording, folder=folder, alpha=1.0)
     assert loose["verdict"] in ("named", "cannot_tell")
     members = loose["effects"][0]["members"]
-    assert {m["name"] for m in members} <= {"dead_time", "flow_meter_drift"}
+    assert {m["name"] for m in members} <= {"dead_time", "flow_meter_drift", "sedimentation"}
     assert 0.0 < sum(m["probability"] for m in members) <= 1.0 + 1e-3
 
 
@@ -66,7 +66,7 @@ def test_a_training_set_at_hand_is_used(folder):
     options = {"each": 2, "healthy": 6, "trees": 60, "names": ("dead_time", "flow_meter_drift")}
     forest = random_forest.train(folder, **options, report=lambda *a: made_so_far.append(a))
     assert made_so_far == []
-    assert sorted(forest["classifier"].classes_) == ["dead_time", "flow_meter_drift", "nothing"]
+    assert sorted(forest["classifier"].classes_) == ["dead_time", "nothing", "sedimentation/flow_meter_drift"]
     assert 0.0 < forest["least"] <= 1.0
 
 
@@ -79,4 +79,9 @@ def test_names_are_told_until_they_reach_the_least_probability():
     votes = {"nothing": 0.2, "a": 0.4, "b": 0.2, "c": 0.15, "d": 0.05}
     assert list(random_forest._told(votes, 0.5)) == ["a"]
     assert random_forest._told(votes, 0.7) == pytest.approx({"a": 0.5, "b": 0.25})
-    assert list(random_forest._told(votes, 0.99)) == ["a", "b", "c"]
+    assert list(random_forest._told(votes, 0.99)) == ["a", "b"]
+
+
+def test_names_of_one_class_share_its_probability():
+    told = random_forest._by_name({"friction/presliding": 0.6, "erosion": 0.3})
+    assert told == pytest.approx({"friction": 0.3, "presliding": 0.3, "erosion": 0.3})

@@ -94,8 +94,7 @@ def _of_channel(name, left, signals, moving, chain):
     moves = np.gradient(filled(command))
     for lag in _MOVES:
         told[f"after moves {lag}"] = _correlation(bridged[lag:], moves[: len(moves) - lag])
-    turned = np.cumsum(centred) / np.sqrt(power * len(centred))
-    told["turn"], told["turn at"] = float(np.ptp(turned)), int(np.argmax(np.abs(turned))) / len(turned)
+    told["turn at"] = int(np.argmax(np.abs(np.cumsum(centred)))) / len(centred)
     halves = [np.nanstd(h) if np.isfinite(h).any() else np.nan for h in np.array_split(scaled, 2)]
     told["louder"] = halves[1] - halves[0]
     return {

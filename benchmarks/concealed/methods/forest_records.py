@@ -150,12 +150,13 @@ def _surroundings(rng):
     drop = np.maximum(pump - tank, 1e5)
     p1 = pump - drop * 0.5 * give / (1.0 + give)
     p2 = tank + drop * 0.4 * give / (1.0 + give)
+    p2 = np.minimum(p2, p1 - 2e4)
     frame = {
         "time": np.arange(float(n)),
         "command": command,
         "opening": command,
         "p1": p1,
-        "p2": np.minimum(p2, p1 - 2e4),
+        "p2": p2,
         "temperature": 293.15 + rng.uniform(0.0, 40.0) + rng.uniform(0.5, 8.0) * wander(rng, n, 900.0),
         "flow": kv / 3600.0 * np.sqrt((p1 - p2) / 1e5),
     }

@@ -27,8 +27,20 @@ NOTHING = "nothing"
 FILE = "random_forest.joblib"
 # of the recordings that the forest was not trained on so many may be given a wrong name
 _WRONG = 0.03
-# a class is told of at most so many names
-_CLASS = 3
+# so many of the forest's classes are told at most
+_CLASS = 2
+# names whose signals are the same, or nearly, whatever the recording: one class of the forest
+_SAME = (
+    ("seat_leakage", "bypass_open"),
+    ("piping_reducers", "line_loss"),
+    ("flow_meter_gain", "capacity_error", "density_change"),
+    ("inlet_pressure_bias", "outlet_pressure_bias"),
+    ("sedimentation", "flow_meter_drift"),
+    ("friction", "presliding"),
+    ("transducer_fault", "positioner_feedback_fault"),
+    ("viscous_flow", "viscosity_change"),
+)
+_LABELS = {name: "/".join(names) for names in _SAME for name in names}
 # so many recordings lack the position, and so many the pressures
 _WITHOUT = 0.12
 _DROPPED = {"opening": ("opening",), "pressures": ("p1", "p2")}
@@ -66,7 +78,7 @@ def train(folder, *, each=20, healthy=300, random_state=0, trees=600, names=None
     if not kept.exists():
         _make_training_set(kept, wanted, each, healthy, random_state, report)
     stored = np.load(kept)
-    table, labels = stored["table"], stored["labels"]
+    table, labels = stored["table"], np.array([_LABELS.get(n, n) for n in stored["labels"].tolist()])
     classifier = RandomForestClassifier(
         trees,
         min_samples_leaf=2,
@@ -144,7 +156,7 @@ def _p_value(healthy, nothing):
 
 
 def _told(votes, least):
-    """The most probable names, as few as reach the least probability."""
+    """The most probable classes of the forest, as few as reach the least probability."""
     names = sorted((n for n in votes if n != NOTHING), key=lambda n: -votes[n])
     total = max(1.0 - votes[NOTHING], 1e-9)
     members: dict = {}
@@ -153,6 +165,11 @@ def _told(votes, least):
         if sum(members.values()) >= max(least, 0.5):
             break
     return members
+
+
+def _by_name(members):
+    """Names of classes of the forest; names of one class share its probability."""
+    return {name: p / len(label.split("/")) for label, p in members.items() for name in label.split("/")}
 
 
 def diagnose(recording, *, folder=None, alpha=0.01):
@@ -168,7 +185,7 @@ def diagnose(recording, *, folder=None, alpha=0.01):
     Returns
     -------
     found : dict
-        At most one effect, of one to three names.
+        At most one effect, with the names that it may have.
 
     Raises
     ------
@@ -186,7 +203,7 @@ def diagnose(recording, *, folder=None, alpha=0.01):
     verdict, effects = "no_mismatch", []
     if p_value <= alpha:
         verdict = "named" if sum(members.values()) >= forest["least"] else "cannot_tell"
-        effects = [effect_of(members)]
+        effects = [effect_of(_by_name(members))]
     return found_of(verdict, p_value, effects, recording, alpha=alpha)
 
 
