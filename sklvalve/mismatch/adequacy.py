@@ -17,10 +17,10 @@ from sklvalve.simulation.calibration import drop_is_unknown
 
 # a healthy simulation is slowly wrong by this share of what counts as an effect
 _INADEQUACY = 0.25
-# a hypothesis that leaves so many times what it may leave is not what happened
-_TOO_MUCH = 1.3
-# where no effect was found at all: a meter may wander by somewhat more than its quick noise
-_MORE_THAN_WANDER = 1.6
+# a hypothesis that leaves so many times what it may is doubtful, and with this p-value not what happened
+_TOO_MUCH, _CLEARLY = 1.3, 0.05
+# where no effect was found at all, an alarm that a slow wander raises alone asks for this share of alpha
+_OF_ALPHA = 0.1
 # a row in which the simulated flow moves by more than this share of its span is of no slow rest
 _MOVES = 0.004
 _FEWEST = 8
@@ -61,9 +61,14 @@ class LeftOver:
         """Whether a hypothesis that leaves this may not be named."""
         return self.times > _TOO_MUCH
 
+    @property
+    def clearly(self):
+        """Whether that much is more than the few slow turns of a wander may come to."""
+        return self.too_much and self.p_value < _CLEARLY
+
     def is_no_wander(self, alpha):
         """Whether a simulation without any effect that leaves this lacks something."""
-        return self.times > _MORE_THAN_WANDER and self.p_value < alpha
+        return self.too_much and self.p_value < _OF_ALPHA * alpha
 
 
 def left_over(workbench, model, nominal):
@@ -107,6 +112,20 @@ def left_over(workbench, model, nominal):
     many = effective_number(slow)
     p_value = float(chi2.sf(many * (size / allowed) ** 2, many))
     return LeftOver("flow", size, noise, allowed, p_value)
+
+
+def imitates_any_course(findings):
+    """Whether several effects are named that follow time or temperature and nothing else.
+
+    Two slow courses add up to nearly any third, each with a size of its own: they are found together where
+    something else warms, grows or drifts, while valves rarely have two such faults at once.
+
+    Parameters
+    ----------
+    findings : list of Finding
+    """
+    slow = [f for f in findings if f.member.effect.grows or "temperature" in f.member.effect.needs]
+    return len(slow) > 1
 
 
 def effective_number(series):

@@ -37,9 +37,12 @@ class Judgement:
     evidence : Evidence or None
         What the p-value was made of.
     left : LeftOver or None
-        What the closest explanation leaves over, where that is more than noise and so speaks against it.
+        What the simulation without any effect leaves over of the flow, where that is missing physics, and no
+        effect explains it well enough to be named.
     closest : list of Finding
-        Explanations that are not named for it.
+        Those that come closest to it.
+    closest_leaves : LeftOver or None
+        What they leave over of it.
     """
 
     verdict: str
@@ -54,6 +57,7 @@ class Judgement:
     evidence: object = None
     left: object = None
     closest: list = field(default_factory=list)
+    closest_leaves: object = None
 
     @property
     def found(self):
@@ -166,12 +170,13 @@ def _unlearnt(left):
 
 def _beyond_noise(whole, workbench, judgement):
     """How far a rest is beyond noise, and what comes closest of the known effects and is not named for it."""
-    left = judgement.left
+    left, leaves = judgement.left, judgement.closest_leaves
     closest = [effect_entry(f, whole, workbench) for f in judgement.closest]
     keys = ("members", "size", "sentence")
     return {
         "beyond_noise": {"size": left.size, "noise": left.noise, "allowed": left.allowed},
         "closest": [{key: entry[key] for key in keys} for entry in closest],
+        "closest_leaves": leaves.size if closest and leaves is not None and leaves.too_much else None,
     }
 
 

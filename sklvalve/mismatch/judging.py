@@ -3,7 +3,7 @@
 
 from dataclasses import replace
 
-from sklvalve.mismatch.adequacy import left_over
+from sklvalve.mismatch.adequacy import imitates_any_course, left_over
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value, p_value_of_what_counts, strength_of_effects
@@ -117,30 +117,26 @@ def _judged(
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         findings = []
     verdict, findings = verdict_of(findings, unknown, enough, explained)
+    # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
+    left, closest, clear = left_over(workbench, model, nominal), [], imitates_any_course(findings)
+    if clear or (left is not None and left.too_much):
+        closest, findings = findings, []
+        clear = clear or (left.is_no_wander(alpha) if verdict == "no_mismatch" else left.clearly)
+    if clear and verdict == "no_mismatch":
+        verdict, p_value = "none_of_these", max(min(p_value, left.p_value), 1e-12)
     if not findings and verdict != "no_mismatch":
         unknown = rest_of(nominal)[0] or unknown
-        verdict = "none_of_these" if unknown is not None else "cannot_tell"
-    # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
-    left, closest = left_over(workbench, model, nominal), []
-    if left is not None and _speaks_against(left, verdict, alpha):
-        closest, findings, verdict = findings, [], "none_of_these"
-        p_value = max(min(p_value, left.p_value), 1e-12)
-        unknown = unknown or rest_of(nominal)[0]
-    else:
-        left = None
+        verdict = "none_of_these" if clear or unknown is not None else "cannot_tell"
+    more = {"evidence": evidence}
+    if clear:
+        more |= {"left": left_over(workbench, nominal, nominal), "closest": closest, "closest_leaves": left}
     nominal = workbench.least_squares(nominal)
     model = _else_as(workbench, workbench.least_squares(model), nominal) if findings else nominal
-    more = {"left": left, "closest": closest, "evidence": evidence}
     if verdict == "no_mismatch" or unknown is None:
         return Judgement(verdict, p_value, findings, None, nominal, model, **more)
     tried = folded(workbench, model, unknown)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, **more)
-
-
-def _speaks_against(left, verdict, alpha):
-    """Whether what is left over of the flow speaks against a verdict that was reached without it."""
-    return left.is_no_wander(alpha) if verdict == "no_mismatch" else left.too_much
 
 
 def _stands(workbench, model, unknown):

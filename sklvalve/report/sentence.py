@@ -127,8 +127,10 @@ def _closest(d: dict) -> str:
     if not unknown.get("closest"):
         return ""
     names = either([class_words(effect["members"]) for effect in unknown["closest"]], "and")
-    left = percent(unknown["beyond_noise"]["size"])
-    return f" Closest comes {names}, but that leaves {left} of span that is no noise."
+    left = unknown.get("closest_leaves")
+    if left is None:
+        return f" Closest comes {names}, but such slow courses together imitate any other."
+    return f" Closest comes {names}, but that leaves {percent(left)} of span that is no noise."
 
 
 def _undecided(d: dict) -> str:

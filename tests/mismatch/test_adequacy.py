@@ -9,8 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.adequacy import LeftOver, effective_number, left_over
+from sklvalve.mismatch.adequacy import LeftOver, effective_number, imitates_any_course, left_over
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.rivals import Finding
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.report import summary_sentence
 from sklvalve.simulation import Tolerance
@@ -130,11 +133,40 @@ def test_the_sentence_says_what_comes_closest_and_what_it_leaves():
             "size": 0.021,
             "beyond_noise": {"size": 0.021, "noise": 0.004, "allowed": 0.005},
             "closest": [{"members": members, "sentence": "There is play.", "size": {"flow": 0.02}}],
+            "closest_leaves": 0.02,
         },
     }
     sentence = summary_sentence(d)
     assert "follows from nothing recorded" in sentence
     assert "Closest comes backlash, but that leaves 2 % of span that is no noise." in sentence
+    d["unknown"]["closest_leaves"] = None
+    assert "but such slow courses together imitate any other" in summary_sentence(d)
+
+
+@pytest.mark.parametrize(
+    ("keys", "imitates"),
+    [
+        (("viscosity_change", "flow_meter_drift_span"), True),
+        (("sedimentation", "flow_meter_drift"), True),
+        (("sedimentation", "choked_flow"), False),
+        (("viscosity_change",), False),
+        ((), False),
+    ],
+)
+def test_two_slow_courses_imitate_any_other(keys, imitates):
+    effects = {effect.key: effect for effect in CATALOGUE}
+    findings = [Finding(Member(effects[key]), [], 50.0, {"flow": 0.02}) for key in keys]
+    assert imitates_any_course(findings) is imitates
+
+
+@pytest.mark.parametrize(
+    ("times", "p_value", "said"),
+    [(1.2, 1e-9, (False, False, False)), (1.5, 0.2, (True, False, False)), (1.5, 0.02, (True, True, False))]
+    + [(2.0, 1e-6, (True, True, True))],
+)
+def test_few_slow_turns_are_doubtful_and_many_clear(times, p_value, said):
+    left = LeftOver("flow", 0.005 * times, 0.004, 0.005, p_value)
+    assert (left.too_much, left.clearly, left.is_no_wander(0.01)) == said
 
 
 def test_the_next_test_of_what_nothing_tells_holds_the_command(healthy):
