@@ -271,11 +271,11 @@ def _valve(plant, table, case):
     recording: dict = {"time": "time"}
     recording |= {role: {"column": c} | more for role, (c, more) in columns.items() if c in table}
     return {
-        "valve": {"tag": case.name} | {k: v for k, v in sheet.items() if k != "area"},
+        "valve": {"tag": case.name} | {k: v for k, v in sheet.items() if k not in ("area", "supply")},
         "fluid": fluid,
         "actuator": {
             "fail": "closed",
-            "supply_pressure": 340.0,
+            "supply_pressure": sheet["supply"],
             "spring_range": [20.0, 100.0],
             "effective_area": sheet["area"],
             "positioner": True,

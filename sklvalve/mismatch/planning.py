@@ -8,7 +8,7 @@ import numpy as np
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
 from sklvalve.mismatch.foreseen import Surroundings
-from sklvalve.mismatch.plan import Pair, TestPlan, appreciable, confusion, told
+from sklvalve.mismatch.plan import SURE, Pair, TestPlan, appreciable, confusion, told
 from sklvalve.mismatch.programs import MOST_ROWS, TestLimits, as_now, library
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.given import ROLES as GIVEN
@@ -19,8 +19,10 @@ _MOST = 4
 _LOOKED_AT, _ROUNDS = 3, 3
 # length of a test where no limit says so [s], its fewest rows, and those of any test
 _LONGEST, _FEWEST, _LEAST = 3600.0, 120, 20
-# a distance with something in hand beyond what a class ends at
-_AMPLE = 20.0
+# where no limits are given, pressures that may be moved, and how far: what asks least comes first
+_FREER = ((("p2",), 0.3), (("p2",), 0.6), (("p1", "p2"), 0.3))
+# a distance beyond this is no better: of programs that reach it the slower one asks less of a simulation
+_ENOUGH = 2.0 * SURE
 # a size is worth a test that narrows its interval to this share
 _NARROWS = 0.7
 
@@ -123,7 +125,7 @@ class _Choice:
             for k in self._order(before, self.asks)[:_LOOKED_AT]:
                 if k not in close:
                     close[k] = self.advisor.distances(*self.tried[k][:2], _ROUNDS)
-            if any(np.all(self._least(d) >= DISTINGUISHABLE) for d in close.values()):
+            if any(np.all(self._least(d)[self.open] >= SURE) for d in close.values()):
                 break
         after = [self._least(d) for d in close.values()]
         best = list(close)[self._order(after, [self.asks[k] for k in close])[0]]
@@ -143,10 +145,16 @@ class _Choice:
         if limits.opening is None and ranges.whole != ranges.visited:
             yield ranges.programs(ranges.whole, limits), None
         if not self.given and {"p1", "p2"} <= set(recording):
-            freer = replace(limits, pressures=("p2",))
-            yield [ranges.programs(r, freer)[-1] for r in (ranges.visited, ranges.whole)], None
+            for pressures, share in _FREER:
+                yield self._with_pressures(replace(limits, pressures=pressures, pressure_share=share)), None
         if workbench.coupled and "opening" in limits.sensors and "command" in recording:
             yield ranges.programs(opening if self.given else ranges.whole, limits), "opening"
+
+    def _with_pressures(self, freer):
+        """Programs that move the first of the pressures, alone or with another."""
+        ranges = dict.fromkeys((self.ranges.visited, self.ranges.whole))
+        made = [p for r in ranges for p in self.ranges.programs(r, freer) if p.moved]
+        return [p for p in made if freer.pressures[0] in p.moved]
 
     def _least(self, distances):
         """Of each pair the smaller of both ways."""
@@ -155,28 +163,28 @@ class _Choice:
     def _order(self, found, asks):
         """Numbers of the programs, the best first.
 
-        What they tell apart counts first; then, where that is ample, how little they ask of the process; then
-        the least distance. Where none tells anything apart, the chance that explanations are confused counts.
+        What they tell apart for sure counts first; then how little they ask of the process; then the least
+        distance, as far as it is of use. Where none tells anything apart, the chance that explanations are confused counts.
         """
         table = np.array(found)
         able = self._able(table)
         if able.any():
-            weight = ((table >= DISTINGUISHABLE) * self.weights)[:, able].sum(axis=1)
-            apart = np.where(table >= DISTINGUISHABLE, table, np.inf)[:, able].min(axis=1)
+            weight = ((table >= SURE) * self.weights)[:, able].sum(axis=1)
+            apart = np.where(table >= SURE, table, np.inf)[:, able].min(axis=1)
             least = np.where(weight > 0.0, apart, table[:, able].min(axis=1))
         else:
             weight = np.zeros(len(table))
             least = -np.array([[confusion(d) for d in row] for row in table]) @ self.weights
-        ample = least >= _AMPLE
 
         def rank(k):
-            return -round(float(weight[k]), 6), asks[k] if ample[k] else len(asks), -float(least[k]), k
+            asked = asks[k] if able.any() else 0
+            return -round(float(weight[k]), 6), asked, -min(float(least[k]), _ENOUGH), k
 
         return sorted(range(len(table)), key=rank)
 
     def _able(self, table):
         """Pairs that some program tells apart, and the present recording does not."""
-        return (table >= DISTINGUISHABLE).any(axis=0) & self.open
+        return (table >= SURE).any(axis=0) & self.open
 
     def _advice(self):
         """What the catalogue says of how to tell each of the members."""
@@ -193,6 +201,9 @@ class _Choice:
         less = [self._least(d) for p, _, d in self.tried if not p.moved]
         alone = bool(program.moved and less) and not self._able(np.array(less)).any()
         sentence = told(text, self.names, self.now, both, self._advice(), alone=alone)
+        more = len(class_of(self.finding)) - len(self.names)
+        if more > 0:
+            sentence += f" {more} less probable explanation{'s were' if more > 1 else ' was'} not looked at."
         ranks = np.array(before)
         able = self._able(ranks)
         shown = ranks[:, able if able.any() else slice(None)].min(axis=1)

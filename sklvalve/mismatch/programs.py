@@ -13,6 +13,10 @@ MOST_ROWS = 900
 # so much of the travel, at least, must be free to move
 _NARROWEST = 0.01
 _PRESSURES = {"p1": "inlet pressure", "p2": "outlet pressure"}
+# a moved pressure stays this long [s], and as many samples: longer ones end in what wanders anyway
+_STAYS, _SAMPLES = 30.0, 10
+# a command below this shuts the valve
+_SHUT = 0.005
 
 
 @dataclass(frozen=True)
@@ -173,31 +177,48 @@ def as_now(recording, rows):
 
 
 def _with_pressures(low, high, about, rows, step, limits):
-    """Three openings held while pressures that can be moved go up and down, each by itself and in turn."""
+    """Three openings held, and the valve shut, while pressures that can be moved go up and down."""
     levels = np.array([_between(low + share * (high - low), low, high) for share in (0.0, 0.4, 0.95)])
-    command = _allowed(_held(levels, rows), about, step, limits)
     told = ", ".join(f"{100 * level:.3g}" for level in levels)
-    each, share = f"{rows * step / 3:.0f} s each", limits.pressure_share
-    by = f"by {100 * share:.0f} % of the pressure drop"
-    found = []
-    for role in limits.pressures:
-        text = (
-            f"Hold the command at {told} %, {each}, and at each move the {_PRESSURES[role]} up and back, "
-            f"down and back, {by}"
-        )
-        moves = {role: share * _held(np.tile([0.0, 1.0, 0.0, -1.0], 3), rows)}
-        found.append(Program(f"{role} moved", text, command, moves))
+    held = [
+        ("", f"Hold the command at {told} %, {rows * step / 3:.0f} s each, and at each", _held(levels, rows))
+    ]
+    if low < _SHUT:
+        # no trim in between: what still flows is told by how it goes with the pressures
+        held.append((", shut", f"Keep the valve shut for {rows * step:.0f} s, and", np.full(rows, low)))
+    stays = int(np.clip(round(_STAYS / step), _SAMPLES, max(rows // 12, 1)))
+    moves: list[tuple[str, str, dict]] = [
+        (f"{role} moved", f"move the {_PRESSURES[role]} up and back, down and back", {role: (0, 1, 0, -1)})
+        for role in limits.pressures
+    ]
     if len(limits.pressures) > 1:
-        text = (
-            f"Hold the command at {told} %, {each}, and at each move the inlet pressure up and back, the "
-            f"outlet pressure down and back, then both up together and back, {by}"
+        moves.append(
+            (
+                "p1 and p2 moved",
+                "move the inlet pressure up and back, the outlet pressure down and back, then both up "
+                "together and back",
+                {"p1": (0, 1, 0, 0, 0, 1), "p2": (0, 0, 0, -1, 0, 1)},
+            )
         )
-        moves = {
-            "p1": share * _held(np.tile([0.0, 1.0, 0.0, 0.0, 0.0, 1.0], 3), rows),
-            "p2": share * _held(np.tile([0.0, 0.0, 0.0, -1.0, 0.0, 1.0], 3), rows),
-        }
-        found.append(Program("p1 and p2 moved", text, command, moves))
-    return found
+    by = f"by {100 * limits.pressure_share:.0f} % of the pressure drop, {stays * step:.0f} s each time"
+    return [
+        Program(
+            name + where,
+            f"{begin} {text}, {by}",
+            _allowed(command, about, step, limits),
+            {
+                role: limits.pressure_share * _repeated(pattern, stays, rows)
+                for role, pattern in moved.items()
+            },
+        )
+        for name, text, moved in moves
+        for where, begin, command in held
+    ]
+
+
+def _repeated(pattern, stays, rows):
+    """A pattern over and over, so many rows at each of its levels."""
+    return np.asarray(pattern, dtype=float)[np.arange(rows) // stays % len(pattern)]
 
 
 def _between(value, low, high):

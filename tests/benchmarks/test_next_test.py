@@ -14,10 +14,10 @@ from benchmarks.concealed.next_test.tables import tables
 
 ROWS = 900
 PAIRS = [
-    {"names": ["erosion", "seat_leakage"], "now": 3.0, "expected": 40.0},
-    {"names": ["bypass_open", "seat_leakage"], "now": 3.0, "expected": 5.0},
-    {"names": ["flow_meter_bias", "seat_leakage"], "now": 20.0, "expected": 60.0},
-    {"names": ["bypass_open", "erosion"], "now": 1.0, "expected": 60.0},
+    {"names": ["erosion", "seat_leakage"], "now": 3.0, "told_apart": True},
+    {"names": ["bypass_open", "seat_leakage"], "now": 3.0, "told_apart": False},
+    {"names": ["flow_meter_bias", "seat_leakage"], "now": 20.0, "told_apart": True},
+    {"names": ["bypass_open", "erosion"], "now": 1.0, "told_apart": True},
 ]
 
 
@@ -120,7 +120,7 @@ def test_a_record_makes_a_line_and_lines_make_tables(stand, monkeypatch):
             )
             return self
 
-    pair = SimpleNamespace(names=("seat_leakage", "bypass_open"), now=2.0, expected=30.0)
+    pair = SimpleNamespace(names=("seat_leakage", "bypass_open"), now=2.0, expected=30.0, told_apart=True)
     plan = SimpleNamespace(name="square", command=np.full(600, 0.3), moved={}, sensor=None, pairs=[pair])
     monkeypatch.setattr(trial, "MissingPhysicsFinder", Finder)
     monkeypatch.setattr(trial, "plan_next_test", lambda finder, recording: plan)

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
 
 from benchmarks.next_test import Stand
 from sklvalve.mismatch import MissingPhysicsFinder, TestLimits, plan_next_test
@@ -15,7 +16,7 @@ from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.excitation import Advisor, Answer, Explanation
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.next_test import next_test
-from sklvalve.mismatch.plan import apart, appreciable, confusion, told
+from sklvalve.mismatch.plan import SURE, Pair, apart, appreciable, confusion, told
 from sklvalve.mismatch.planning import _Choice, planned
 from sklvalve.mismatch.preparation import prepared_workbench
 from sklvalve.mismatch.programs import library
@@ -171,7 +172,10 @@ def test_words_say_what_is_told_apart_and_what_is_not():
     assert "D = 1 now, 40 with it" in said
     assert said.endswith("For the rest: First.")
     poor = told("Do this", ("erosion", "clogging"), now, np.full((2, 2), 6.0), ["First.", "Second."])
-    assert "takes erosion and clogging furthest apart, but only from D = 1 to 6; 14 is needed. First." in poor
+    assert (
+        "takes erosion and clogging furthest apart, but only from D = 1 to 6; 28 is needed to be sure. First."
+        in poor
+    )
 
 
 def test_a_test_lowers_no_distance(lags):
@@ -200,12 +204,28 @@ def test_what_a_few_strokes_decided_is_counted_neither_now_nor_with_a_test(lags,
     assert Advisor(lags.workbench, pair, lags.without, lags.gain).now()[0, 1] > 14.0
 
 
+def test_only_what_chance_cannot_undo_is_promised():
+    # what a record shows of D scatters by 2 sqrt(D): nine of ten are beyond the end of a class
+    assert norm.cdf((SURE - 14.0) / (2.0 * np.sqrt(SURE))) == pytest.approx(0.907, abs=0.001)
+    now, after = np.full((2, 2), 3.0), np.full((2, 2), 20.0)
+    said = told("Do this", ("erosion", "clogging"), now, after, ["First.", "Second."])
+    assert "only from D = 3 to 20; 28 is needed to be sure" in said
+    assert not Pair(("erosion", "clogging"), 3.0, (20.0, 60.0)).told_apart
+    assert Pair(("erosion", "clogging"), 3.0, (30.0, 60.0)).told_apart
+    # a pair that the present recording tells apart needs no more
+    now, after = np.full((3, 3), 3.0), np.full((3, 3), 40.0)
+    now[0, 2] = now[2, 0] = after[0, 2] = after[2, 0] = 16.0
+    said = told("Do this", ("erosion", "clogging", "backlash"), now, after, ["First.", "Second.", "Third."])
+    assert "expected to tell erosion from clogging from backlash" in said
+    assert "For the rest" not in said
+
+
 def test_words_tell_the_pair_that_grows_and_those_that_stay():
     names, advice = ("two_phase", "cavitation", "choked_flow"), ["Bleed.", "Listen.", "Lower p2."]
     now = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 5.0], [9.0, 5.0, 0.0]])
-    after = np.array([[0.0, 2.3, 22.0], [2.3, 0.0, 6.0], [22.0, 6.0, 0.0]])
+    after = np.array([[0.0, 2.3, 32.0], [2.3, 0.0, 6.0], [32.0, 6.0, 0.0]])
     said = told("Do this", names, now, after, advice)
-    assert "expected to tell two phase from choked flow (distance D = 9 now, 22 with it" in said
+    assert "expected to tell two phase from choked flow (distance D = 9 now, 32 with it" in said
     assert "It does not part two phase from cavitation, nor cavitation from choked flow." in said
     poor = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 12.0], [9.0, 12.0, 0.0]])
     said = told("Do this", names, now, poor, advice)

@@ -48,6 +48,21 @@ def test_programs_move_the_pressures_that_can_be_moved_and_no_others():
     assert np.any(drop[lifted] > 0.0)
 
 
+def test_a_shut_valve_stays_shut_while_pressures_move_often_to_either_side():
+    made = library(0.0, 1.0, 0.5, 900, 1.0, TestLimits(pressures=("p2",), pressure_share=0.2))
+    shut = next(p for p in made if p.name == "p2 moved, shut")
+    assert np.all(shut.command[1:] == 0.0)
+    assert set(np.unique(shut.moved["p2"])) == {-0.2, 0.0, 0.2}
+    # as often up as down, and moved every half a minute
+    assert shut.moved["p2"][:840].sum() == pytest.approx(0.0, abs=1e-9)
+    assert np.count_nonzero(np.diff(shut.moved["p2"])) == 29
+    assert "shut for 900 s" in shut.text
+    assert "20 % of the pressure drop, 30 s each time" in shut.text
+    # where the command may not shut the valve, no program does
+    made = library(0.1, 1.0, 0.5, 900, 1.0, TestLimits(pressures=("p2",)))
+    assert [p.name for p in made if p.moved] == ["p2 moved"]
+
+
 def test_a_slow_triangle_visits_the_whole_range_evenly():
     command = library(0.2, 0.8, 0.5, 900, 1.0, TestLimits())[0].command[1:]
     assert command.min() == pytest.approx(0.2, abs=1e-3)

@@ -92,16 +92,18 @@ def _least(scene, name, course, change, nuisance, alone):
     best = sum(alone.values())
     for sign in signs:
         tried = {}
-        for size in np.geomspace(low, effect.most, _SIZES):
+        grid = np.linspace if effect.limits else np.geomspace
+        for size in grid(low, effect.most, _SIZES + 2 * effect.limits):
             tried[size] = _at(scene, name, sign * size, course, touched, change, nuisance, alone)
-        for _ in range(3):
-            if min(tried.values()) > HOPELESS + 0.06 * best:
+        for _ in range(5 if effect.limits else 3):
+            # what limits the travel does all within a narrow span of its sizes
+            if min(tried.values()) > HOPELESS + (0.5 if effect.limits else 0.06) * best:
                 break
             sizes = sorted(tried)
             middle = sizes.index(min(tried, key=tried.get))
             around = sizes[max(middle - 1, 0) : middle + 2]
             for a, b in pairwise(around):
-                size = float(np.sqrt(a * b))
+                size = float(0.5 * (a + b) if effect.limits else np.sqrt(a * b))
                 tried[size] = _at(scene, name, sign * size, course, touched, change, nuisance, alone)
         best = min(best, *tried.values())
     return best

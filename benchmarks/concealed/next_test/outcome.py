@@ -27,10 +27,10 @@ def promised(pairs, told):
     Parameters
     ----------
     pairs : list of dict
-        ``names``, ``now`` and ``expected`` distance.
+        ``names``, the distance ``now``, and whether the test is said to have them ``told_apart``.
     told : str
     """
-    new = [p["names"] for p in pairs if told in p["names"] and p["now"] < APART <= p["expected"]]
+    new = [p["names"] for p in pairs if told in p["names"] and p["now"] < APART and p["told_apart"]]
     return [next(n for n in names if n != told) for names in new]
 
 

@@ -51,7 +51,13 @@ def _judged(stand):
         kind = of.SENSOR if plan is not None and plan.sensor else of.NO_PROGRAM
         return line | {"outcome": kind, "at_best": best, "true": of.says_truly(best)}
     pairs = [
-        {"names": list(p.names), "now": round(p.now, 1), "expected": round(p.expected, 1)} for p in plan.pairs
+        {
+            "names": list(p.names),
+            "now": round(p.now, 1),
+            "expected": round(p.expected, 1),
+            "told_apart": bool(p.told_apart),
+        }
+        for p in plan.pairs
     ]
     line |= {"program": plan.name, "pairs": pairs, "promised": of.promised(pairs, told)}
     both, scene = stand.tested(plan)

@@ -34,6 +34,7 @@ COLUMNS = (
     "bend_begin",  # from there on [1]
     "plug_area",  # on which the drop acts [m2]
     "seized",  # 1: the stem stands
+    "blocked",  # opening below which something in the way keeps the stem [1]
     "link_play",  # between actuator and the recorded stem, full width [1]
     # plug and trim
     "plug_play",  # between recorded stem and plug, full width [1]
@@ -41,7 +42,6 @@ COLUMNS = (
     "capacity",  # factor [1]
     "bend",  # of the characteristic: phi to the power 1 + bend
     "open_max",  # opening above which no capacity is added [1]
-    "open_min",  # opening below which none is lost [1]
     "leak_kv",  # past the seat, never shut [m3/h]
     "erosion_kv",  # at the seat, fading over a share of the travel [m3/h]
     "bypass_kv",  # round the valve [m3/h]

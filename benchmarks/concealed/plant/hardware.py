@@ -29,6 +29,7 @@ def draw_sheet(rng):
         "nominal_size": size,
         "travel": travel,
         "area": area,
+        "supply": float(rng.choice([140.0, 200.0, 340.0])),
     }
 
 
@@ -69,10 +70,11 @@ def draw_trim(rng, sheet):
 def draw_hardware(rng, sheet):
     """Scalars of the plant in the order of `HARDWARE`, and the sound row of its schedule."""
     kv, travel, area = sheet["kv_rated"], 1e-3 * sheet["travel"], 1e-4 * sheet["area"]
-    stroke = rng.uniform(1.5, 4.0)  # of the whole travel [s]
+    stroke = rng.uniform(0.8, 1.8)  # of the whole travel [s], and about twice that to settle
+    supply = 1e3 * sheet["supply"] + P_ATM
     # air for the chamber's whole volume at the upper end of the spring's range, within that time
     volume = rng.uniform(2.0, 4.0) * area * travel
-    fill = 2.2e5 * area * travel * 1.6 / (287.05 * 295.0 * 1.185 * 440e3 * stroke)
+    fill = 2.2e5 * area * travel * 1.6 / (287.05 * 295.0 * 1.185 * supply * stroke)
     values = {
         "travel": travel,
         "area": area,
@@ -83,7 +85,7 @@ def draw_hardware(rng, sheet):
         "stribeck": rng.uniform(0.8e-3, 2e-3),
         "bristle_damping": rng.uniform(0.3, 0.8),
         "fill": fill * rng.uniform(0.9, 1.2),
-        "vent": fill * rng.uniform(1.8, 2.6),
+        "vent": fill * supply / 441e3 * rng.uniform(2.6, 3.6),
         "tube": fill * rng.uniform(3.0, 5.0),
         "v_tube": 0.15 * volume,
         "v_chamber": volume,
@@ -104,7 +106,7 @@ def draw_hardware(rng, sheet):
     }
     force = 80e3 * area  # of the spring over the whole travel [N]
     sound = SOUND | {
-        "supply": 340e3 + P_ATM,
+        "supply": supply,
         "dead_time": rng.uniform(0.05, 0.4),
         "dead_zone": rng.uniform(0.0003, 0.001),
         "coulomb": force * rng.uniform(0.003, 0.007),

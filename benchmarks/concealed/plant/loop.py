@@ -31,8 +31,8 @@ HARDWARE = (
 (
     DEAD_TIME, LAG, STROKE_TIME, INPUT_GAIN, INPUT_BIAS, CURVATURE, CUT_LOW, CUT_HIGH, DEAD_ZONE,
     FEEDBACK_GAIN, FEEDBACK_BIAS, FEEDBACK_PLAY, WANDER_IN, SPOOL_SHARE, SUPPLY, AIR_LEAK, LOST_AREA,
-    SPRING_STRENGTH, HARDENING, COULOMB, STICK, REACH, BEND_FRICTION, BEND_BEGIN, PLUG_AREA, SEIZED,
-    LINK_PLAY, PLUG_PLAY, PLUG_OFFSET, CAPACITY, BEND, OPEN_MAX, OPEN_MIN, LEAK_KV, EROSION_KV, BYPASS_KV,
+    SPRING_STRENGTH, HARDENING, COULOMB, STICK, REACH, BEND_FRICTION, BEND_BEGIN, PLUG_AREA, SEIZED, BLOCKED,
+    LINK_PLAY, PLUG_PLAY, PLUG_OFFSET, CAPACITY, BEND, OPEN_MAX, LEAK_KV, EROSION_KV, BYPASS_KV,
     FITTINGS, LINE_ZETA, FL_FACTOR, CAVITATION_LOSS, CAVITATION_BEGIN, VISCOSITY, VISCOSITY_FALL, THINNING,
     DENSITY_RATIO, DENSITY_SLOPE, GAS_SHARE, TAP_INERTIA, LEAK_BEFORE, LEAK_BEHIND, BACK_KV, BACK_FROM,
     METER_GAIN, METER_BIAS, METER_LAG, SWELLING, HUM, BEAT, X_GAIN, X_BIAS, LOOP_GAIN, LOOP_BIAS,
@@ -168,8 +168,9 @@ def actuator_tick(state, aim, drop, row, hard):
                 state[V] = 0.0
                 continue
             stem_step(h, state, force, row[SPRING_STRENGTH] * hard[STIFFNESS], row, hard)
-            if state[X] < 0.0 or state[X] > travel:
-                state[X] = min(max(state[X], 0.0), travel)
+            low = row[BLOCKED] * travel
+            if state[X] < low or state[X] > travel:
+                state[X] = min(max(state[X], low), travel)
                 state[V] = 0.0
     state[STEM] = follow(state[X] / travel, state[STEM], row[LINK_PLAY])
 
@@ -197,7 +198,7 @@ def bubbly(share, p1, p2):
 @njit(cache=True)
 def valve_flow(plug, p1, p2, celsius, rho, p_vapour, floor, last, row, hard, trim, fl_table):
     """Volume flow [m3/h] through trim, leak and bypass; `floor` is the least pressure in the jet [Pa]."""
-    x = max(min(plug + row[PLUG_OFFSET], row[OPEN_MAX]), row[OPEN_MIN])
+    x = min(plug + row[PLUG_OFFSET], row[OPEN_MAX])
     kv = table(trim, x)
     if row[BEND] != 0.0:
         kv *= max(kv / hard[KV], 1e-4) ** row[BEND]

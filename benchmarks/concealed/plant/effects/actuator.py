@@ -69,7 +69,7 @@ EFFECTS = (
         "spring_fault",
         "actuator",
         multiply("spring_strength"),
-        4.0,
+        1.9,
         limits=True,
         parameter=own("strength", of=lambda size, plant: 1.0 + size),
     ),
@@ -163,5 +163,6 @@ EFFECTS = (
         parameter=own("curvature"),
         when="start",
     ),
+    Effect("clogging_closing", "clogging", "valve", rise("blocked"), 0.6, limits=True),
     Effect("stuck_valve", "stuck_valve", "actuator", _seized, 1.0, when="within", limits=True),
 )

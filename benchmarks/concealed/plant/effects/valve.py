@@ -66,7 +66,6 @@ EFFECTS = (
         limits=True,
         parameter=own("limit", of=lambda size, plant: 1.0 - size - plant.sound["plug_offset"]),
     ),
-    Effect("clogging_closing", "clogging", "valve", add("open_min"), 0.6, limits=True),
     Effect(
         "sedimentation",
         "sedimentation",
