@@ -19,8 +19,9 @@ from sklvalve.simulation.calibration import drop_is_unknown
 _INADEQUACY = 0.25
 # a hypothesis that leaves so many times what it may is doubtful, and with this p-value not what happened
 _TOO_MUCH, _CLEARLY = 1.3, 0.05
-# where no effect was found at all, an alarm that a slow wander raises alone asks for this share of alpha
-_OF_ALPHA = 0.1
+# where no effect was found at all, wander of a meter is likelier: it may be so many times the quick noise,
+# and the alarm, which nothing else raises, asks for this share of alpha
+_WANDER, _OF_ALPHA = 1.5, 0.1
 # a row in which the simulated flow moves by more than this share of its span is of no slow rest
 _MOVES = 0.004
 _FEWEST = 8
@@ -41,20 +42,28 @@ class LeftOver:
         Quick noise of the flow, share of span [1].
     allowed : float
         What may be left over, share of span [1].
-    p_value : float
-        Of a rest of this size or more where the true one is as large as is allowed.
+    many : float
+        Number of independent values that its size is known from.
     """
 
     channel: str
     size: float
     noise: float
     allowed: float
-    p_value: float
+    many: float
 
     @property
     def times(self):
         """How many times what is allowed."""
         return self.size / self.allowed
+
+    @property
+    def p_value(self):
+        """Chance of a rest of this size or more where the true one is as large as is allowed."""
+        return self._chance_of(self.times)
+
+    def _chance_of(self, times):
+        return float(chi2.sf(self.many * times**2, self.many))
 
     @property
     def too_much(self):
@@ -68,7 +77,8 @@ class LeftOver:
 
     def is_no_wander(self, alpha):
         """Whether a simulation without any effect that leaves this lacks something."""
-        return self.too_much and self.p_value < _OF_ALPHA * alpha
+        wide = np.sqrt(self.allowed**2 + (_WANDER**2 - 1.0) * self.noise**2)
+        return bool(self.size > wide and self._chance_of(self.size / wide) < _OF_ALPHA * alpha)
 
 
 def left_over(workbench, model, nominal):
@@ -109,9 +119,7 @@ def left_over(workbench, model, nominal):
     explained = _rms(_means(shown - nominal.predictions["flow"] / span, quiet))
     parts = noise, _INADEQUACY * workbench.least("flow"), SHARE_MISTAKEN * explained
     allowed, size = float(np.sqrt(np.sum(np.square(parts)))), _rms(slow)
-    many = effective_number(slow)
-    p_value = float(chi2.sf(many * (size / allowed) ** 2, many))
-    return LeftOver("flow", size, noise, allowed, p_value)
+    return LeftOver("flow", size, noise, allowed, effective_number(slow))
 
 
 def imitates_any_course(findings):

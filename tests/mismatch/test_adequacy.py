@@ -160,16 +160,21 @@ def test_two_slow_courses_imitate_any_other(keys, imitates):
 
 
 @pytest.mark.parametrize(
-    ("times", "p_value", "said"),
-    [(1.2, 1e-9, (False, False, False)), (1.5, 0.2, (True, False, False)), (1.5, 0.02, (True, True, False))]
-    + [(2.0, 1e-6, (True, True, True))],
+    ("times", "many", "said"),
+    [
+        (1.2, 400.0, (False, False, False)),
+        (1.5, 3.0, (True, False, False)),
+        (1.5, 20.0, (True, True, False)),
+        (2.0, 6.0, (True, True, False)),
+        (2.0, 40.0, (True, True, True)),
+    ],
 )
-def test_few_slow_turns_are_doubtful_and_many_clear(times, p_value, said):
-    left = LeftOver("flow", 0.005 * times, 0.004, 0.005, p_value)
+def test_few_slow_turns_are_doubtful_and_many_clear(times, many, said):
+    left = LeftOver("flow", 0.005 * times, 0.004, 0.005, many)
     assert (left.too_much, left.clearly, left.is_no_wander(0.01)) == said
 
 
 def test_the_next_test_of_what_nothing_tells_holds_the_command(healthy):
     bench = Workbench(healthy, Tolerance(), healthy.valve.physics)
-    left = LeftOver("flow", 0.02, 0.004, 0.005, 1e-6)
+    left = LeftOver("flow", 0.02, 0.004, 0.005, 20.0)
     assert next_test([], "none_of_these", left, bench).startswith("Hold the command")
