@@ -32,7 +32,7 @@ def drawn():
         for attempt in range(ATTEMPTS):
             seed = zlib.crc32(f"{SEED} {case.number} {attempt}".encode())
             try:
-                strengths = make(case, seed, rows=ROWS).truth["strengths"]
+                strengths = make(case, seed, rows=ROWS, distances=False).truth["strengths"]
             except Impossible:
                 continue
             seen.add(case.effects)
@@ -56,7 +56,7 @@ def records(folder, effects=tuple(EFFECTS)):
         if not set(case.effects) <= set(effects):
             continue
         place = Path(folder) / case.name
-        write(place, make(case, entry["seed"], rows=ROWS, strengths=entry["strengths"]))
+        write(place, make(case, entry["seed"], rows=ROWS, strengths=entry["strengths"], distances=False))
         places.append(place)
     return places
 

@@ -34,7 +34,7 @@ class Made:
     truth: dict
 
 
-def make(case, seed, *, rows=None, strengths=None):
+def make(case, seed, *, rows=None, strengths=None, distances=True):
     """Draw the record of a case.
 
     Parameters
@@ -44,8 +44,9 @@ def make(case, seed, *, rows=None, strengths=None):
     rows : int, default=None
         Of the record; drawn where none are given.
     strengths : dict, default=None
-        Sizes of the effects, where they are known from an earlier draw: neither they nor distances are
-        looked for, which takes most of the time.
+        Sizes of the effects, where they are known from an earlier draw, so that they are not looked for.
+    distances : bool, default=True
+        Whether to tell the distances to all other explanations, which takes most of the time.
 
     Raises
     ------
@@ -60,9 +61,9 @@ def make(case, seed, *, rows=None, strengths=None):
     course = Course.drawn(rng, case.course, rows)
     lacking = tuple(n[3:] for n in case.nasty if n.startswith("no_"))
     _write_sheet(rng, plant, case)
-    known, sizes = strengths is not None, {}
+    sizes: dict = {}
     signs = {name: float(rng.choice([-1.0, 1.0])) for name in case.effects if EFFECTS[name].signed}
-    if not known:
+    if strengths is None:
         strengths, sizes = _sized(plant, case, course, lacking, signs)
     whole = Scene(plant, *_run(plant, strengths, course), lacking, later=True)
     if "compensated" in case.nasty:
@@ -70,7 +71,7 @@ def make(case, seed, *, rows=None, strengths=None):
     clean, table = _recorded(rng, plant, whole, case)
     behind = _behind(whole, clean)
     truth = _truth(case, plant, course, strengths, sizes, clean, table, behind)
-    if not known:
+    if distances:
         truth |= _distances(case, scene_of(plant, strengths, course, lacking), course)
     valve = _valve(plant, table, case)
     given = _given(valve) if "F_sim" in table and case.kind in ("healthy", "single") else None

@@ -126,7 +126,7 @@ def test_an_effect_shows_where_it_should(plant, sound, name):
         assert moved[:, STEM_READ].max() < 1e-3  # through the drop on the plug alone
 
 
-@pytest.mark.parametrize(("size", "jumps"), [(0.0, False), (0.05, True)])
+@pytest.mark.parametrize(("size", "jumps"), [(0.0, False), (0.2, True)])
 def test_stiction_makes_a_slow_stem_jump(size, jumps):
     plant = Plant(8, "wide", ROWS, 60)
     t = np.arange(plant.n_all)
