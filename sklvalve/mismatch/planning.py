@@ -164,7 +164,8 @@ class _Choice:
         """Numbers of the programs, the best first.
 
         What they tell apart for sure counts first; then how little they ask of the process; then the least
-        distance, as far as it is of use. Where none tells anything apart, the chance that explanations are confused counts.
+        distance, as far as it is of use. Where none tells anything apart, the chance that explanations are
+        confused counts.
         """
         table = np.array(found)
         able = self._able(table)

@@ -171,7 +171,7 @@ def test_words_say_what_is_told_apart_and_what_is_not():
     assert said.startswith("Do this: this is expected to tell erosion or seat leakage from clogging")
     assert "D = 1 now, 40 with it" in said
     assert said.endswith("For the rest: First.")
-    poor = told("Do this", ("erosion", "clogging"), now, np.full((2, 2), 6.0), ["First.", "Second."])
+    poor = told("Do this", ("erosion", "clogging"), now[:2, :2], np.full((2, 2), 6.0), ["First.", "Second."])
     assert (
         "takes erosion and clogging furthest apart, but only from D = 1 to 6; 28 is needed to be sure. First."
         in poor
@@ -263,3 +263,36 @@ def test_no_plan_where_no_pair_gets_appreciably_larger():
     # one was told apart before the test, another grows by more than one, but not by enough to be worth it
     then = [[0.0, 3.5, 9.0], [3.5, 0.0, 90.0], [9.0, 90.0, 0.0]]
     assert _Choice(_Programs(now, then), None, TestLimits()).plan() is None
+
+
+@pytest.mark.parametrize(
+    ("found", "asks", "first"),
+    [
+        # more than enough is no better, and the programs come in the order of their haste
+        ([60.0, 400.0], [0, 0], 0),
+        ([30.0, 50.0], [0, 0], 1),
+        # what tells them apart for sure comes before what asks less, and less is asked before more is told
+        ([20.0, 40.0], [0, 1], 1),
+        ([40.0, 400.0], [0, 1], 0),
+        ([5.0, 12.0], [0, 1], 1),
+    ],
+)
+def test_what_is_told_for_sure_counts_then_what_is_asked_then_how_far_it_gets(found, asks, first):
+    choice = _Choice(_Programs(np.full((3, 3), 2.0), np.full((3, 3), 2.0)), None, TestLimits())
+    assert choice._order([[d] * 3 for d in found], asks)[0] == first
+
+
+def test_pressures_are_moved_one_by_one_and_further_before_both():
+    choice = _Choice(_Programs(np.full((3, 3), 2.0), np.full((3, 3), 2.0)), None, None)
+    stages = [[p for p in programs if p.moved] for programs, _ in choice._stages()]
+    moved = [
+        (
+            sorted({r for p in s for r in p.moved}),
+            max(np.abs(p.moved["p2"]).max() for p in s if "p2" in p.moved),
+        )
+        for s in stages
+        if s
+    ]
+    assert moved == [(["p2"], 0.3), (["p2"], 0.6), (["p1", "p2"], 0.3)]
+    assert all("p1" in p.moved for p in stages[-1])
+    assert any("shut" in p.name for p in stages[-1])
