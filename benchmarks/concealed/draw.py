@@ -69,7 +69,7 @@ def write(place, made):
     rows = made.truth["rows"]
     waiting = place.with_name(f".{place.name}.{os.getpid()}")
     shutil.rmtree(waiting, ignore_errors=True)
-    waiting.mkdir()
+    waiting.mkdir(parents=True)
     _write_csv(waiting / "recording.csv.gz", {k: v[:rows] for k, v in made.table.items()})
     _write_csv(waiting / "later.csv.gz", {k: v[rows:] for k, v in made.table.items()})
     _write_csv(waiting / "behind.csv.gz", made.behind)
