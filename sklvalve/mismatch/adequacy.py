@@ -12,6 +12,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from sklvalve.mismatch.distance import SHARE_MISTAKEN
+from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.steady import LENGTH, drivers_of, steady_floor
 from sklvalve.simulation.calibration import drop_is_unknown
 
@@ -25,6 +26,10 @@ _WANDER, _OF_ALPHA = 1.5, 0.1
 # a row in which the simulated flow moves by more than this share of its span is of no slow rest
 _MOVES = 0.004
 _FEWEST = 8
+# of the effects screened, so many are fitted
+_FITTED = 4
+# what is left over says nothing against a judgement, makes it doubtful, or refutes it
+FINE, DOUBTFUL, REFUTED = "fine", "doubtful", "refuted"
 # correlations below this are chance
 _CHANCE = 0.05
 
@@ -79,6 +84,62 @@ class LeftOver:
         """Whether a simulation without any effect that leaves this lacks something."""
         wide = np.sqrt(self.allowed**2 + (_WANDER**2 - 1.0) * self.noise**2)
         return bool(self.size > wide and self._chance_of(self.size / wide) < _OF_ALPHA * alpha)
+
+
+def held_against_noise(workbench, explanation, model, findings, alpha):
+    """What a hypothesis leaves over of the flow, and what that says of the findings, or of there being none.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    explanation : Explanation
+    model : Model
+        The hypothesis that was searched out.
+    findings : list of Finding
+        What stands of it.
+    alpha : float
+        Level of the test.
+
+    Returns
+    -------
+    left : LeftOver or None
+    said : {"fine", "doubtful", "refuted"}
+        Where no effect on the flow is named, one of the catalogue that would explain what is left over makes
+        it doubtful that there is something else.
+    """
+    left = left_over(workbench, model, explanation.nominal)
+    if imitates_any_course(findings):
+        return left, REFUTED
+    if left is None or not left.too_much:
+        return left, FINE
+    if any("flow" in workbench.channels_touched(f.member.effect) for f in findings):
+        return left, REFUTED if left.clearly else DOUBTFUL
+    if not left.is_no_wander(alpha):
+        return left, FINE
+    known = known_effect_explains(workbench, explanation.nominal, explanation.effects)
+    return left, DOUBTFUL if known else REFUTED
+
+
+def known_effect_explains(workbench, nominal, effects):
+    """Whether one effect of the catalogue leaves no more than it may, however little noise it is given.
+
+    The search judges by noise that may wander; what is rare, small or slow can hide in that.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    nominal : Model
+    effects : sequence of Effect
+    """
+    able = [e for e in effects if "flow" in workbench.channels_touched(e)]
+    with workbench.every_row_alike(nominal):
+        begin = workbench.fit((), start=nominal, max_steps=6)
+        best: dict = {}
+        for m in screened(workbench, begin, able):
+            best.setdefault(m.members[-1].effect.key, m)
+        fits = [workbench.fit(m.members, start=m, max_steps=10) for m in list(best.values())[:_FITTED]]
+    told = [left_over(workbench, m, nominal) for m in fits]
+    return any(left is not None and not left.too_much for left in told)
 
 
 def left_over(workbench, model, nominal):

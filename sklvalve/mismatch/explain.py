@@ -7,6 +7,7 @@ from sklvalve.mismatch.afresh import afresh, much_is_left
 from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
 from sklvalve.mismatch.matters import SPREADS, beyond_tolerance, matters, may_explain
+from sklvalve.mismatch.on_and_off import in_spells
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.rivals import find_rivals, without_rival
@@ -35,12 +36,15 @@ class Explanation:
     findings : list of Finding
     tried : dict
         Effect key -> (gain of its best single fit, sizes), at the first step.
+    effects : tuple of Effect
+        The candidates.
     """
 
     nominal: object
     model: object
     findings: list
     tried: dict = field(default_factory=dict)
+    effects: tuple = ()
 
 
 def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
@@ -83,7 +87,7 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
         workbench.learn_noise(stood, cautious=True)
         model = _taken_up(workbench, stood, effects, threshold, most, tried, seen, report)
     nominal = workbench.fit((), start=nominal)
-    return Explanation(nominal, model, findings, tried)
+    return Explanation(nominal, model, findings, tried, tuple(effects))
 
 
 def _what_stands(workbench, model, threshold):
@@ -206,11 +210,12 @@ def _refine(workbench, before, model, other_onset):
     """The last effect with the whole calibration free; one that begins, also from where the best one does."""
     last = model.members[-1]
     if last.onset is None:
-        return workbench.fit(model.members, start=model)
+        return in_spells(workbench, workbench.fit(model.members, start=model))
     rest = Model(before.members, before.chain, model.values, before.predictions, before.log_likelihood, {})
     onsets = {last.onset, last.onset if other_onset is None else other_onset}
     fits = [fit_with_onset(workbench, rest, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
-    return to_the_sample(workbench, max(fits, key=lambda m: m.log_likelihood))
+    best = to_the_sample(workbench, max(fits, key=lambda m: m.log_likelihood))
+    return in_spells(workbench, best)
 
 
 def _settle(workbench, model):
@@ -223,6 +228,18 @@ def _settle(workbench, model):
         begun = fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
         model = max(model, begun, key=lambda m: m.log_likelihood)
         model = _throughout_if_likelier(workbench, model)
+    return _in_spells_if_likelier(workbench, model)
+
+
+def _in_spells_if_likelier(workbench, model):
+    """The same effect in spells where that is likelier, each judged by its own noise."""
+    noise, steady = workbench.noise, _own_worth(workbench, model)
+    spelled = in_spells(workbench, model)
+    if spelled is not model:
+        spelled = _in_turn(workbench, spelled)
+        if _own_worth(workbench, spelled) > steady:
+            return spelled
+        workbench.use_noise(noise)
     return model
 
 

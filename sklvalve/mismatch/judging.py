@@ -3,7 +3,7 @@
 
 from dataclasses import replace
 
-from sklvalve.mismatch.adequacy import imitates_any_course, left_over
+from sklvalve.mismatch.adequacy import FINE, REFUTED, held_against_noise, left_over
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value, p_value_of_what_counts, strength_of_effects
@@ -118,17 +118,18 @@ def _judged(
         findings = []
     verdict, findings = verdict_of(findings, unknown, enough, explained)
     # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
-    left, closest, clear = left_over(workbench, model, nominal), [], imitates_any_course(findings)
-    if clear or (left is not None and left.too_much):
+    left, said = held_against_noise(workbench, explanation, model, findings, alpha)
+    of_flow = any("flow" in workbench.channels_touched(f.member.effect) for f in findings)
+    closest = []
+    if said == REFUTED or (said != FINE and of_flow):
         closest, findings = findings, []
-        clear = clear or (left.is_no_wander(alpha) if verdict == "no_mismatch" else left.clearly)
-    if clear and verdict == "no_mismatch":
-        verdict, p_value = "none_of_these", max(min(p_value, left.p_value), 1e-12)
+    if said != FINE and verdict == "no_mismatch":
+        verdict, p_value = "cannot_tell", max(min(p_value, left.p_value), 1e-12)
     if not findings and verdict != "no_mismatch":
         unknown = rest_of(nominal)[0] or unknown
-        verdict = "none_of_these" if clear or unknown is not None else "cannot_tell"
-    more = {"evidence": evidence}
-    if clear:
+        verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
+    more: dict = {"evidence": evidence}
+    if said == REFUTED:
         more |= {"left": left_over(workbench, nominal, nominal), "closest": closest, "closest_leaves": left}
     nominal = workbench.least_squares(nominal)
     model = _else_as(workbench, workbench.least_squares(model), nominal) if findings else nominal
