@@ -7,7 +7,7 @@ from threadpoolctl import threadpool_limits
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.gate import with_seized_stems
 from sklvalve.mismatch.gathering import gathered
-from sklvalve.mismatch.hypothesis import Member, is_in
+from sklvalve.mismatch.hypothesis import begun, is_in
 from sklvalve.mismatch.planning import planned
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
 from sklvalve.mismatch.rivals import find_rivals
@@ -108,7 +108,7 @@ def reopened(finder, X, *, names=(), until=None):
     onsets = found.onsets or {}
     # what was told by events is not simulated
     simulated = [e for e in found.effects if e not in EVENTS and not is_in(e, workbench.held)]
-    members = tuple(Member(e, onsets.get(e.key)) for e in simulated)
+    members = tuple(begun(e, onsets.get(e.key)) for e in simulated)
     if not members:
         return workbench, []
     model = workbench.simulate(members, found.values_)

@@ -233,13 +233,14 @@ def _settle(workbench, model):
 
 def _in_spells_if_likelier(workbench, model):
     """The same effect in spells where that is likelier, each judged by its own noise."""
-    noise, steady = workbench.noise, _own_worth(workbench, model)
     spelled = in_spells(workbench, model)
-    if spelled is not model:
-        spelled = _in_turn(workbench, spelled)
-        if _own_worth(workbench, spelled) > steady:
-            return spelled
-        workbench.use_noise(noise)
+    if spelled is model:
+        return model
+    noise, steady = workbench.noise, _own_worth(workbench, model)
+    spelled = _in_turn(workbench, spelled)
+    if _own_worth(workbench, spelled) > steady:
+        return spelled
+    workbench.use_noise(noise)
     return model
 
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from sklvalve.simulation.chain import Chain
 
-# what an onset must gain: it is one of as many as there are rows
-_ONSET_PRICE = 10.0
+# what an onset must gain, and every other switch: it is one of as many as there are rows
+SWITCH_PRICE = 10.0
 
 # an onset is looked for between these shares of the record: before and after there is too little to compare
 FIRST_ONSET, LAST_ONSET = 0.04, 0.96
@@ -23,15 +23,37 @@ class Member:
     effect : Effect
     onset : float or None
         Absolute time from which on it acts [s]; None from before the recording.
+    switches : tuple of float
+        Later times at which it stops, begins again, and so on [s, absolute].
     """
 
     effect: object
     onset: float | None = None
+    switches: tuple = ()
 
     @property
     def sign(self):
         """What tells this member from others."""
-        return (self.effect.key, self.onset)
+        return (self.effect.key, self.onset, self.switches)
+
+    @property
+    def times(self):
+        """When it begins, stops, begins again [s, absolute]; None from before the recording on."""
+        return self.onset if not self.switches else (self.onset, *self.switches)
+
+
+def may_come_and_go(effect):
+    """Whether an effect may act in spells.
+
+    What grows has a course of its own, and an actuator is simulated through with what has happened to it.
+    """
+    return effect.may_begin and not effect.grows and effect.stage != "actuator"
+
+
+def begun(effect, times):
+    """Member of an effect that acts as `Member.times` of another one says, as far as it can."""
+    first, *later = np.atleast_1d(times).tolist() if times is not None else (None,)
+    return Member(effect, first, tuple(later) if may_come_and_go(effect) else ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +102,8 @@ def price(workbench, member):
     """Log likelihood that the parameters of an effect must earn (half a log of the rows for each)."""
     rows = max(len(workbench.recording), 50)
     cost = 0.5 * len(member.effect.parameters) * np.log(rows)
-    return cost + (_ONSET_PRICE if member.onset is not None else 0.0)
+    many = 0 if member.onset is None else 1 + len(member.switches)
+    return cost + SWITCH_PRICE * many
 
 
 def worth(workbench, model):

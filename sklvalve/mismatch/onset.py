@@ -12,9 +12,14 @@ def row_losses(workbench, model, channels):
     """What each row costs a model: robust loss of its whitened residuals in some channels together."""
     total, left = np.zeros(len(workbench.recording)), workbench.residuals(model)
     for channel in channels:
-        scaled = (workbench.noise[channel].whiten(left[channel]) / ROBUST_FROM) ** 2
-        total += ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)
+        total += losses_of(workbench.noise[channel], left[channel])
     return total
+
+
+def losses_of(noise, residual):
+    """Robust loss of each row of one channel's residual, whitened."""
+    scaled = (noise.whiten(residual) / ROBUST_FROM) ** 2
+    return ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)
 
 
 def best_onset(workbench, without, acting):

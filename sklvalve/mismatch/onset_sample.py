@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An onset to the very sample, for each explanation its own."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Member
 from sklvalve.simulation.robust import robust_cost
 
 
@@ -32,7 +33,7 @@ def to_the_sample(workbench, model, *, reach=3):
     k = int(np.searchsorted(clock, last.onset))
 
     def cost(onset):
-        trial = workbench.simulate((*rest, Member(last.effect, onset)), model.values)
+        trial = workbench.simulate((*rest, replace(last, onset=onset)), model.values)
         left = workbench.residuals(trial)
         return sum(robust_cost(workbench.noise[c].whiten(left[c])) for c in touched)
 
@@ -40,5 +41,5 @@ def to_the_sample(workbench, model, *, reach=3):
     best = min([last.onset, *around], key=cost)
     if best == last.onset:
         return model
-    again = workbench.fit((*rest, Member(last.effect, best)), start=model)
+    again = workbench.fit((*rest, replace(last, onset=best)), start=model)
     return again if again.log_likelihood > model.log_likelihood else model

@@ -7,7 +7,7 @@ from numbers import Integral
 from sklvalve.mismatch.effects import CATALOGUE, Effect
 from sklvalve.mismatch.effects.spring_fault import knows_air
 from sklvalve.mismatch.gate import effects_switched_off
-from sklvalve.mismatch.hypothesis import Member, is_in
+from sklvalve.mismatch.hypothesis import begun, is_in
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.recording import InputError
 from sklvalve.recording.diagnosable import require_rows
@@ -117,7 +117,7 @@ def _held(simulation, recording):
             f"the simulation given has an onset for {strange[0]!r}, which is none of its effects "
             f"({', '.join(sorted(keys)) or 'it has none'})"
         )
-    return tuple(Member(effect, onsets.get(effect.key)) for effect in simulation.effects)
+    return tuple(begun(effect, onsets.get(effect.key)) for effect in simulation.effects)
 
 
 def _made_by_the_drop(workbench):

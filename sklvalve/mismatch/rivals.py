@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sklvalve.mismatch.distance import distance, distance_of_strokes
-from sklvalve.mismatch.hypothesis import Member, Model, is_in, price
+from sklvalve.mismatch.hypothesis import Member, Model, begun, is_in, price
 from sklvalve.mismatch.matters import may_explain
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
@@ -119,7 +119,7 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
     bare = workbench.judged(workbench.simulate(rest, model.values))
     found = {}
     for base in (bare, without):
-        rough = screened(workbench, base, others, onset=member.onset)
+        rough = screened(workbench, base, others, onset=member.times)
         worth_it = [
             k < _FITTED
             or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
@@ -130,8 +130,8 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
         far = [m for m, fit in zip(rough, worth_it, strict=True) if not fit]
         _keep_the_best(found, (*side_by_side(lambda m: _fitted(workbench, m), near), *far))
     met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, member.effect)]
-    begun = [_where_it_was_met(workbench, model, rest, Member(e, member.onset), seen) for e in met]
-    _keep_the_best(found, side_by_side(lambda m: _fitted(workbench, m), begun))
+    there = [_where_it_was_met(workbench, model, rest, begun(e, member.times), seen) for e in met]
+    _keep_the_best(found, side_by_side(lambda m: _fitted(workbench, m), there))
     return [(fitted.members[-1], fitted) for fitted in found.values()]
 
 

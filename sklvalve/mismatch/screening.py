@@ -9,7 +9,7 @@ calibrated simulation, taken once and kept within the bounds of the data sheet.
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Member, Model
+from sklvalve.mismatch.hypothesis import Member, Model, begun
 from sklvalve.mismatch.linearised import Linearised
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.side_by_side import side_by_side
@@ -27,9 +27,10 @@ def screened(workbench, model, effects, *, onset=False, report=None):
     model : Model
         A fitted hypothesis.
     effects : sequence of Effect
-    onset : float, None or False, default=False
-        When the effects begin [s, absolute], None from before the recording; by default each effect is tried
-        throughout and, where it may begin within the recording, from its likeliest onset on.
+    onset : float, tuple, None or False, default=False
+        When the effects begin, stop, begin again [s, absolute], None from before the recording; by default
+        each effect is tried throughout and, where it may begin within the recording, from its likeliest onset
+        on.
     report : callable, default=None
         Called with the share done.
 
@@ -55,8 +56,8 @@ def screened(workbench, model, effects, *, onset=False, report=None):
 
 def _of_one_effect(workbench, model, line, effect, onset):
     given = onset is not False
-    when = onset if given and effect.may_begin else None
-    trial = Trial(workbench, model, line, Member(effect, when))
+    member = begun(effect, onset) if given and effect.may_begin else Member(effect)
+    trial = Trial(workbench, model, line, member)
     starts = trial.starts()
     errors = [line.with_priors(e) for e in trial.errors_at(starts)]
     gains = [line.gain_at_any_size(e) for e in errors]
@@ -64,8 +65,8 @@ def _of_one_effect(workbench, model, line, effect, onset):
     if effect.may_begin and not given:
         best = [line.likeliest_onset(e) for e in errors]
         k = int(np.argmax([gain for gain, _ in best]))
-        begun = Trial(workbench, model, line, Member(effect, best[k][1])).refined(starts[k])
-        tried.append(begun)
+        late = Trial(workbench, model, line, Member(effect, best[k][1])).refined(starts[k])
+        tried.append(late)
     return tried
 
 

@@ -106,7 +106,7 @@ def _fitted(workbench, model):
 def _dated(workbench, model):
     """A simulated hypothesis with the onsets that all rows tell; stretches leave hours between them."""
     for member in model.members:
-        if member.onset is None or member.effect.grows:
+        if member.onset is None or member.effect.grows or member.switches:
             continue
         rest = tuple(m for m in model.members if m is not member)
         without = workbench.simulate(rest, model.values)

@@ -62,6 +62,7 @@ def effect_entry(finding, recording, workbench):
         "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
         "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
         "onset": None if who.onset is None else float(who.onset - fitted.chain.clock[0]),
+        **({"spells": _spells(who, fitted)} if who.switches else {}),
         "parameters": {},
         "sentence": _sentence(who, values),
         "separated_by": who.effect.separated_by,
@@ -71,6 +72,13 @@ def effect_entry(finding, recording, workbench):
         told = interval_of(workbench, who, fitted, q)
         entry["parameters"][q.name] = _in_units(q, value, told, recording)
     return entry
+
+
+def _spells(who, fitted):
+    """From when to when an effect acts that comes and goes [s from the first sample]."""
+    clock = fitted.chain.clock
+    times = [*who.times, *([clock[-1]] if len(who.times) % 2 else [])]
+    return [[float(a - clock[0]), float(b - clock[0])] for a, b in zip(times[::2], times[1::2], strict=True)]
 
 
 def _sentence(who, values):

@@ -89,7 +89,7 @@ class Workbench(Sharing, Sizes):
     def physics_of(self, members):
         """Effects of a hypothesis, those held included, and the onsets of those that have one."""
         every = (*self.held, *members)
-        return [m.effect for m in every], {m.effect.key: m.onset for m in every if m.onset is not None}
+        return [m.effect for m in every], {m.effect.key: m.times for m in every if m.onset is not None}
 
     def fit(self, members, *, start=None, attempt=0, hold=None, rows=None, max_steps=20):
         """Fit of a hypothesis.

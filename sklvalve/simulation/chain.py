@@ -121,13 +121,16 @@ class Chain:
 
     def active(self, effect):
         """Rows in which an effect acts."""
-        onset = self.onsets.get(effect.key)
-        return None if onset is None else self.clock >= onset
+        times = self.onsets.get(effect.key)
+        if times is None:
+            return None
+        # on, off, on...
+        return np.searchsorted(np.atleast_1d(times), self.clock, side="right") % 2 == 1
 
     def first_row(self, effect):
         """First row in which an effect acts; the number of rows where it never does."""
         onset = self.onsets.get(effect.key)
-        return 0 if onset is None else int(np.searchsorted(self.clock, onset))
+        return 0 if onset is None else int(np.searchsorted(self.clock, np.min(onset)))
 
     @staticmethod
     def _own(effect, values):

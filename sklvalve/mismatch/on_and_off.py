@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Effects that come and go: their spells, found one switch after the other."""
+
+import numpy as np
+
+from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, may_come_and_go, worth
+from sklvalve.mismatch.onset import losses_of
+
+# a spell, or a pause, is at least so many rows; more of them than this are noise
+_FEWEST_ROWS, _MOST = 20, 16
+# rows between two places at which a switch is tried first
+_EVERY = 10
+# rows behind a switch that speak of it
+_BEHIND = 150
+# a switch gains this share of what the best one gains, and so many times its price
+_SHARE, _CLEAR = 0.1, 1.5
+# rounds of finding the spells and fitting the size within them
+_ROUNDS = 3
+
+
+def in_spells(workbench, model):
+    """The same hypothesis with its last effect acting in spells, where that is worth the switches.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+
+    Returns
+    -------
+    model : Model
+        The one given where nothing is gained.
+    """
+    *rest, last = model.members
+    if not may_come_and_go(last.effect):
+        return model
+    for _ in range(_ROUNDS):
+        member = spells_of(workbench, model)
+        if member is None or member.sign == model.members[-1].sign:
+            break
+        fitted = workbench.fit((*rest, member), start=model)
+        if worth(workbench, fitted) <= worth(workbench, model) + SWITCH_PRICE:
+            break
+        model = fitted
+    return _without_needless(workbench, model)
+
+
+def _without_needless(workbench, model):
+    """The same without spells, and pauses, that are not worth their switches."""
+    *rest, last = model.members
+    k = 0
+    while k + 1 < len(last.switches) + 1 and last.switches:
+        times = [t for i, t in enumerate(last.times) if i not in (k, k + 1)]
+        if len(times) == 0:
+            break
+        fewer = workbench.fit((*rest, Member(last.effect, times[0], tuple(times[1:]))), start=model)
+        if worth(workbench, fewer) > worth(workbench, model):
+            model, last = fewer, fewer.members[-1]
+        else:
+            k += 1
+    return model
+
+
+def spells_of(workbench, model):
+    """The last effect, switched on and off where the recording jumps as much; None where it does once.
+
+    A noise model with wander follows whatever lasts, so that only the rows after a switch speak of it. The
+    next switch is the first one that is clear.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+
+    Returns
+    -------
+    member : Member or None
+    """
+    *rest, last = model.members
+    course = _Course(workbench, model, tuple(rest), last)
+    switches, state = [], last.onset is None
+    while len(switches) <= _MOST:
+        k = course.next_switch(switches[-1] + _FEWEST_ROWS if switches else _FEWEST_ROWS, state)
+        if k is None:
+            break
+        course.switch(k, state)
+        switches.append(k)
+        state = not state
+    if last.onset is None and switches:
+        switches.insert(0, 0)
+    if not 2 <= len(switches) <= _MOST:
+        return None
+    onset, *later = (float(model.chain.clock[k]) for k in switches)
+    return Member(last.effect, onset, tuple(later))
+
+
+class _Course:
+    """Residuals of a hypothesis while the course of its last effect is found, from the first row on."""
+
+    def __init__(self, workbench, model, rest, last):
+        self.noise, self.channels = workbench.noise, workbench.channels_touched(last.effect)
+        off, on = (
+            workbench.simulate(members, model.values) for members in (rest, (*rest, Member(last.effect)))
+        )
+        left = [workbench.residuals(m) for m in (off, on)]
+        self.rows = len(workbench.recording)
+        # what the effect adds to the simulation
+        self.adds = {c: left[0][c] - left[1][c] for c in self.channels}
+        self.left = {c: left[last.onset is None][c].copy() for c in self.channels}
+
+    def _toggled(self, k, state):
+        """Residuals with the effect switched to the other state from a row on."""
+        sign = 1.0 if state else -1.0
+        after = np.arange(self.rows) >= k
+        return {c: self.left[c] + sign * np.where(after, self.adds[c], 0.0) for c in self.channels}
+
+    def _losses(self, left):
+        return sum(losses_of(self.noise[c], left[c]) for c in self.channels)
+
+    def _gain(self, now, k, state):
+        """What a switch gains over the rows behind it; what comes much later may be the next one's."""
+        behind = slice(k, k + _BEHIND)
+        return float(now[behind].sum() - self._losses(self._toggled(k, state))[behind].sum())
+
+    def next_switch(self, first, state):
+        """Row of the next switch; None where none gains its price."""
+        now, places = self._losses(self.left), np.arange(first, self.rows - _FEWEST_ROWS, _EVERY)
+        if not len(places):
+            return None
+        gains = np.array([self._gain(now, k, state) for k in places])
+        enough = max(_SHARE * gains.max(), _CLEAR * SWITCH_PRICE)
+        if gains.max() < enough:
+            return None
+        k = int(np.argmax(gains >= enough))
+        while k + 1 < len(gains) and gains[k + 1] > gains[k]:
+            k += 1
+        near = range(max(places[k] - _EVERY, first), min(places[k] + _EVERY, self.rows - 1) + 1)
+        return max(near, key=lambda row: self._gain(now, row, state))
+
+    def switch(self, k, state):
+        """Keep a switch."""
+        self.left = self._toggled(k, state)

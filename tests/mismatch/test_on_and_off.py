@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Effects that come and go are found with their spells, and what lasts is given none."""
+
+import numpy as np
+import pytest
+
+from sklvalve.datasets import make_valve_recording
+from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
+from sklvalve.mismatch.hypothesis import begun, may_come_and_go
+from sklvalve.recording import Recording, Valve
+
+EFFECTS = ("flow_meter_gain", "flow_meter_bias", "clogging", "choked_flow")
+SPELLS = ((500, 800), (1100, 1450))
+
+
+def rows_of(spells):
+    rows = np.zeros(1800, dtype=bool)
+    for begin, end in spells:
+        rows[int(begin) : int(end)] = True
+    return rows
+
+
+def diagnosed(spells):
+    made = make_valve_recording(n_samples=1800, n_later=300, loop="wide", random_state=5)
+    frame = made.frame
+    frame["F"] = frame["F"] * np.where(rows_of(spells), 1.06, 1.0)
+    finder = MissingPhysicsFinder(effects=EFFECTS).fit(
+        Recording.from_frame(frame, Valve.from_dict(made.valve))
+    )
+    return finder, finder.diagnosis_.content
+
+
+@pytest.fixture(scope="module")
+def found():
+    return diagnosed(SPELLS)
+
+
+def test_spells_are_told(found):
+    entry = found[1]["effects"][0]
+    assert found[1]["verdict"] == "named"
+    assert "flow_meter_gain" in [m["name"] for m in entry["members"]]
+    assert entry["onset"] == pytest.approx(500.0, abs=4.0)
+    # where little flows six percent of it are nothing, so that an end there cannot be seen
+    told, true = (rows_of(spells) for spells in (entry["spells"], SPELLS))
+    assert np.mean(told == true) > 0.8
+    assert [1100.0, 1450.0] in np.round(entry["spells"], -1).tolist()
+    assert entry["parameters"]["gain"]["value"] == pytest.approx(0.06, abs=0.01)
+
+
+def test_the_corrected_simulation_has_them_too(found):
+    finder = found[0]
+    recording = Recording.from_frame(
+        make_valve_recording(n_samples=1800, n_later=0, loop="wide", random_state=5).frame,
+        finder.corrected_simulation_.valve_,
+    )
+    with_, without = (
+        s.simulate(recording)["flow"] for s in (finder.corrected_simulation_, finder.nominal_simulation_)
+    )
+    ratio, acts = with_ / np.maximum(without, 1e-6), rows_of(SPELLS)
+    assert np.median(ratio[acts]) - np.median(ratio[~acts]) == pytest.approx(0.06, abs=0.02)
+
+
+def test_what_begins_and_stays_has_no_spells():
+    entry = diagnosed(((700, 1800),))[1]["effects"][0]
+    assert "spells" not in entry
+    assert entry["onset"] == pytest.approx(700.0, abs=4.0)
+
+
+def test_a_rival_acts_when_the_effect_does():
+    by_key = {e.key: e for e in CATALOGUE}
+    times = (10.0, 20.0, 30.0)
+    assert begun(by_key["flow_meter_gain"], times).times == times
+    assert begun(by_key["stiction"], times).switches == ()
+    assert begun(by_key["flow_meter_gain"], None).onset is None
+    assert not may_come_and_go(by_key["sedimentation"])
