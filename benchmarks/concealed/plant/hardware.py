@@ -24,7 +24,7 @@ def draw_sheet(rng):
         "characteristic": str(rng.choice(["equal_percentage"] * 3 + ["linear"])),
         "rangeability": float(rng.choice([25.0, 33.0, 50.0])),
         "shutoff": 0.02,
-        "fl": float(rng.choice([0.8, 0.88, 0.9, 0.93])),
+        "fl": float(rng.choice([0.75, 0.8, 0.85, 0.88])),
         "fd": 0.42,
         "nominal_size": size,
         "travel": travel,
