@@ -91,18 +91,23 @@ def _healthy(rng, i):
 def _single(rng, kind, name, i):
     effect = EFFECTS[name]
     excitation = str(rng.choice(effect.asks or EXCITATIONS))
-    possible = {"start": ["start"], "within": ["within", "on_and_off"]}.get(
-        effect.when, ["start", "start", "within", "on_and_off"]
-    )
-    if effect.grows:
-        possible = ["start", "within", "mended"]
-    if name == "stuck_valve":
-        possible = ["within"]
-    course = str(rng.choice(possible))
+    course = _course(rng, effect)
     nasty = _ways(rng, OF_EFFECTS, excitation, 1, course)
     if effect.block == "actuator" or name.startswith(("sensor", "loop")):
         nasty = tuple(n for n in nasty if n not in ("no_opening", "compensated"))
     return kind, (name,), STEPS[i % len(STEPS)], excitation, course, nasty
+
+
+def _course(rng, effect):
+    """When an effect acts: mostly from the start, or from a moment on and then always."""
+    if effect.grows:
+        return str(rng.choice(["start", "within", "mended"], p=[0.4, 0.4, 0.2]))
+    if effect.when == "start" or effect.name == "stuck_valve":
+        return "start" if effect.when == "start" else "within"
+    start = 0.0 if effect.when == "within" else 0.5
+    return str(
+        rng.choice(["start", "within", "on_and_off"], p=[start, 0.8 * (1.0 - start), 0.2 * (1.0 - start)])
+    )
 
 
 def _pair(rng, names):
