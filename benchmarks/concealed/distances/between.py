@@ -42,7 +42,8 @@ def between(scene, course, true, others=None):
         "nothing" and every name of the catalogue that is not the truth's own -> least distance.
     """
     told = {EFFECTS[name].told for name in true}
-    change, nuisance = {}, {}
+    change: dict = {}
+    nuisance: dict = {}
     for channel in scene.channels():
         if scene.touches(scene.schedule, channel):
             difference = scene.seen(channel, scene.schedule) - scene.seen(channel, scene.sound)
@@ -84,9 +85,13 @@ def _least(scene, name, course, change, nuisance, alone):
     """Least distance over the sizes of one explanation."""
     effect = EFFECTS[name]
     probe = scene.scheduled({name: 0.5 * effect.most}, course)
-    touched = [channel for channel in change if scene.touches(probe, channel)]
-    if not touched:
+    touched = [channel for channel in scene.channels() if scene.touches(probe, channel)]
+    if not set(touched) & set(change):
         return sum(alone.values())
+    for channel in set(touched) - set(change):
+        # where nothing has moved, what an explanation would move speaks against it
+        nuisance[channel] = nuisance_of(scene, channel)
+        change[channel], alone[channel] = np.zeros(scene.plant.rows), 0.0
     low = max(effect.free if course.kind == "start" else 0.0, 0.004 * effect.most)
     signs = (1.0, -1.0) if effect.signed else (1.0,)
     best = sum(alone.values())
