@@ -83,6 +83,24 @@ def strength_of_effects(explanation, workbench):
     return max(strengths, default=0.0)
 
 
+def p_value_of_one(finding, workbench, circumstances):
+    """Share of healthy recordings in which the strongest effect is as strong as this one, or stronger.
+
+    Parameters
+    ----------
+    finding : Finding
+    workbench : Workbench
+    circumstances : Circumstances
+
+    Returns
+    -------
+    p_value : float
+    """
+    deviations = np.sqrt(2.0 * max(finding.gain, 0.0))
+    alone = strength(deviations, in_counts(finding.sizes, workbench))
+    return mismatch_p_value(Evidence(alone, None, circumstances))
+
+
 def in_counts(sizes, workbench):
     """Sizes of a change by channel as one: the largest, in multiples of what counts in its channel [1]."""
     return max((size / workbench.least(c) for c, size in sizes.items()), default=0.0)

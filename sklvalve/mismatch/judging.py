@@ -6,7 +6,13 @@ from dataclasses import replace
 from sklvalve.mismatch.adequacy import FINE, REFUTED, held_against_noise, left_over
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
-from sklvalve.mismatch.detect import Evidence, mismatch_p_value, p_value_of_what_counts, strength_of_effects
+from sklvalve.mismatch.detect import (
+    Evidence,
+    mismatch_p_value,
+    p_value_of_one,
+    p_value_of_what_counts,
+    strength_of_effects,
+)
 from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
 from sklvalve.mismatch.slip_finding import P_VALUE, beside_slips, with_slips
 from sklvalve.mismatch.unknown import look_for_rest
@@ -104,6 +110,7 @@ def _judged(
         return unknown, evidence, p_value, max(p_value, counting) <= alpha
 
     nominal = explanation.nominal
+    findings, model = _clear_ones(workbench, findings, model, circumstances, alpha)
     unknown, evidence, p_value, enough = weighed(findings, model)
     if findings and not enough:
         # effects too weak to be told from chance must not hide a rest that is not
@@ -138,6 +145,19 @@ def _judged(
     tried = folded(workbench, model, unknown)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, **more)
+
+
+def _clear_ones(workbench, findings, model, circumstances, alpha):
+    """The strongest finding and those beside it that are clear, with their model.
+
+    One mismatch makes others look likely, for no effect is simulated just as it is. So what is named beside
+    the strongest must be as rare among healthy recordings as alpha twice over.
+    """
+    first = findings[:1]
+    clear = first + [f for f in findings[1:] if p_value_of_one(f, workbench, circumstances) <= alpha**2]
+    if len(clear) == len(findings):
+        return findings, model
+    return clear, workbench.fit(tuple(f.member for f in clear), start=model)
 
 
 def _stands(workbench, model, unknown):
