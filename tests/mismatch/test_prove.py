@@ -111,8 +111,9 @@ def test_a_rest_that_does_not_hold_out_is_no_mismatch(bowed, monkeypatch, kept):
         return kept, told[-1]
 
     monkeypatch.setattr(judging_module, "correction_holds_out", judged)
-    # a rest as large as this one would be told all the same
+    # a rest as large as this one would be told all the same, and so would one beyond noise
     monkeypatch.setattr(judging_module, "_LARGE", 1e3)
+    monkeypatch.setattr(judging_module, "held_against_noise", lambda *args: (None, judging_module.FINE))
     finder = MissingPhysicsFinder(effects=("clogging",)).fit(bowed)
     content = finder.diagnosis_.content
     assert content["verdict"] == ("none_of_these" if kept else "no_mismatch")
