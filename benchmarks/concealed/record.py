@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.concealed.distances import Scene, between
+from benchmarks.concealed.distances.between import APART
 from benchmarks.concealed.distances.detectable import of_times, scene_of, standing_out
 from benchmarks.concealed.plant import EFFECTS, Course, Plant, sensors
 from benchmarks.concealed.plant.columns import COLUMNS
@@ -14,7 +15,6 @@ from benchmarks.concealed.plant.hardware import relative_capacity
 from benchmarks.concealed.plant.march import A_SECOND, COMMAND, METER
 from benchmarks.concealed.plant.rig import WARM_UP
 
-APART = 14.0
 LATER = 900
 JITTER = 0.1  # of the scan [s]
 

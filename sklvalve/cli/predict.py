@@ -74,12 +74,15 @@ def run(args: Namespace) -> int:
 
 def _not_yet(simulation, recording: "Recording") -> list[str]:
     """Effects that begin after some of the rows: a clock that begins anew must not go unnoticed."""
+    import numpy as np
+
     from sklvalve.simulation.chain import clock_of
 
     onsets = getattr(simulation, "onsets", None) or {}
     names = {effect.key: effect.name for effect in simulation.effects} if onsets else {}
     clock = clock_of(recording)
-    before = {names[key]: int((clock < onset).sum()) for key, onset in onsets.items()}
+    # the first of its times, where it comes and goes
+    before = {names[key]: int((clock < np.min(times)).sum()) for key, times in onsets.items()}
     return [
         f"{name} acts from a moment on, and {many} of these {len(clock)} rows stand before it, by the clock "
         "of the recording that was diagnosed."

@@ -79,8 +79,7 @@ def strength_of_effects(explanation, workbench):
     The deviations of an effect are the root of twice the log likelihood that it gains.
     """
     seen = [*explanation.tried.values(), *((f.gain, f.sizes) for f in explanation.findings)]
-    strengths = [strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(sizes, workbench)) for gain, sizes in seen]
-    return max(strengths, default=0.0)
+    return max((_strength_of(gain, sizes, workbench) for gain, sizes in seen), default=0.0)
 
 
 def p_value_of_one(finding, workbench, circumstances):
@@ -96,9 +95,12 @@ def p_value_of_one(finding, workbench, circumstances):
     -------
     p_value : float
     """
-    deviations = np.sqrt(2.0 * max(finding.gain, 0.0))
-    alone = strength(deviations, in_counts(finding.sizes, workbench))
+    alone = _strength_of(finding.gain, finding.sizes, workbench)
     return mismatch_p_value(Evidence(alone, None, circumstances))
+
+
+def _strength_of(gain, sizes, workbench):
+    return strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(sizes, workbench))
 
 
 def in_counts(sizes, workbench):

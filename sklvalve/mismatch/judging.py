@@ -110,7 +110,7 @@ def _judged(
         return unknown, evidence, p_value, max(p_value, counting) <= alpha
 
     nominal = explanation.nominal
-    findings, model = _clear_ones(workbench, findings, model, circumstances, alpha)
+    findings, model = _clear_ones(workbench, nominal, findings, model, circumstances, alpha)
     unknown, evidence, p_value, enough = weighed(findings, model)
     if findings and not enough:
         # effects too weak to be told from chance must not hide a rest that is not
@@ -147,17 +147,19 @@ def _judged(
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, **more)
 
 
-def _clear_ones(workbench, findings, model, circumstances, alpha):
-    """The strongest finding and those beside it that are clear, with their model.
+def _clear_ones(workbench, nominal, findings, model, circumstances, alpha):
+    """The strongest finding and those beside it that are clear or needed, with their model.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. So what is named beside
-    the strongest must be as rare among healthy recordings as alpha twice over.
+    the strongest must be as rare among healthy recordings as alpha twice over, unless blocks that no fit has
+    seen speak against what is left without it.
     """
     first = findings[:1]
     clear = first + [f for f in findings[1:] if p_value_of_one(f, workbench, circumstances) <= alpha**2]
     if len(clear) == len(findings):
         return findings, model
-    return clear, workbench.fit(tuple(f.member for f in clear), start=model)
+    fewer = workbench.fit(tuple(f.member for f in clear), start=model)
+    return (clear, fewer) if holds_out(workbench, nominal, fewer) else (findings, model)
 
 
 def _stands(workbench, model, unknown):

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, may_come_and_go, worth
+from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, begun, may_come_and_go, worth
 from sklvalve.mismatch.onset import losses_of
 
 # a spell, or a pause, is at least so many rows; more of them than this are noise
@@ -49,11 +49,10 @@ def _without_needless(workbench, model):
     """The same without spells, and pauses, that are not worth their switches."""
     *rest, last = model.members
     k = 0
-    while k + 1 < len(last.switches) + 1 and last.switches:
-        times = [t for i, t in enumerate(last.times) if i not in (k, k + 1)]
-        if len(times) == 0:
-            break
-        fewer = workbench.fit((*rest, Member(last.effect, times[0], tuple(times[1:]))), start=model)
+    # one beginning is left at least
+    while k < len(last.switches) and len(last.switches) > 1:
+        times = (*last.times[:k], *last.times[k + 2 :])
+        fewer = workbench.fit((*rest, begun(last.effect, times)), start=model)
         if worth(workbench, fewer) > worth(workbench, model):
             model, last = fewer, fewer.members[-1]
         else:
@@ -90,8 +89,7 @@ def spells_of(workbench, model):
         switches.insert(0, 0)
     if not 2 <= len(switches) <= _MOST:
         return None
-    onset, *later = (float(model.chain.clock[k]) for k in switches)
-    return Member(last.effect, onset, tuple(later))
+    return begun(last.effect, model.chain.clock[switches])
 
 
 class _Course:

@@ -7,10 +7,9 @@ import numpy as np
 from scipy.stats import chi2
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN
+from sklvalve.mismatch.hypothesis import SWITCH_PRICE
 from sklvalve.simulation.robust import robust_cost, robust_weights
 
-# what a moment of switching must earn, as in the search for onsets
-_PRICE = 10.0
 _BLOCKS, _FEWEST_ROWS = 64, 10
 _MOST_SPELLS = 12
 # of the largest excess of a random walk that falls to both sides of a moment of change (Siegmund,
@@ -140,7 +139,7 @@ def course_of(evidence, onset, *, late=0):
     gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
     raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * gain / DISTINGUISHABLE
     blocks = acts[starts]
-    path = _switched(*evidence.quadratic(starts), blocks, _PRICE * raised)
+    path = _switched(*evidence.quadratic(starts), blocks, SWITCH_PRICE * raised)
     edges = _edges(path, starts) if np.any(path != blocks) else ([onset] if onset else [])
     begins = bool(path[0]) and not onset if np.all(path == blocks) else bool(path[0])
     return _settled(evidence, edges, begins, raised, late, moved=bool(np.any(path != blocks)))

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.concealed.plant import EFFECTS, Course, Plant
+from benchmarks.concealed.plant import EFFECTS, Course, Plant, loop
 from benchmarks.concealed.plant.columns import COLUMNS
 from benchmarks.concealed.plant.fluids import water_density, water_vapour
 from benchmarks.concealed.plant.loop import least_of, nozzle
@@ -95,6 +95,11 @@ def test_the_stem_follows_within_half_a_percent_at_rest(plant, sound):
 def test_the_same_seed_is_the_same_plant(plant, sound):
     again = Plant(4, "wide", ROWS, 60)
     np.testing.assert_array_equal(again.run(again.schedule({}, Course())), sound)
+
+
+def test_columns_and_hardware_are_where_the_march_looks_for_them():
+    for names in (COLUMNS, loop.HARDWARE):
+        assert [getattr(loop, name.upper()) for name in names] == list(range(len(names)))
 
 
 def test_a_size_of_nothing_is_no_effect(plant):

@@ -5,7 +5,7 @@ import json
 import runpy
 from pathlib import Path
 
-FOLDER = Path(__file__).parents[2] / "benchmarks" / "concealed"
+FOLDER = Path(__file__).parents[2] / "benchmarks" / "trial"
 
 
 def test_a_trial_goes_on_where_it_stopped_and_is_shared(tmp_path, monkeypatch, capsys, a_line):

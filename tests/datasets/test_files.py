@@ -21,7 +21,7 @@ from sklvalve.datasets.concealed import to_toml
 pd = pytest.importorskip("pandas")
 SHORT = {"n_samples": 300, "n_later": 40, "random_state": 1}
 FILES = {"recording.csv.gz", "later.csv.gz", "valve.toml", "truth.json", "flow_without_noise.csv.gz"}
-MAKE = Path(__file__).parents[2] / "benchmarks" / "concealed" / "make.py"
+MAKE = Path(__file__).parents[2] / "benchmarks" / "trial" / "make.py"
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ from sklvalve.datasets.plant import draw_plant
 
 pytest.importorskip("pandas")
 ROWS = 1200
-MAKE = Path(__file__).parents[2] / "benchmarks" / "concealed" / "make.py"
+MAKE = Path(__file__).parents[2] / "benchmarks" / "trial" / "make.py"
 
 
 def plant(loop="wide", names=(), rows=ROWS, seed=5):

@@ -4,8 +4,9 @@
 import numpy as np
 import pytest
 
+from sklvalve.cli import main
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
+from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.hypothesis import begun, may_come_and_go
 from sklvalve.recording import Recording, Valve
 
@@ -58,6 +59,18 @@ def test_the_corrected_simulation_has_them_too(found):
     )
     ratio, acts = with_ / np.maximum(without, 1e-6), rows_of(SPELLS)
     assert np.median(ratio[acts]) - np.median(ratio[~acts]) == pytest.approx(0.06, abs=0.02)
+
+
+def test_a_model_file_keeps_the_spells_and_predict_tells_when_they_begin(found, tmp_path, capsys):
+    pytest.importorskip("skops")
+    made = make_valve_recording(n_samples=1800, n_later=0, loop="wide", random_state=5)
+    recording, model = tmp_path / "recording.csv", tmp_path / "model.skops"
+    made.frame.to_csv(recording, index=False)
+    save_model(model, found[0])
+    assert main(["predict", str(recording), "--model", str(model), "--out", str(tmp_path / "out.csv")]) == 0
+    assert "flow_meter_gain acts from a moment on, and 500 of these 1800 rows" in capsys.readouterr().out
+    loaded, known = load_model(model)["corrected"], found[0].corrected_simulation_
+    assert loaded.onsets == known.onsets
 
 
 def test_what_begins_and_stays_has_no_spells():

@@ -6,13 +6,14 @@ percent, zeros 1 % of travel, 0.5 % of the flow's span and 0.25 % of the pressur
 used of a bound already is no longer free.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import lsq_linear
 
 from benchmarks.concealed.plant.columns import COLUMNS
 from benchmarks.concealed.plant.hardware import relative_capacity
+from benchmarks.concealed.plant.march import A_SECOND
 from benchmarks.concealed.plant.noise import whiten_flow, whiten_opening
 
 CAPACITY, TRIM, RECOVERY, RESPONSE, STATIC, ZERO_X = 0.1, 0.1, 0.1, 3.0, 0.01, 0.01
@@ -117,7 +118,7 @@ def _flow_series(scene):
     for place in _HATS[1:-1]:
         hat = np.clip(1.0 - np.abs(grid - place) * 7.0, 0.0, 1.0)
         trim = plant.trim * (1.0 + hat * tolerance)
-        series.append(scene.flow(scene.sound, trim)[::5] - base)
+        series.append(scene.flow(scene.sound, trim)[::A_SECOND] - base)
         taken = float(np.interp(place, grid, used))
         low.append(-1.0 - taken)
         high.append(1.0 - taken)
@@ -142,12 +143,12 @@ def _flow_law(scene):
     flow = scene.seen("flow", scene.sound)[rows]
     step = scene.seen("flow", _shifted(scene, plug_offset=0.005))[rows]
     by_opening = np.abs(step - flow) / 0.005
-    drop = np.maximum(scene.p1 - scene.p2, 1e3)[::5][rows]
+    drop = np.maximum(scene.p1 - scene.p2, 1e3)[::A_SECOND][rows]
     by_drop = 0.5 * np.abs(flow) / drop
     if "p2" in scene.lacking:
         # what the unknown pressure does is noise to every explanation
-        pressure = float(np.std(scene.p2[::5][rows]))
-        law = plant.law.__class__(**{**plant.law.__dict__, "p_wandering": plant.law.p_wandering + pressure})
+        pressure = float(np.std(scene.p2[::A_SECOND][rows]))
+        law = replace(plant.law, p_wandering=plant.law.p_wandering + pressure)
     else:
         law = plant.law
     lag = plant.sound["meter_lag"]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Diagnose every record of a folder, compare with its truth, and print tables.
 
-    python benchmarks/concealed/score.py FOLDER [NAME ...] [--out FILE] [--part 1/2]
-    python benchmarks/concealed/score.py --combine FILE [FILE ...]
+    python benchmarks/trial/score.py FOLDER [NAME ...] [--out FILE] [--part 1/2]
+    python benchmarks/trial/score.py --combine FILE [FILE ...]
 
 Each record is a folder with recording.csv.gz, valve.toml, truth.json, and later.csv.gz with
 flow_without_noise.csv.gz for the error on later rows, as make.py beside this file writes them. The truth is
@@ -18,7 +18,6 @@ tables of several files together.
 import argparse
 import json
 import os
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -27,6 +26,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from benchmarks.concealed.report.trial import summary
+from benchmarks.concealed.run import code
 from benchmarks.concealed.scoring.lines import read_lines
 from benchmarks.concealed.scoring.outcome import judge
 
@@ -53,17 +53,6 @@ def later_errors(folder, finder, valve):
         flow = rms(later.in_recorded_units("flow", made["flow"]) - truth) / noise
         errors[name] = [flow, 100.0 * rms(made["opening"] - later["opening"])]
     return errors
-
-
-def code():
-    """Commit that is judged, with a mark where files were changed after it; nothing outside a repository."""
-    here = Path(__file__).parents[2]
-    run = lambda *words: subprocess.run(words, cwd=here, capture_output=True, text=True).stdout.strip()  # noqa: E731
-    try:
-        commit = run("git", "rev-parse", "--short", "HEAD")
-        return commit + ("+" if run("git", "status", "--porcelain", "--", "sklvalve") else "")
-    except OSError:
-        return ""
 
 
 def score(place):

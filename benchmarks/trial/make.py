@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Draw recordings with concealed effects into a folder, for a blind trial.
 
-    python benchmarks/concealed/make.py FOLDER --seed 7 --healthy 12 --each 2 --pairs 6
-    python benchmarks/concealed/make.py FOLDER --seed 8 --healthy 60 --each 5 --times 2
+    python benchmarks/trial/make.py FOLDER --seed 7 --healthy 12 --each 2 --pairs 6
+    python benchmarks/trial/make.py FOLDER --seed 8 --healthy 60 --each 5 --times 2
 
 writes one folder per record, named record_000, record_001, ... in an order drawn by the seed, so that a
 name tells nothing. In each:
