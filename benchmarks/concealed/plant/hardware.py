@@ -89,7 +89,7 @@ def draw_hardware(rng, sheet):
         "tube": fill * rng.uniform(3.0, 5.0),
         "v_tube": 0.15 * volume,
         "v_chamber": volume,
-        "gain": rng.uniform(7.0, 11.0),
+        "gain": rng.uniform(3.5, 6.0),
         "rate_gain": rng.uniform(0.3, 0.7),
         "overlap": rng.uniform(0.002, 0.01),
         "integral_time": float(rng.choice([0.0, 0.0, 25.0])),
