@@ -8,9 +8,9 @@ import numpy as np
 
 import sklvalve
 from sklvalve.mismatch.describing import described
+from sklvalve.mismatch.events import events_of, told_by_events
 from sklvalve.mismatch.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test import next_test
-from sklvalve.mismatch.slip_finding import rows_of_slips, told_by_slips
 from sklvalve.mismatch.verdict import class_of, effect_entry
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -86,8 +86,9 @@ def flagged_rows(workbench, judgement):
     if unknown is not None and not judgement.findings:
         rest = np.abs(learnt_rest(unknown.correction, model.chain, model.values))
         flagged = rest > 0.25 * np.quantile(rest, 0.99)
-    if told_by_slips(judgement.findings):
-        flagged = flagged | rows_of_slips(workbench.recording)
+    events = events_of(workbench.recording) if told_by_events(judgement.findings) else None
+    if events is not None:
+        flagged = flagged | events.flagged
     onset = onset_of(judgement)
     if onset is not None:
         flagged &= model.chain.clock - model.chain.clock[0] >= onset

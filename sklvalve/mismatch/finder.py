@@ -13,6 +13,7 @@ from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
 from sklvalve.mismatch.detect import circumstances_of
 from sklvalve.mismatch.diagnosis import Diagnosis
+from sklvalve.mismatch.events import evident_events, worth_searching
 from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
@@ -22,7 +23,6 @@ from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_tr
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
 from sklvalve.mismatch.prove import errors, held_out_predictions
 from sklvalve.mismatch.sifting import sifted
-from sklvalve.mismatch.slip_finding import evident_slips, worth_searching
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
 from sklvalve.mismatch.withholding import withheld
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
@@ -213,28 +213,28 @@ class MissingPhysicsFinder(BaseEstimator):
 
     def _judged(self, workbench, ours, effects, seed):
         """The judgement on a recording; of a long one stretches are searched."""
-        slips = evident_slips(workbench, effects, float(self.alpha)) if self.max_effects else None
+        events = evident_events(workbench, effects, float(self.alpha)) if self.max_effects else None
         stretches = stretches_of(workbench.recording, self.search_rows)
         if stretches is workbench.recording:
-            return self._judge(workbench, effects, slips, seed)
+            return self._judge(workbench, effects, events, seed)
         bench = prepared_workbench(stretches, ours, self.tolerance, trim=workbench.trim)
-        return over_the_whole(workbench, self._judge(bench, effects, slips, seed))
+        return over_the_whole(workbench, self._judge(bench, effects, events, seed))
 
-    def _judge(self, workbench, effects, slips, seed):
+    def _judge(self, workbench, effects, events, seed):
         """Search among the effects, and the judgement on what it finds."""
         nominal = calibrated(workbench)
         circumstances = circumstances_of(workbench)
         explanation = explain(
             workbench,
             nominal,
-            worth_searching(effects, slips),
+            worth_searching(effects, events),
             threshold=self.evidence,
             most=self.max_effects,
             report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
         )
         self._say("looking for the unknown", 0.8)
         more = {"alpha": float(self.alpha), "random_state": seed}
-        return judge(workbench, explanation, len(effects), circumstances, slips=slips, **more)
+        return judge(workbench, explanation, len(effects), circumstances, events=events, **more)
 
     def _say(self, stage, done):
         if self.callback is not None:

@@ -5,8 +5,8 @@ import numpy as np
 
 from sklvalve.mismatch.black_box import black_box_prediction
 from sklvalve.mismatch.distance import DISTINGUISHABLE
+from sklvalve.mismatch.events import simulated
 from sklvalve.mismatch.prove import held_out_predictions, lines_of, refitted
-from sklvalve.mismatch.slip_finding import simulated
 from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.simulation.simulation import learnt_rest
 

@@ -9,14 +9,17 @@ from sklvalve.recording.standing import stem_may_stand
 
 # moves of the stem that stick, lose motion or come late: all that a record redrawn in time cannot show
 _STICKING = ("stiction", "friction", "backlash", "presliding", "positioner_deadband", "rod_bend")
-_LATE = ("dead_time", "actuator_lag", "slew_limit", "transducer_fault")
+_LATE = ("dead_time", "actuator_lag", "slew_limit")
 _STILL = ("stuck_valve",)
 _WET_DYNAMICS = ("flow_inertia", "sensor_lag")
 _UNSTEADY = ("cavitation", "two_phase", "flashing")  # told by the variance of flow and pressures
 _TOP_OF_FLOW = ("clogging", "choked_flow", "piping_reducers", "line_loss", "wrong_characteristic")
 _NEAR_SEAT = ("seat_leakage", "bypass_open", "erosion", "tight_shutoff", "viscous_flow", "flow_meter_bias")
 _SLOW = ("sedimentation", "flow_meter_drift", "density_change", "viscosity_change")
-_LIMITED = ("supply_pressure_drop", "actuator_leak", "spring_fault", "stem_load", "positioner_characteriser")
+_LIMITED = (
+    "supply_pressure_drop", "actuator_leak", "spring_fault", "stem_load", "positioner_characteriser",
+    "transducer_fault",
+)  # fmt: skip
 _SENSOR_OF_STEM = ("position_sensor_bias", "position_sensor_gain", "positioner_feedback_fault")
 _BY_PRESSURE = (
     "choked_flow",

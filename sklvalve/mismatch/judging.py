@@ -13,8 +13,8 @@ from sklvalve.mismatch.detect import (
     p_value_of_what_counts,
     strength_of_effects,
 )
+from sklvalve.mismatch.events import P_VALUE, beside_events, with_events
 from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
-from sklvalve.mismatch.slip_finding import P_VALUE, beside_slips, with_slips
 from sklvalve.mismatch.unknown import look_for_rest
 from sklvalve.mismatch.verdict import class_of, verdict_of
 
@@ -22,11 +22,11 @@ from sklvalve.mismatch.verdict import class_of, verdict_of
 _LARGE = 2.0
 
 
-def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_state, slips=None):
+def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_state, events=None):
     """Verdict, what stands of the findings, and the model and the learnt rest that go with it.
 
-    Slips of the stem that are evident name stiction where the search has not: then its findings in the
-    actuator, which the slips explain, go, and so does what it left unexplained of the opening.
+    Slips of the stem that are evident, or its hunting, name what makes them where the search has not: then
+    its findings in the actuator, which they explain, go, and so does what it left unexplained of the opening.
 
     Parameters
     ----------
@@ -39,8 +39,8 @@ def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_
     alpha : float
         Level of the test.
     random_state : int
-    slips : Slips, default=None
-        Those that are evident, where they may name stiction.
+    events : Events, default=None
+        Those that are evident, where they may name what makes them.
 
     Returns
     -------
@@ -49,14 +49,14 @@ def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_
     told = {"alpha": alpha, "n_candidates": n_candidates, "random_state": random_state}
     told["circumstances"] = circumstances
     searched = _judged(workbench, explanation, explanation.findings, explanation.model, **told)
-    if slips is None or _names_stiction(searched):
+    if events is None or _names_one_of(events.names, searched):
         return searched
-    findings, model = beside_slips(explanation.findings), explanation.model
+    findings, model = beside_events(explanation.findings), explanation.model
     if len(findings) < len(explanation.findings):
         model = workbench.fit(tuple(f.member for f in findings), start=model)
     others = tuple(c for c in workbench.channels if c != "opening")
     beside = _judged(workbench, explanation, findings, model, channels=others, **told)
-    finding, model = with_slips(beside.model, slips, workbench, random_state)
+    finding, model = with_events(beside.model, events, workbench, random_state)
     return replace(
         beside,
         verdict="named",
@@ -182,6 +182,6 @@ def _else_as(workbench, model, nominal):
     return replace(model, values=model.values | values, predictions=model.predictions | predictions)
 
 
-def _names_stiction(judgement):
+def _names_one_of(names, judgement):
     named = judgement.verdict == "named"
-    return named and any("stiction" in class_of(f) for f in judgement.findings)
+    return named and any(names & set(class_of(f)) for f in judgement.findings)

@@ -131,6 +131,7 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
         _keep_the_best(found, (*side_by_side(lambda m: _fitted(workbench, m), near), *far))
     met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, member.effect)]
     there = [_where_it_was_met(workbench, model, rest, begun(e, member.times), seen) for e in met]
+    there += _elsewhere(workbench, model, rest, member, others)
     _keep_the_best(found, side_by_side(lambda m: _fitted(workbench, m), there))
     return [(fitted.members[-1], fitted) for fitted in found.values()]
 
@@ -160,6 +161,18 @@ def _where_it_was_met(workbench, model, rest, member, seen):
     own = (f"{member.effect.key}.", "actuator_")
     met = {name: value for name, value in seen[member.effect.key].values.items() if name.startswith(own)}
     return workbench.simulate((*rest, member), model.values | met)
+
+
+def _elsewhere(workbench, model, rest, member, others):
+    """Rivals in the actuator to be fitted from the calibrations that they ask for themselves."""
+    if member.effect.stage not in ACTUATOR_STAGES:
+        return []
+    begun_anew = []
+    for effect in (e for e in others if e.begins_with):
+        largest = {f"{effect.key}.{q.name}": q.starts[-1] for q in effect.quantities(model.chain)}
+        values = model.values | dict(effect.begins_with) | largest
+        begun_anew.append(workbench.simulate((*rest, begun(effect, member.times)), values))
+    return begun_anew
 
 
 def _weighed(workbench, places, without):

@@ -11,6 +11,9 @@ _LEAST, _NOISES = 0.01, 8.0
 _BEHIND, _AHEAD = 30, 2
 # a slip passes every one of those commands by this share of itself, while the command moves by less than that
 _PAST, _COMMANDED = 0.25, 0.6
+# a stem rests that moves, in two of the three rows before a slip, by no more than this share of it: one that
+# hunts, or that follows its command, is on its way before
+_RESTING, _BEFORE = 0.1, 3
 # the rest that a recording begins from is unknown
 _BEGINNING = 5
 # what other effects and a positioner's own overshoot show by chance stays below this count
@@ -51,10 +54,10 @@ def find_slips(command, opening):
     .. math:: J \approx \frac{F_s - F_c}{k + \gamma A p / h_0}
 
     whatever the error was. A step counts where it exceeds 1 % of travel and eight times the sensor's noise,
-    leaves every command from 30 rows before to 2 rows after behind by a quarter of itself, is not undone in
-    the next row (a spike of the sensor is), and the command moved by less than 0.6 of it meanwhile. A dead
-    time longer than 30 rows, or a position that the sensor shows wrong by more than that quarter, would
-    hide or feign it.
+    begins from rest, leaves every command from 30 rows before to 2 rows after behind by a quarter of itself,
+    is not undone in the next row (a spike of the sensor is), and the command moved by less than 0.6 of it
+    meanwhile. A dead time longer than 30 rows, or a position that the sensor shows wrong by more than that
+    quarter, would hide or feign it.
 
     Parameters
     ----------
@@ -104,8 +107,9 @@ def find_slips(command, opening):
         near = u[max(k - 3, 0) : k + 2 + _AHEAD]
         past = x[k + 1] - around.max() if sign > 0 else around.min() - x[k + 1]
         stays = sign * (x[k + 2] - x[k]) > 0.5 * size
+        resting = np.sum(np.abs(jump[k - _BEFORE : k]) < max(_RESTING * size, 4.0 * noise)) >= 2
         # comparisons with NaN are false: a gap nearby leaves the step out
-        if stays and past > max(_PAST * size, 4.0 * noise) and np.ptp(near) < _COMMANDED * size:
+        if resting and stays and past > max(_PAST * size, 4.0 * noise) and np.ptp(near) < _COMMANDED * size:
             found.append((k, jump[k], past))
     rows, sizes, beyond = np.array(found, dtype=float).reshape(-1, 3).T
     return Slips(rows.astype(int), sizes, beyond)

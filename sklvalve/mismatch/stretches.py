@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from sklvalve.mismatch.effects import EVENTS
+from sklvalve.mismatch.events import simulated
 from sklvalve.mismatch.gathering import without_settling
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.prove import correction_holds_out, folded
-from sklvalve.mismatch.slip_finding import simulated
 
 #: Rows of one stretch: long beside the slow wander of a meter, short beside a recording of a day.
 STRETCH = 640

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import MissingPhysicsFinder, load_model, save_model
-from sklvalve.mismatch.slip_finding import P_VALUE
+from sklvalve.mismatch.events import P_VALUE
 from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.report import to_text
 from sklvalve.simulation import ValveSimulation
@@ -46,7 +46,7 @@ def found(slipping):
 def test_slips_name_stiction_with_its_jump(found):
     content = found.diagnosis_.content
     assert found.diagnosis_.verdict == "named"
-    assert found.diagnosis_.effects == (("stiction",),)
+    assert found.diagnosis_.effects == (("stiction", "friction"),)
     (entry,) = content["effects"]
     told = entry["parameters"]["jump"]
     assert told["value"] == pytest.approx(JUMP, abs=0.003)

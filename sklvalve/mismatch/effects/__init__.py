@@ -19,7 +19,7 @@ from sklvalve.mismatch.effects.flow_inertia import FlowInertia
 from sklvalve.mismatch.effects.flow_meter_bias import FlowMeterBias
 from sklvalve.mismatch.effects.flow_meter_drift import FlowMeterDrift, FlowMeterSpanDrift
 from sklvalve.mismatch.effects.flow_meter_gain import FlowMeterGain
-from sklvalve.mismatch.effects.friction import Friction
+from sklvalve.mismatch.effects.friction import Friction, FrictionByHunting, FrictionBySlips
 from sklvalve.mismatch.effects.gas_expansion import GasExpansion
 from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
 from sklvalve.mismatch.effects.line_loss import LineLoss
@@ -29,7 +29,11 @@ from sklvalve.mismatch.effects.position_sensor_bias import PositionSensorBias, P
 from sklvalve.mismatch.effects.position_sensor_gain import PositionSensorGain, PositionSensorGainInLoop
 from sklvalve.mismatch.effects.positioner_characteriser import PositionerCharacteriser
 from sklvalve.mismatch.effects.positioner_deadband import MotorDeadband, PositionerDeadband
-from sklvalve.mismatch.effects.positioner_feedback_fault import FeedbackPlay, PositionerFeedbackFault
+from sklvalve.mismatch.effects.positioner_feedback_fault import (
+    FeedbackByHunting,
+    FeedbackPlay,
+    PositionerFeedbackFault,
+)
 from sklvalve.mismatch.effects.presliding import Presliding
 from sklvalve.mismatch.effects.rod_bend import RodBend, RodBendShut
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
@@ -38,7 +42,7 @@ from sklvalve.mismatch.effects.sensor_lag import SensorLag
 from sklvalve.mismatch.effects.slew_limit import MotorSpeed, SlewLimit
 from sklvalve.mismatch.effects.spring_fault import SpringFault
 from sklvalve.mismatch.effects.stem_load import StemLoad
-from sklvalve.mismatch.effects.stiction import Stiction, StictionBySlips
+from sklvalve.mismatch.effects.stiction import Stiction, StictionByHunting, StictionBySlips
 from sklvalve.mismatch.effects.stuck_valve import StuckValve
 from sklvalve.mismatch.effects.supply_pressure_drop import SupplyPressureDrop
 from sklvalve.mismatch.effects.tight_shutoff import FullOpening, TightShutoff
@@ -112,6 +116,12 @@ CATALOGUE = (
 )
 
 #: Forms told from events in the recording, which no search takes up.
-EVENTS = (StictionBySlips(),)
+EVENTS = (
+    StictionBySlips(),
+    FrictionBySlips(),
+    StictionByHunting(),
+    FrictionByHunting(),
+    FeedbackByHunting(),
+)
 
 __all__ = ["CATALOGUE", "EVENTS", "Effect", "Quantity"]

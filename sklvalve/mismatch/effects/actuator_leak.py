@@ -19,8 +19,10 @@ class ActuatorLeak(Effect):
 
     name = key = "actuator_leak"
     block, stage = "actuator", "actuator"
-    parameters: tuple = (Quantity("leak", "1", 0.003, 1.5, (0.1, 0.4), log=True),)
+    parameters: tuple = (Quantity("leak", "1", 0.003, 3.0, (0.1, 0.4), log=True),)
     needs = ("command",)
+    # a positioner that integrates makes up for the leak, so that one calibrated to do so leaves no use for it
+    begins_with = (("actuator_reset", 0.003),)
     source = "ISO 6358, critical ratio 0.3"
     requires = "an air supply or a spring range in the data sheet"
     phrase = "the actuator loses air (a leak of {leak:.0%} of the positioner's capacity)"

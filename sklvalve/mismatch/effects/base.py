@@ -57,6 +57,9 @@ class Effect:
         The test that tells it from what it is confused with.
     family : str
         Effects of one family have the same equation: a hypothesis holds one of them at most.
+    begins_with : tuple of (str, float)
+        Calibration of the actuator from which the effect is searched as well, name and value: one that hides
+        it is where the calibration without it ends.
     alike : str
         Effects that look alike, however different their equations: each of them is fitted to the end where
         another one stands.
@@ -77,6 +80,7 @@ class Effect:
 
     name = key = block = stage = phrase = separated_by = damadics = ""
     family = alike = source = ""
+    begins_with: tuple = ()
     requires = "a data sheet with the characteristic and the fluid"
     may_begin = True
     grows = False

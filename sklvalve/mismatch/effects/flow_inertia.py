@@ -10,8 +10,8 @@ from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.calibration import span_of
 
 _STEEL = 4e7
-# of the line between the taps [m], and of a liquid in it [m/s]
-_BETWEEN_TAPS, _FASTEST = 20.0, 10.0
+# of the line between the taps [m], and of a liquid in one that long [m/s]
+_BETWEEN_TAPS, _FASTEST = 1000.0, 2.0
 
 
 @nb.njit(cache=True, nogil=True)
@@ -80,7 +80,7 @@ class FlowInertia(Effect):
         starts = tuple(
             float(np.clip(lag * self._per_second(chain), 20.0, 0.5 * _STEEL)) for lag in (5.0, 20.0)
         )
-        # between the taps lie twenty metres of line at the most, in which no liquid is led at over 10 m/s
+        # a transmitter may stand a kilometre of line away, in which no liquid is led at over 2 m/s
         span = span_of(chain.recording["flow"])
         largest = _BETWEEN_TAPS * _FASTEST / (span / 1000.0 if chain.recording.mass_flow else span)
         high = float(np.clip(largest, 100.0 * own.low, own.high))

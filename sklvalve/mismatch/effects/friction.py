@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from sklvalve.mismatch.effects._events import ByHunting, BySlips
 from sklvalve.mismatch.effects.base import Effect, Quantity
 
 
@@ -33,6 +34,32 @@ class Friction(Effect):
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return p["friction"] > most_friction(tolerance)
+
+
+class FrictionBySlips(BySlips, Friction):
+    r"""Friction told by the slips of the stem, which it makes where it falls as the stem begins to move.
+
+    .. math:: |x_{k+1} - x_k| = J, \quad x_{k+1} \notin [\min u, \max u]
+
+    Friction that is larger throughout is larger at rest as well, and a stem that breaks away from it
+    overshoots as one that only sticks does: slips alone tell the two apart nowhere.
+    """
+
+    key = "friction_slips"
+    phrase = (
+        "the stem rubs, and slips where it breaks away (it jumps by {jump:.1%} of travel, past what was "
+        "commanded); the moments of the slips are not predicted"
+    )
+
+
+class FrictionByHunting(ByHunting, Friction):
+    """Friction told by a stem that hunts: its positioner overshoots what breaks it away."""
+
+    key = "friction_hunting"
+    phrase = (
+        "the stem rubs, and hunts by {swing:.1%} of travel while its command rests; "
+        "its swings are not predicted"
+    )
 
 
 def most_friction(tolerance):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A positioner that is told the wrong position."""
 
+from sklvalve.mismatch.effects._events import ByHunting
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.mismatch.effects.transducer_fault import TransducerFault
 
@@ -55,3 +56,13 @@ class FeedbackPlay(Effect):
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         return p["width"] > tolerance.static_error
+
+
+class FeedbackByHunting(ByHunting, FeedbackPlay):
+    """Play in the feedback told by a stem that hunts: the positioner feels late that it has moved."""
+
+    key = "feedback_hunting"
+    phrase = (
+        "there is play between stem and positioner, which hunts by {swing:.1%} of travel while its command "
+        "rests; its swings are not predicted"
+    )

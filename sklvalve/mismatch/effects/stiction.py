@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from sklvalve.mismatch.effects._events import ByHunting, BySlips
 from sklvalve.mismatch.effects.base import Effect, Quantity
 
 
@@ -39,23 +40,26 @@ class Stiction(Effect):
         return changed
 
 
-class StictionBySlips(Stiction):
+class StictionBySlips(BySlips, Stiction):
     r"""Friction at rest told by its slips: the stem rests, jumps, and lands beyond every command.
 
     .. math:: |x_{k+1} - x_k| = J, \quad x_{k+1} \notin [\min u, \max u]
 
-    The slips are seen in the recording itself. When each of them comes hangs on friction to a per cent, so
-    the simulation does not time them, and what it makes is left as it is. No search takes this form up.
+    The slips are seen in the recording itself.
     """
 
     key = "stiction_slips"
-    stage = "stem"
-    parameters = (Quantity("jump", "1", 0.0, 1.0, (0.03,)),)
-    needs = ("command", "opening")
     phrase = (
         "the stem sticks and slips (it jumps by {jump:.1%} of travel, past what was commanded); "
         "the moments of the slips are not predicted"
     )
 
-    def apply(self, value, p, chain):
-        return value
+
+class StictionByHunting(ByHunting, Stiction):
+    """Friction at rest told by a stem that hunts: what breaks it away carries it past its command."""
+
+    key = "stiction_hunting"
+    phrase = (
+        "the stem sticks, and hunts by {swing:.1%} of travel while its command rests; "
+        "its swings are not predicted"
+    )

@@ -93,6 +93,11 @@ def span(plant):
     return 1.5 * plant.sheet["kv_rated"]
 
 
+def line(plant):
+    """Length over area of each metre of a line in which the span of the flow runs at 2 m/s [1/m2]."""
+    return 2.0 * 3600.0 / span(plant)
+
+
 def spring(plant):
     """Force of the spring over the whole travel [N]."""
     return 80e3 * 1e-4 * plant.sheet["area"]

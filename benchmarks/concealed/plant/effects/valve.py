@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from benchmarks.concealed.plant.effects.base import Effect, add, multiply, own, rated
+from benchmarks.concealed.plant.effects.base import Effect, add, line, multiply, own, rated
 
 
 def _choked(columns, size, active, plant):
@@ -167,10 +167,10 @@ EFFECTS = (
         "flow_inertia",
         "flow_inertia",
         "line",
-        add("tap_inertia"),
-        3e5,
-        "1/m",
-        parameter=own("length_over_area", "1/m"),
+        add("tap_inertia", line),
+        1000.0,
+        "m",
+        parameter=own("length_over_area", "1/m", of=lambda size, plant: size * line(plant)),
     ),
     Effect("two_phase", "two_phase", "line", add("gas_share"), 0.4, parameter=own("gas_share")),
 )

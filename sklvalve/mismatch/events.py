@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Effects named by events in the recording: slips of the stem, or its hunting, which no simulation times."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sklvalve.mismatch.effects import EVENTS
+from sklvalve.mismatch.hunting import find_hunting
+from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.rivals import Finding, Rival
+from sklvalve.mismatch.stick_slip import find_slips
+
+#: Recordings of two simulated plants without friction or play that were tried; one of them, of an actuator
+#: that no catalogue holds, showed such events.
+WITHOUT_EITHER = 1061
+#: Chance of evident events without either, by Laplace's rule.
+P_VALUE = 2.0 / (2.0 + WITHOUT_EITHER)
+
+# what recordings with such events held, and how many of so many; what is missing to one held something else
+_SHARES = {
+    "slips": {"stiction_slips": 13.0 / 17.0, "friction_slips": 4.0 / 17.0},
+    "hunting": {
+        "stiction_hunting": 8.0 / 15.0,
+        "friction_hunting": 3.0 / 15.0,
+        "feedback_hunting": 2.0 / 15.0,
+    },
+}
+_BLOCK, _ALIKE = "actuator", "play"
+_DRAWN = 400
+
+
+@dataclass(frozen=True)
+class Events:
+    """Events of one kind in a recording.
+
+    Attributes
+    ----------
+    kind : str
+        "slips" or "hunting".
+    sizes : ndarray of shape (k,)
+        How far the stem jumps, or swings [1].
+    flagged : ndarray of shape (n,), bool
+        Rows of the events and some around them.
+    """
+
+    kind: str
+    sizes: np.ndarray
+    flagged: np.ndarray
+
+    @property
+    def forms(self):
+        """Effects that make such events, the likeliest first."""
+        return [e for e in EVENTS if e.key in _SHARES[self.kind]]
+
+    @property
+    def names(self):
+        return {e.name for e in self.forms}
+
+
+def events_of(recording):
+    """Evident events of a recording, slips before hunting; None where there are none."""
+    if "command" not in recording or "opening" not in recording:
+        return None
+    command, opening = recording["command"], recording["opening"]
+    flagged = np.zeros(len(recording), dtype=bool)
+    slips = find_slips(command, opening)
+    if slips.evident:
+        for row in slips.rows:
+            flagged[max(row - 2, 0) : row + 4] = True
+        return Events("slips", np.abs(slips.sizes), flagged)
+    hunting = find_hunting(command, opening)
+    if hunting.evident:
+        for row in hunting.rows:
+            flagged[row : row + hunting.length] = True
+        return Events("hunting", hunting.sizes, flagged)
+    return None
+
+
+def evident_events(workbench, effects, alpha):
+    """Events of the stem, where they may be told.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    effects : sequence of Effect
+        Candidates: without those that make the events these tell nothing.
+    alpha : float
+        Level of the test; events alone name nothing where it is below their own chance.
+
+    Returns
+    -------
+    events : Events or None
+    """
+    found = None if alpha < P_VALUE else events_of(workbench.recording)
+    wanted = {e.name for e in effects}
+    return found if found is not None and found.forms[0].name in wanted else None
+
+
+def worth_searching(effects, events):
+    """Effects still to be searched: beside events, of the actuator's those alone that look alike.
+
+    Parameters
+    ----------
+    effects : sequence of Effect
+    events : Events or None
+
+    Returns
+    -------
+    searched : list of Effect
+    """
+    return [e for e in effects if events is None or e.block != _BLOCK or e.alike == _ALIKE]
+
+
+def with_events(model, events, workbench, random_state=0):
+    """A fitted hypothesis with what its events tell, and the finding of it: every effect that makes them.
+
+    What the hypothesis simulates stays as it is, because the moments of the events are not simulated.
+
+    Parameters
+    ----------
+    model : Model
+    events : Events
+    workbench : Workbench
+    random_state : int
+        Of the bootstrap of the median size.
+
+    Returns
+    -------
+    finding : Finding
+        With the median size and its standard deviation.
+    model : Model
+    """
+    rng = np.random.default_rng(random_state)
+    drawn = np.median(rng.choice(events.sizes, size=(_DRAWN, len(events.sizes))), axis=1)
+    size, spread = float(np.median(events.sizes)), float(np.std(drawn))
+    rivals = []
+    for effect in events.forms:
+        member, key = Member(effect), f"{effect.key}.{effect.parameters[0].name}"
+        members = (member, *model.members)
+        made = replace(
+            model,
+            members=members,
+            chain=workbench.chain(members),
+            values=model.values | {key: size},
+            spreads=model.spreads | {key: spread},
+        )
+        rivals.append(Rival(member, made, (1.0 - P_VALUE) * _SHARES[events.kind][effect.key], 0.0))
+    return Finding(rivals[0].member, rivals, 0.0, {"opening": size}), rivals[0].model
+
+
+def beside_events(findings):
+    """Findings that events do not explain: those outside the actuator."""
+    return [f for f in findings if f.member.effect.block != _BLOCK and f.member.effect.alike != _ALIKE]
+
+
+def simulated(model):
+    """A hypothesis without what is told by its events and not simulated."""
+    return replace(model, members=tuple(m for m in model.members if m.effect not in EVENTS))
+
+
+def told_by_events(findings):
+    """Whether any of some findings is told by events."""
+    return any(f.member.effect in EVENTS for f in findings)
