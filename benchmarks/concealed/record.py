@@ -89,7 +89,8 @@ def _write_sheet(rng, plant, case):
     if "wrong_sheet" in case.nasty:
         own = plant.trim[-1]
         plant.written["kv_rated"] = float(round(own / (1.0 + rng.choice([-1.0, 1.0]) * 0.09), 2))
-        plant.written["fl"] = float(round(np.mean(plant.fl) / (1.0 + rng.choice([-1.0, 1.0]) * 0.08), 3))
+        recovery = np.mean(plant.fl) / (1.0 + rng.choice([-1.0, 1.0]) * 0.08)
+        plant.written["fl"] = float(min(round(recovery, 3), 1.0))
 
 
 def _compensate(plant, scene):

@@ -44,7 +44,7 @@ def choose_trim(recording, valve, tolerance):
     if "flow" not in recording:
         return LearntTrim(np.array([0.0, 1.0]), 1.0, knots=(0.0, 1.0))
     if "simulated_flow" in recording:
-        return GivenTrim.of(recording, valve)
+        return GivenTrim.of(recording, valve, tolerance)
     if drop_is_unknown(recording) or valve.characteristic in (None, "unknown"):
         opening = recording.get("opening")
         opening = recording["command"] if opening is None else opening
@@ -134,7 +134,8 @@ def _air_parameters(recording, tolerance):
 def flow_parameters(recording, valve, tolerance, trim, *, choking):
     """Parameters of trim, choking, pressures and meter that stay open."""
     if "simulated_flow" in recording:
-        return given_flow_parameters(recording, tolerance, span_of(recording["flow"]))
+        found = given_flow_parameters(recording, tolerance, span_of(recording["flow"]))
+        return (*found, *trim.all_parameters(), *_zero_of_drop(recording, tolerance))
     zero = tolerance.flow_zero * span_of(recording["flow"])
     found = [
         *trim.all_parameters(),
@@ -145,9 +146,7 @@ def flow_parameters(recording, valve, tolerance, trim, *, choking):
     if "opening" in recording:
         shift = tolerance.position_zero
         found.append(Parameter("stem_zero", "1", -shift, shift, 0.0, spread=0.25 * shift))
-    if "p1" in recording and "p2" in recording:
-        drop = tolerance.pressure_zero * span_of(recording["p1"])
-        found.append(Parameter("dp_zero", "Pa", -drop, drop, 0.0, spread=0.5 * drop))
+    found += _zero_of_drop(recording, tolerance)
     if choking:
         low, high = 1.0 - tolerance.recovery, 1.0 + tolerance.recovery
         found += [
@@ -156,3 +155,10 @@ def flow_parameters(recording, valve, tolerance, trim, *, choking):
             Parameter("knee", "1", 3.0, 40.0, 12.0, spread=0.7, log=True),
         ]
     return tuple(found)
+
+
+def _zero_of_drop(recording, tolerance):
+    if not {"p1", "p2"} <= set(recording):
+        return []
+    drop = tolerance.pressure_zero * span_of(recording["p1"])
+    return [Parameter("dp_zero", "Pa", -drop, drop, 0.0, spread=0.5 * drop)]

@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The user's own simulation, given as columns of the recording: effects change what it makes.
 
+Where a given flow follows the opening, the trim behind it is that of a type: one valve's own lies within the
+tolerance of it, as beside a simulation of the package.
+
 A given flow tells, by the plain turbulent equation, the capacity that it stands for in each row; effects of
 plug, capacity, line and pressures change that capacity or the drop, and the flow changes by the difference.
 """
@@ -78,7 +81,7 @@ class GivenChain(Chain):
             return
         volume = self.given_flow / self.density if self.recording.mass_flow else self.given_flow
         root = self._root_of_drop(self.dp, np.full(len(volume), np.inf), None)
-        driven = np.abs(self.dp) > 1e-3 * np.nanmax(np.abs(self.dp))
+        driven = self._driven = np.abs(self.dp) > 1e-3 * np.nanmax(np.abs(self.dp))
         with np.errstate(divide="ignore", invalid="ignore"):
             self._kv = np.where(driven, volume / (FLOW_CONSTANT * root), 0.0)
         self._root = root
@@ -136,7 +139,7 @@ class GivenChain(Chain):
         """Flow as the meter would show it [m3/s, or kg/s where recorded by mass]."""
         if self.given_flow is None:
             return super().flow(values, stem)
-        flow = values["given_gain"] * self.given_flow
+        flow = self._open(values) * self.given_flow * self._more_drop(values)
         if self.measured is None:
             flow = self._through("signal", flow, values)
         flow = flow + self._added(values)
@@ -144,18 +147,35 @@ class GivenChain(Chain):
         flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
         return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
 
+    def _open(self, values):
+        """The valve's own capacity, of the simulated one: a gain, and a trim within its tolerance [1]."""
+        if self.measured is None:
+            return values["given_gain"]
+        seen = np.clip(self.measured, 0.0, 1.0)
+        return values["given_gain"] * self.trim.factor(seen, values)
+
+    def _more_drop(self, values):
+        """By what factor the zero of the pressures changes the flow; one where no drop drives it [1]."""
+        zero = values.get("dp_zero", 0.0)
+        if zero == 0.0:
+            return 1.0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.sqrt(np.maximum((self.dp + zero) / self.dp, 0.0))
+        return np.where(self._driven, ratio, 1.0)
+
     def _added(self, values):
         """What effects on plug, capacity, line and pressures add to the given flow."""
         self._find_plug(values)
         if not any(e.stage in _CAPACITY_STAGES for e in self.effects):
             return 0.0
-        own = values["given_gain"] * self._kv
+        own = self._open(values) * self._kv
         kv = own + self._shift
         kv = self._through("line", self._through("capacity", kv, values), values)
-        drop = self._through("pressures", self.dp, values)
+        drop = self._through("pressures", self.dp, values) + values.get("dp_zero", 0.0)
         choking = {"fl": np.full(len(drop), np.inf), "knee": np.full(len(drop), 16.0)}
         choking = self._through("choking", choking, values)
-        added = FLOW_CONSTANT * (kv * self._root_of_drop(drop, **choking) - own * self._root)
+        before = own * self._root * self._more_drop(values)
+        added = FLOW_CONSTANT * (kv * self._root_of_drop(drop, **choking) - before)
         return added * self.density if self.recording.mass_flow else added
 
     def _find_plug(self, values):

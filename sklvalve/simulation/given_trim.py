@@ -5,7 +5,8 @@ import numpy as np
 from sklearn.isotonic import IsotonicRegression
 
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
-from sklvalve.simulation.trim import GRID
+from sklvalve.simulation.tolerance import Tolerance
+from sklvalve.simulation.trim import GRID, Deviation
 
 # the share of the capacity's variance that the opening alone must explain
 _FOLLOWS = 0.98
@@ -25,21 +26,26 @@ class GivenTrim:
         Order of the largest capacity [m3/h].
     curve : array-like of shape (401,), default=None
         Capacity [m3/h] over the grid of openings; None where the simulated flow does not follow an opening.
+    tolerance : Tolerance, default=None
+        How far the valve's own trim may lie from the simulated one.
     """
 
     known = True
 
-    def __init__(self, rated, curve=None):
+    def __init__(self, rated, curve=None, tolerance=None):
         self.rated = float(rated)
         self.curve = None if curve is None else np.asarray(curve, dtype=float)
+        if self.curve is not None:
+            nominal = self.curve / max(float(np.max(self.curve)), _SHUT)
+            self._deviation = Deviation(nominal, tolerance or Tolerance())
 
     @classmethod
-    def of(cls, recording, valve):
+    def of(cls, recording, valve, tolerance=None):
         """Trim that the simulated flow of a recording shows."""
         kv = capacity_of(recording)
         known = kv[np.isfinite(kv)]
         largest = float(np.quantile(np.abs(known), 0.99)) if len(known) else 1.0
-        return cls(valve.kv_rated or max(largest, _SHUT), _curve(recording.get("opening"), kv))
+        return cls(valve.kv_rated or max(largest, _SHUT), _curve(recording.get("opening"), kv), tolerance)
 
     @property
     def nominal(self):
@@ -53,8 +59,14 @@ class GivenTrim:
         return np.interp(opening, GRID, self.curve)
 
     def all_parameters(self):
-        """None: the user's simulation stands as it is."""
-        return ()
+        """Deviations of the trim; none where the simulated flow does not follow the opening."""
+        return () if self.curve is None else self._deviation.parameters
+
+    def factor(self, opening, values):
+        """Capacity at an opening, of that simulated, as the deviations have it [1]."""
+        if self.curve is None or "trim_0" not in values:
+            return 1.0
+        return np.interp(opening, GRID, self._deviation.factor(values))
 
 
 def capacity_of(recording):

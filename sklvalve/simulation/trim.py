@@ -11,6 +11,42 @@ from sklvalve.simulation.parameters import Parameter
 GRID = np.linspace(0.0, 1.0, 401)
 
 
+# few, for a trim is smooth
+_KNOTS = (0.02, 0.15, 0.29, 0.43, 0.57, 0.71, 0.86, 1.0)
+
+
+class Deviation:
+    """How far the trim of one valve lies from that of its type, within the tolerance of IEC 60534-2-4.
+
+    Parameters
+    ----------
+    nominal : ndarray of shape (401,)
+        Relative capacity over `GRID` [1].
+    tolerance : Tolerance
+    knots : sequence of float
+        Openings between which the deviation is a natural cubic spline. At the last, full travel, there is
+        none: what deviates there is the rated capacity.
+
+    Attributes
+    ----------
+    parameters : tuple of Parameter
+        Logarithm of the deviation at each knot but the last.
+    """
+
+    def __init__(self, nominal, tolerance, knots=_KNOTS):
+        spline = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
+        self._shapes = spline(np.clip(GRID, knots[0], knots[-1]))[:, :-1]
+        phi = np.maximum(np.interp(knots[:-1], GRID, nominal), 1e-3)
+        reach = tolerance.trim * phi**-0.2
+        self.parameters = tuple(
+            Parameter(f"trim_{i}", "1", -r, r, 0.0, spread=0.5 * r) for i, r in enumerate(reach)
+        )
+
+    def factor(self, values):
+        """Capacity over `GRID`, of that of the type, for the values of the parameters [1]."""
+        return np.exp(self._shapes @ np.array([values[p.name] for p in self.parameters]))
+
+
 class SheetTrim:
     """The data sheet's characteristic, bent smoothly within the tolerance of IEC 60534-2-4.
 
@@ -22,15 +58,12 @@ class SheetTrim:
     kv_scale : float, default=None
         Order of the largest capacity, where the sheet has no rated one [m3/h].
     knots : sequence of float
-        Openings between which the deviation is a natural cubic spline; few, for a trim is smooth. At the
-        last, full travel, there is none: what deviates there is the rated capacity.
+        Of the `Deviation`.
     """
 
     known = True
 
-    def __init__(
-        self, valve, tolerance, kv_scale=None, knots=(0.02, 0.15, 0.29, 0.43, 0.57, 0.71, 0.86, 1.0)
-    ):
+    def __init__(self, valve, tolerance, kv_scale=None, knots=_KNOTS):
         self.nominal = relative_capacity(
             GRID,
             valve.characteristic,
@@ -38,14 +71,8 @@ class SheetTrim:
             shutoff=valve.shutoff or 0.0,
             warn=False,
         )
-        spline = CubicSpline(knots, np.eye(len(knots)), bc_type="natural")
-        self._shapes = spline(np.clip(GRID, knots[0], knots[-1]))
-        self._shapes = self._shapes[:, :-1]
-        phi = np.maximum(np.interp(knots[:-1], GRID, self.nominal), 1e-3)
-        reach = tolerance.trim * phi**-0.2
-        self.parameters = tuple(
-            Parameter(f"trim_{i}", "1", -r, r, 0.0, spread=0.5 * r) for i, r in enumerate(reach)
-        )
+        self._deviation = Deviation(self.nominal, tolerance, knots)
+        self.parameters = self._deviation.parameters
         self.rated = valve.kv_rated if kv_scale is None else kv_scale
         if valve.kv_rated is None:
             self.capacity = Parameter("capacity", "m3/h", 1e-6, 1e6, self.rated, log=True)
@@ -57,8 +84,7 @@ class SheetTrim:
 
     def table(self, values):
         """kv [m3/h] on `GRID` for the values of the parameters."""
-        bend = self._shapes @ np.array([values[p.name] for p in self.parameters])
-        return values["capacity"] * self.nominal * np.exp(bend)
+        return values["capacity"] * self.nominal * self._deviation.factor(values)
 
     def all_parameters(self):
         """Capacity and the deviations of the trim."""

@@ -150,8 +150,6 @@ def test_at_no_size_it_changes_nothing(effect, bench, plain):
 
 @each_effect
 def test_at_its_start_it_changes_what_it_says(effect, bench, plain):
-    if effect.key == "flow_inertia":
-        pytest.skip("twenty metres of line are too little to be seen at this valve: test_effects_flow.py")
     touched = bench.channels_touched(effect)
     assert touched
     changed = False

@@ -60,9 +60,9 @@ def test_inertia_within_the_response_of_a_meter_is_calibration():
     for lag in (2.0, 4.0):
         own = {"length_over_area": lag * 4e4}
         assert effect.beyond_tolerance(own, chain, Tolerance(), False) is (lag > 3.0)
-    # lags of 5 and 20 s would be lines of 2e5 and 8e5 1/m; at 0.01 m3/s twenty metres at 10 m/s are 2e4 1/m
+    # lags of 5 and 20 s would be lines of 2e5 and 8e5 1/m; at 0.01 m3/s a kilometre at 2 m/s is 2e5 1/m
     (quantity,) = effect.quantities(chain)
-    assert quantity.high == pytest.approx(20.0 * 10.0 / 0.01, rel=0.02)
+    assert quantity.high == pytest.approx(1000.0 * 2.0 / 0.01, rel=0.02)
     np.testing.assert_allclose(quantity.starts, 0.5 * quantity.high, rtol=1e-9)
 
 

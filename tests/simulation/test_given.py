@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The user's own simulation as columns, as a function or as a regressor."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from sklearn.linear_model import LinearRegression
@@ -71,6 +73,23 @@ def test_effects_change_the_given_flow_by_their_equations(bench, recording):
 
 def test_trim_is_read_off_the_given_flow(bench):
     np.testing.assert_allclose(bench.trim.at([0.3, 0.5, 0.7]), [7.5, 12.5, 17.5], rtol=0.03)
+
+
+def test_a_trim_within_its_tolerance_is_calibrated_and_one_beyond_it_is_not(recording):
+    opening = recording["opening"]
+    for bend, lost in ((0.06, 0.1), (0.6, 0.5)):
+        own = np.exp(bend * np.sin(2.0 * np.pi * opening)) * recording["simulated_flow"]
+        other = replace(recording, signals=recording.signals | {"flow": own})
+        bench = Workbench(other, Tolerance(), ())
+        left = bench.residuals(bench.fit(()))["flow"]
+        off = np.std(recording["simulated_flow"] - own)
+        assert (np.nanstd(left) < lost * off) == (bend < 0.1)
+
+
+def test_zero_of_the_pressures_moves_the_given_flow(bench, recording):
+    drop = recording["p1"] - 2e5
+    ratio = bench.plain.flow(AS_IT_IS | {"dp_zero": 800.0}) / bench.plain.flow(AS_IT_IS)
+    np.testing.assert_allclose(ratio, np.sqrt(1.0 + 800.0 / drop), rtol=1e-6)
 
 
 def test_play_shifts_the_given_flow_along_its_own_trim(bench, recording):
