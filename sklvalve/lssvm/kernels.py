@@ -57,6 +57,14 @@ def kernel_between(kernel, *, gamma=None, degree=3, coef0=1, kernel_params=None)
     )
 
 
+def kernel_length(kernel, gamma, n_features):
+    """Distance over which a kernel falls; None where it is no function of the distance."""
+    gamma = 1.0 / n_features if gamma is None else gamma
+    if kernel == "rbf":
+        return (2.0 * gamma) ** -0.5
+    return 1.0 / gamma if kernel == "laplacian" else None
+
+
 def lower_gram(between, X):
     """Lower triangle of the kernel matrix of the rows of X; what stands above the diagonal is undefined.
 

@@ -6,11 +6,12 @@ from typing import ClassVar
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, _fit_context
+from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
-from sklvalve.lssvm.kernels import SHIFT_INVARIANT, kernel_between, kernel_product, lower_gram
-from sklvalve.lssvm.solvers import solve_lssvm
+from sklvalve.lssvm.choice import SOLVERS, Machine, memory_to_use
+from sklvalve.lssvm.kernels import SHIFT_INVARIANT, kernel_between, kernel_length, kernel_product
 
 
 class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -18,9 +19,8 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     Fits :math:`f(x) = \sum_i \alpha_i k(x, x_i) + b` by one linear system. Kernel ridge regression is the
     same model without the bias; the bias makes the fit independent of an offset of y. Use it for smooth
-    functions of a few scaled columns and up to some ten thousand rows: time grows with the cube of the rows
-    and memory with their square. Columns of different units should be scaled first, for example with
-    :class:`~sklearn.preprocessing.StandardScaler`.
+    functions of a few columns, scaled for example by :class:`~sklearn.preprocessing.StandardScaler`: exact up
+    to about 100,000 rows, spanned by few of them beyond.
 
     Parameters
     ----------
@@ -44,6 +44,25 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         "free": :math:`b` costs nothing, equations 8 to 13 of the paper. "regularized": :math:`b^2 / 2` is
         added to the cost, which the literature calls the unbiased LS-SVM. "none": :math:`b = 0`, kernel ridge
         regression.
+    solver : {"auto", "cholesky", "tiled", "pcg", "nystrom"}, default="auto"
+        "cholesky" factors the matrix in place, "tiled" its lower half in tiles on several threads, "pcg"
+        never stores it and takes conjugate gradients helped by a low rank of it; these three are exact.
+        "nystrom" spans the function by `n_landmarks` of the rows. "auto" takes the first up to 8,000 rows,
+        "pcg" up to 100,000, "tiled" where that stalls and memory allows, and "nystrom" beyond.
+    n_landmarks : int, default=1000
+        Rows that span the function with "nystrom".
+    tol : float, default=1e-6
+        Largest residual that counts as exact, relative to the largest target less its mean; "nystrom" stops
+        at a hundred times of it, in the norm of its own equations.
+    max_iter : int, default=100
+        Most steps of conjugate gradients.
+    max_memory : float, default=None
+        Bytes that a fit may take beyond its rows, as far as the choice of the solver goes; None is 0.6 of
+        what is free.
+    n_jobs : int, default=None
+        Threads of "tiled", "pcg", "nystrom" and of predictions; None is what BLAS would use.
+    random_state : int, RandomState instance or None, default=None
+        Of the rows that make the low rank of "pcg", which changes nothing beyond `tol`, and of the landmarks.
 
     Attributes
     ----------
@@ -52,7 +71,14 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     intercept_ : float or ndarray of shape (n_targets,)
         Bias :math:`b`.
     X_fit_ : ndarray of shape (n_fit, n_features) or None
-        Rows of the fit whose weight is not zero; None with a precomputed kernel.
+        Rows whose weight is not zero, or the landmarks; None with a precomputed kernel.
+    solver_ : str
+        The solver that gave the solution.
+    n_iter_ : int
+        Solutions that it made one after the other: 1 of a factorisation.
+    residual_ : float
+        Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative to the largest target less its mean; of
+        "cholesky" over some of the rows, of "nystrom" as under `tol`.
     n_features_in_ : int
         Number of columns seen in `fit`.
     feature_names_in_ : ndarray of shape (n_features_in_,)
@@ -73,14 +99,15 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         \begin{bmatrix} 0 & 1^T \\ 1 & K + \mathrm{diag}(1 / (C s_i)) \end{bmatrix}
         \begin{bmatrix} b \\ \alpha \end{bmatrix} = \begin{bmatrix} 0 \\ y \end{bmatrix} ,
 
-    by one Cholesky factorisation in place. Where the matrix is not positive definite, or its factor does not
-    solve the equations to a thousandth, a :class:`scipy.linalg.LinAlgWarning` tells that the least-squares
-    solution was taken.
+    by a Cholesky factorisation or by conjugate gradients. Where the matrix is not positive definite, or its
+    factor does not solve the equations to a thousandth, a :class:`scipy.linalg.LinAlgWarning` tells that the
+    least-squares solution was taken; so it does where the equations are met worse than `tol`.
 
     References
     ----------
     .. [1] J. A. K. Suykens et al., Least Squares Support Vector Machines, World Scientific, 2002.
     .. [2] H.-Q. Wang et al., An unbiased LSSVM model for classification and regression, Soft Computing, 2010.
+    .. [3] M. Diaz et al., Robust, randomized preconditioning for kernel ridge regression, arXiv 2304.12465.
 
     Examples
     --------
@@ -104,10 +131,32 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         "coef0": [Interval(Real, None, None, closed="neither")],
         "kernel_params": [dict, None],
         "bias": [StrOptions({"free", "regularized", "none"})],
+        "solver": [StrOptions({"auto", *SOLVERS})],
+        "n_landmarks": [Interval(Integral, 1, None, closed="left")],
+        "tol": [Interval(Real, 0, None, closed="neither")],
+        "max_iter": [Interval(Integral, 1, None, closed="left")],
+        "max_memory": [Interval(Real, 0, None, closed="neither"), None],
+        "n_jobs": [Integral, None],
+        "random_state": ["random_state"],
     }
 
     def __init__(
-        self, kernel="rbf", *, C=100.0, gamma=None, degree=3, coef0=1, kernel_params=None, bias="free"
+        self,
+        kernel="rbf",
+        *,
+        C=100.0,
+        gamma=None,
+        degree=3,
+        coef0=1,
+        kernel_params=None,
+        bias="free",
+        solver="auto",
+        n_landmarks=1000,
+        tol=1e-6,
+        max_iter=100,
+        max_memory=None,
+        n_jobs=None,
+        random_state=None,
     ):
         self.kernel = kernel
         self.C = C
@@ -116,6 +165,13 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.coef0 = coef0
         self.kernel_params = kernel_params
         self.bias = bias
+        self.solver = solver
+        self.n_landmarks = n_landmarks
+        self.tol = tol
+        self.max_iter = max_iter
+        self.max_memory = max_memory
+        self.n_jobs = n_jobs
+        self.random_state = random_state
 
     def __sklearn_tags__(self):
         tags = super().__sklearn_tags__()
@@ -150,10 +206,14 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         ridge = self._ridge(sample_weight, X)
         rows = np.isfinite(ridge)
         targets = y.astype(np.float64).reshape(len(y), -1)[rows]
-        gram, product = self._fit_kernel(X, rows)
+        machine = self._machine(X, rows)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            alpha, b = solve_lssvm(gram, product, targets, ridge[rows], bias=self.bias)
-        b = b - self._offset(alpha)
+            dual, self.solver_, landmarks = machine.solved(self.solver, targets, ridge[rows])
+        self.n_iter_, self.residual_ = dual.n_iter + 1, dual.residual
+        alpha = dual.alpha
+        if landmarks is not None:
+            self.X_fit_ = landmarks + self._origin
+        b = dual.b - self._offset(alpha)
         if self.kernel == "precomputed":
             kept, alpha = alpha, np.zeros((len(y), targets.shape[1]))
             alpha[rows] = kept
@@ -180,7 +240,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if self.kernel == "precomputed":
             product = X @ alpha
         else:
-            centre = self._centre()
+            centre = self._origin
             product = kernel_product(self._between(), X - centre, self.X_fit_ - centre, alpha)
             product += self._offset(alpha)
         return (product[:, 0] if self.dual_coef_.ndim == 1 else product) + self.intercept_
@@ -200,18 +260,23 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
         return ridge
 
-    def _fit_kernel(self, X, rows):
-        """The functions that give the kernel matrix of the kept rows, and its product with a vector."""
+    def _machine(self, X, rows):
+        """What is to be solved, of the kept rows."""
+        options = {
+            name: getattr(self, name) for name in ("C", "bias", "tol", "max_iter", "n_landmarks", "n_jobs")
+        }
+        options["random_state"] = check_random_state(self.random_state)
+        more = {"memory": memory_to_use(self.max_memory), "options": options}
         if self.kernel == "precomputed":
             if X.shape[0] != X.shape[1]:
                 raise ValueError(f"A precomputed kernel matrix must be square, got shape {X.shape}.")
             self.X_fit_ = None
-            kernel_matrix = X if rows.all() else X[np.ix_(rows, rows)]
-            return lambda: np.array(kernel_matrix, order="F"), lambda v: kernel_matrix @ v
+            matrix = X if rows.all() else X[np.ix_(rows, rows)]
+            return Machine(None, None, matrix, length=None, **more)
         self.X_fit_ = X[rows]
-        centred = self.X_fit_ - self._centre()
-        between = self._between()
-        return lambda: lower_gram(between, centred), lambda v: kernel_product(between, centred, centred, v)
+        self._origin = self._centre()
+        length = kernel_length(self.kernel, self.gamma, X.shape[1])
+        return Machine(self._between(), self.X_fit_ - self._origin, None, length=length, **more)
 
     def _between(self):
         return kernel_between(
@@ -230,8 +295,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return np.zeros(self.X_fit_.shape[1])
 
     def _offset(self, alpha):
-        """What `_centre` takes off the value of the linear kernel; others do not see it."""
+        """What `_origin` takes off the value of the linear kernel; others do not see it."""
         if self.kernel != "linear":
             return 0.0
-        centre = self._centre()
-        return centre @ ((self.X_fit_ - centre).T @ alpha)
+        return self._origin @ ((self.X_fit_ - self._origin).T @ alpha)

@@ -71,14 +71,12 @@ def solve_lssvm(gram, product, y, ridge, *, bias="free"):
     The first is equation 13 of the paper; the second is the solution of
     :math:`(K + 11^T + \mathrm{diag}(r)) \alpha = y`, :math:`b = 1^T \alpha`.
     """
-    # A free bias takes up any offset of y; without the offset, digits are left for the rest.
-    shift = np.average(y, axis=0, weights=ridge.min() / ridge) if bias == "free" else np.zeros(y.shape[1])
-    right = np.column_stack([y - shift, np.ones(len(y))])
+    shift, right = right_sides(y, ridge, bias)
     matrix = gram()
     _add_to_diagonal(matrix, ridge)
     solution, trouble = _by_cholesky(matrix, right, lambda v: product(v) + ridge[:, None] * v)
     if trouble is None:
-        alpha, b = _with_bias(solution[:, :-1], solution[:, -1:], bias)
+        alpha, b = with_bias(solution[:, :-1], solution[:, -1:], bias)
     else:
         warnings.warn(
             f"{trouble}. The least-squares solution was taken, which is slower; {_MEND}.",
@@ -90,7 +88,7 @@ def solve_lssvm(gram, product, y, ridge, *, bias="free"):
         _add_to_diagonal(matrix, ridge)
         alpha, b = least_squares(matrix, right[:, :-1], bias=bias)
     b = b + shift
-    _raise_unless_finite(alpha, b)
+    raise_unless_finite(alpha, b)
     return alpha, b
 
 
@@ -192,7 +190,7 @@ def least_squares(matrix, y, *, bias="free"):
     equation 11, because the vector of ones may lie outside the range of H.
     """
     matrix = np.tril(matrix)
-    _raise_unless_finite(matrix)
+    raise_unless_finite(matrix)
     if bias == "regularized":
         matrix += 1.0
     border = 0
@@ -211,7 +209,15 @@ def least_squares(matrix, y, *, bias="free"):
     return alpha, alpha.sum(axis=0) if bias == "regularized" else np.zeros(y.shape[1])
 
 
-def _with_bias(t, s, bias):
+def right_sides(y, ridge, bias):
+    """Offset that a free bias takes up, and the targets without it beside a column of ones."""
+    # without the offset digits are left for the rest
+    shift = np.average(y, axis=0, weights=ridge.min() / ridge) if bias == "free" else np.zeros(y.shape[1])
+    return shift, np.column_stack([y - shift, np.ones(len(y))])
+
+
+def with_bias(t, s, bias):
+    """Dual weights and bias from the solutions for targets and for ones."""
     if bias == "none":
         return t, np.zeros(t.shape[1])
     b = t.sum(axis=0) / (s.sum() + (bias == "regularized"))
@@ -226,7 +232,7 @@ def _by_cholesky(matrix, right, apply):
             "too large for it"
         )
     solution = cholesky_solve(matrix, right)
-    _raise_unless_finite(solution)
+    raise_unless_finite(solution)
     if np.ptp(np.log(matrix.diagonal())) <= 0.5 * np.log(ILL_CONDITIONED):
         return solution, None
     solution, worst = _refined(solution, right, matrix, apply)
@@ -265,7 +271,8 @@ def _tiles(n, tile):
     return [slice(start, min(start + step, n)) for start in range(0, n, step)]
 
 
-def _raise_unless_finite(*arrays):
+def raise_unless_finite(*arrays):
+    """Refuse what has overflowed."""
     if not all(np.isfinite(array).all() for array in arrays):
         raise ValueError(
             "The kernel matrix or its solution is not finite: X or y is too large for this kernel; "

@@ -9,6 +9,7 @@ from sklearn.utils.estimator_checks import (
 )
 
 from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.lssvm.choice import SOLVERS
 
 INSTANCES = [
     LSSVMRegressor(),
@@ -19,6 +20,10 @@ INSTANCES = [
     LSSVMRegressor("polynomial", C=0.1, degree=1),
     LSSVMRegressor("laplacian", gamma=0.5),
     LSSVMRegressor("precomputed"),
+    LSSVMRegressor("precomputed", solver="tiled"),
+    *(LSSVMRegressor(solver=solver) for solver in SOLVERS),
+    *(LSSVMRegressor("laplacian", solver=solver, bias="regularized") for solver in SOLVERS),
+    *(LSSVMRegressor("linear", solver=solver, bias="none") for solver in SOLVERS),
 ]
 
 

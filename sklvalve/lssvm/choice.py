@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which solver for how many rows, within how much memory, and what to do where it does not get there."""
+
+import os
+import warnings
+
+import numpy as np
+from scipy.linalg import LinAlgWarning
+
+from sklvalve.lssvm.kernels import kernel_product, lower_gram
+from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
+from sklvalve.lssvm.nystrom import fit_nystrom
+from sklvalve.lssvm.products import KernelBlocks
+from sklvalve.lssvm.solvers import LAPACK_ROWS, solve_lssvm
+
+#: Solvers, "auto" aside.
+SOLVERS = ("cholesky", "tiled", "pcg", "nystrom")
+# beyond so many rows no exact solution is tried unless it is asked for
+_EXACT_ROWS = 100_000
+# of the memory that is free
+_OF_FREE = 0.6
+# the approximation's own error is far above this, whatever the tolerance of an exact solution
+_NYSTROM_TOLERANCE = 100.0
+# rows whose equations are looked at after a factorisation that gave no reason to doubt it
+_LOOKED_AT = 64
+
+
+def memory_to_use(max_memory):
+    """Bytes that a fit may take."""
+    if max_memory is not None:
+        return float(max_memory)
+    try:
+        return _OF_FREE * os.sysconf("SC_AVPHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (ValueError, OSError, AttributeError):
+        return 4e9
+
+
+def solver_for(n, memory, *, matrix_given):
+    """The solver that "auto" begins with.
+
+    Parameters
+    ----------
+    n : int
+        Rows.
+    memory : float
+        Bytes that may be taken.
+    matrix_given : bool
+        Whether the kernel matrix itself is given, so that it is there anyway.
+
+    Returns
+    -------
+    name : str
+        Of `SOLVERS`.
+    """
+    if n <= LAPACK_ROWS and 8.0 * n**2 <= memory:
+        return "cholesky"
+    if matrix_given:
+        return "tiled"
+    return "pcg" if n <= _EXACT_ROWS and _of_pcg(n) <= memory else "nystrom"
+
+
+def _of_pcg(n):
+    return 8.0 * n * (rank_for(n) + 40.0)
+
+
+def _of_tiles(n):
+    return 4.4 * n**2
+
+
+class Machine:
+    """One LS-SVM to be fitted: rows, kernel and what the equations are to meet.
+
+    Parameters
+    ----------
+    between : callable or None
+        Kernel matrix of the rows of two arrays; None where `matrix` is given.
+    X : ndarray of shape (n, d) or None
+    matrix : ndarray of shape (n, n) or None
+    length : float or None
+        In which the kernel falls with the distance.
+    options : dict
+        ``C``, ``bias``, ``tol``, ``max_iter``, ``n_landmarks``, ``random_state``, ``n_jobs``.
+    """
+
+    def __init__(self, between, X, matrix, *, length, memory, options):
+        self._between, self._X, self._matrix = between, X, matrix
+        self._length, self._memory, self._options = length, memory, options
+        self._n = len(X) if matrix is None else len(matrix)
+
+    def solved(self, solver, y, ridge):
+        """Dual solution by a solver, or by what takes its place; the solver's name, and landmarks or None."""
+        if solver == "auto":
+            solver = solver_for(self._n, self._memory, matrix_given=self._matrix is not None)
+            if solver == "pcg":
+                return self._pcg_or_else(y, ridge)
+        if self._matrix is not None and solver in ("pcg", "nystrom"):
+            raise ValueError(
+                f"solver={solver!r} needs rows, and a precomputed kernel has none; use 'auto', 'cholesky' or "
+                "'tiled'."
+            )
+        return getattr(self, f"_{solver}")(y, ridge)
+
+    def _cholesky(self, y, ridge):
+        alpha, b = solve_lssvm(self._gram, self._product, y, ridge, bias=self._options["bias"])
+        some = np.unique(np.linspace(0, self._n - 1, _LOOKED_AT).astype(int))
+        left = self._product_of(some, alpha) + ridge[some, None] * alpha[some] + b - y[some]
+        size = np.maximum(np.abs(y - b).max(axis=0), np.finfo(float).tiny)
+        return Dual(alpha, b, float((np.abs(left) / size).max())), "cholesky", None
+
+    def _tiled(self, y, ridge):
+        more = {k: self._options[k] for k in ("bias", "tol", "n_jobs")}
+        dual = solve_tiled(self._blocks(), y, ridge, **more)
+        if dual is not None:
+            return dual, "tiled", None
+        if self._n > LAPACK_ROWS:
+            raise ValueError(
+                "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C "
+                "is too large for it; lower C, or merge repeated rows into one with their weight."
+            )
+        return self._cholesky(y, ridge)
+
+    def _pcg(self, y, ridge):
+        dual = self._by_gradients(y, ridge)
+        if dual.residual > self._options["tol"]:
+            warn_of_residual(dual.residual)
+        return dual, "pcg", None
+
+    def _pcg_or_else(self, y, ridge):
+        """Conjugate gradients, and a factorisation where they stall and there is room for it."""
+        dual = self._by_gradients(y, ridge)
+        if dual.residual <= self._options["tol"]:
+            return dual, "pcg", None
+        if _of_tiles(self._n) <= self._memory:
+            return self._tiled(y, ridge)
+        warnings.warn(
+            f"The LS-SVM equations are met only to {dual.residual:.1e} of the target after {dual.n_iter} "
+            f"steps, and a factorisation needs {_of_tiles(self._n) / 1e9:.1f} GB: raise max_memory, lower C, "
+            "make the kernel smoother, or use solver='nystrom'.",
+            LinAlgWarning,
+            stacklevel=4,
+        )
+        return dual, "pcg", None
+
+    def _by_gradients(self, y, ridge):
+        names = ("bias", "tol", "max_iter", "random_state", "n_jobs")
+        more = {k: self._options[k] for k in names}
+        rank = max(1, int(self._memory / (8.0 * self._n)) - 40)
+        return solve_pcg(
+            self._between, self._blocks(), self._X, self._diagonal(), y, ridge, rank=rank, **more
+        )
+
+    def _nystrom(self, y, ridge):
+        names = ("C", "bias", "max_iter", "random_state", "n_jobs")
+        more = {k: self._options[k] for k in names}
+        weight = 1.0 / (self._options["C"] * ridge)
+        found = fit_nystrom(
+            self._between,
+            [(self._X, y, weight)],
+            self._n,
+            n_landmarks=min(self._options["n_landmarks"], self._n),
+            length=self._length,
+            tol=_NYSTROM_TOLERANCE * self._options["tol"],
+            **more,
+        )
+        return Dual(found.alpha, found.b, found.residual, found.n_iter), "nystrom", found.landmarks
+
+    def _gram(self):
+        if self._matrix is not None:
+            return np.array(self._matrix, order="F")
+        return lower_gram(self._between, self._X)
+
+    def _product(self, v):
+        if self._matrix is not None:
+            return self._matrix @ v
+        return kernel_product(self._between, self._X, self._X, v)
+
+    def _product_of(self, rows, v):
+        if self._matrix is None:
+            return self._between(self._X[rows], self._X) @ v
+        # of a given matrix only the lower triangle counts
+        block = self._matrix[rows]
+        later = np.arange(self._n) > rows[:, None]
+        return np.where(later, self._matrix[:, rows].T, block) @ v
+
+    def _blocks(self):
+        if self._matrix is None:
+            return KernelBlocks(self._between, self._X, self._X)
+        return lambda rows, columns: self._matrix[rows, columns].copy()
+
+    def _diagonal(self):
+        step = 1024
+        parts = []
+        for start in range(0, self._n, step):
+            rows = self._X[start : start + step]
+            # most kernels are one on the diagonal: the block of a kilorow is cheap beside what follows
+            parts.append(np.einsum("ii->i", self._between(rows, rows)).copy())
+        return np.concatenate(parts)

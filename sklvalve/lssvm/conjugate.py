@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The whole system of an LS-SVM by conjugate gradients, with a kernel matrix that is never stored."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+# steps after which it is asked whether the rest is worth waiting for
+_LOOK_AFTER = 8
+
+
+class LowRankPreconditioner:
+    r"""Inverse of F F^T + diag(ridge) by the identity of Woodbury.
+
+    Parameters
+    ----------
+    F : ndarray of shape (n, r)
+        Overwritten.
+    ridge : ndarray of shape (n,)
+    """
+
+    def __init__(self, F, ridge):
+        self._scale = 1.0 / np.sqrt(ridge)
+        F *= self._scale[:, None]
+        inner = F.T @ F
+        inner[np.diag_indices_from(inner)] += 1.0
+        self._scaled, self._inner = F, cho_factor(inner, lower=True, overwrite_a=True, check_finite=False)
+
+    def __call__(self, v):
+        v = self._scale[:, None] * v
+        v -= self._scaled @ cho_solve(self._inner, self._scaled.T @ v, check_finite=False)
+        return self._scale[:, None] * v
+
+
+@dataclass
+class Solved:
+    """Solution of some right sides, what is left of each equation, and steps taken.
+
+    Attributes
+    ----------
+    x, residual : ndarray of shape (n, m)
+    n_iter : int
+    """
+
+    x: np.ndarray
+    residual: np.ndarray
+    n_iter: int
+
+
+def conjugate_gradients(apply, precondition, right, *, tol, max_iter):
+    """Solve a symmetric positive definite system for some right sides at once.
+
+    Parameters
+    ----------
+    apply : callable
+        Product of the matrix with an array of shape (n, m).
+    precondition : callable
+        As good as its inverse.
+    right : ndarray of shape (n, m)
+    tol : float
+        Largest residual of any equation, relative to the largest entry of its right side.
+    max_iter : int
+        Given up earlier where the first steps say that so many will not do.
+
+    Returns
+    -------
+    solved : Solved
+    """
+    size = np.maximum(np.abs(right).max(axis=0), np.finfo(float).tiny)
+    x = precondition(right)
+    residual = right - apply(x)
+    best = Solved(x.copy(), residual.copy(), 0)
+    begun = lowest = _worst(residual, size)
+    step = precondition(residual)
+    slope = np.einsum("ij,ij->j", residual, step)
+    n_iter = 0
+    while lowest > tol and n_iter < max_iter and np.isfinite(slope).all():
+        along = apply(step)
+        length = slope / np.maximum(np.einsum("ij,ij->j", step, along), np.finfo(float).tiny)
+        x += length * step
+        residual -= length * along
+        n_iter += 1
+        now = _worst(residual, size)
+        if now < lowest:
+            best, lowest = Solved(x.copy(), residual.copy(), n_iter), now
+        if n_iter == _LOOK_AFTER and _hopeless(begun, lowest, tol, n_iter, max_iter):
+            break
+        better = precondition(residual)
+        before, slope = slope, np.einsum("ij,ij->j", residual, better)
+        step = better + slope / np.maximum(before, np.finfo(float).tiny) * step
+    # what was added up step by step drifts from the truth
+    best.residual = right - apply(best.x)
+    best.n_iter = n_iter
+    return best
+
+
+def _worst(residual, size):
+    worst = float((np.abs(residual) / size).max())
+    return worst if np.isfinite(worst) else np.inf
+
+
+def _hopeless(begun, now, tol, steps, most):
+    """Whether at the pace so far, and thrice that, the tolerance is out of reach."""
+    gained = np.log(begun / now) / steps if now > 0.0 else np.inf
+    return now > tol and 3.0 * gained * (most - steps) < np.log(now / tol)

@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The equations of an LS-SVM with more rows than one call of LAPACK is good for."""
+
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import LinAlgWarning
+
+from sklvalve.lssvm.conjugate import LowRankPreconditioner, conjugate_gradients
+from sklvalve.lssvm.packed import PackedCholesky
+from sklvalve.lssvm.pivoted import pivoted_cholesky
+from sklvalve.lssvm.products import symmetric_product
+from sklvalve.lssvm.solvers import POORLY_MET, raise_unless_finite, right_sides, with_bias
+from sklvalve.lssvm.threads import own_threads
+
+# columns of the preconditioner: beyond them they cost more than they save
+_RANK, _ROWS_A_COLUMN = 2000, 8
+_REFINEMENTS = 3
+
+
+@dataclass
+class Dual:
+    """Solution of the equations of an LS-SVM.
+
+    Attributes
+    ----------
+    alpha : ndarray of shape (n, n_targets)
+    b : ndarray of shape (n_targets,)
+    residual : float
+        Largest :math:`|f(x_i) + \\alpha_i / (C w_i) - y_i|`, relative to the largest target less its mean.
+    n_iter : int
+        Steps; 0 of a factorisation.
+    """
+
+    alpha: np.ndarray
+    b: np.ndarray
+    residual: float
+    n_iter: int = 0
+
+
+def solve_tiled(blocks, y, ridge, *, bias, tol, n_jobs=None):
+    """By a Cholesky factor in tiles, refined until the equations are met.
+
+    Parameters
+    ----------
+    blocks : callable
+        ``blocks(rows, columns)`` gives a part of the kernel matrix, two slices, as a new array.
+    y : ndarray of shape (n, n_targets)
+    ridge : ndarray of shape (n,)
+    bias : {"free", "regularized", "none"}
+    tol : float
+        Of `Dual.residual`; above it steps of refinement are taken.
+    n_jobs : int, default=None
+
+    Returns
+    -------
+    dual : Dual or None
+        None where the matrix is not positive definite.
+
+    Warns
+    -----
+    scipy.linalg.LinAlgWarning
+        If the equations are met poorly.
+    """
+    n = len(y)
+
+    def with_ridge(rows, columns):
+        block = blocks(rows, columns)
+        if rows == columns:
+            block[np.diag_indices_from(block)] += ridge[rows]
+        return block
+
+    factor = PackedCholesky(with_ridge, n, n_jobs=n_jobs)
+    if not factor.positive_definite:
+        return None
+    shift, right = right_sides(y, ridge, bias)
+    x = factor.solve(right)
+    raise_unless_finite(x)
+    with own_threads(n_jobs) as run:
+        left = right - symmetric_product(run, blocks, n, x) - ridge[:, None] * x
+        dual = _dual(x, left, right, shift, bias)
+        for _ in range(_REFINEMENTS):
+            if dual.residual <= min(tol, POORLY_MET):
+                break
+            x = x + factor.solve(left)
+            left = right - symmetric_product(run, blocks, n, x) - ridge[:, None] * x
+            better = _dual(x, left, right, shift, bias)
+            if not better.residual < dual.residual:
+                break
+            dual = better
+    if dual.residual > max(tol, POORLY_MET):
+        warn_of_residual(dual.residual)
+    return dual
+
+
+def solve_pcg(
+    between, blocks, X, diagonal, y, ridge, *, bias, tol, max_iter, rank, random_state, n_jobs=None
+):
+    """By conjugate gradients on the whole kernel matrix, helped by a low rank of it.
+
+    Parameters
+    ----------
+    between, blocks : callable
+        Kernel matrix of the rows of two arrays, and of two slices of the rows of the fit.
+    X : ndarray of shape (n, d)
+    diagonal : ndarray of shape (n,)
+        Of the kernel matrix.
+    y, ridge, bias, tol, n_jobs
+        As in `solve_tiled`.
+    max_iter : int
+    rank : int
+        Most columns of the low rank.
+    random_state : RandomState
+
+    Returns
+    -------
+    dual : Dual
+        Whether it is good enough `Dual.residual` says.
+    """
+    n = len(y)
+    shift, right = right_sides(y, ridge, bias)
+    # where less is left than the ridge itself holds, the first step is nearly the last
+    more = {"left": float(ridge.min()), "random_state": random_state, "n_jobs": n_jobs}
+    F, _, _ = pivoted_cholesky(between, X, diagonal, rank=min(rank, rank_for(n)), **more)
+    precondition = LowRankPreconditioner(F, ridge)
+    with own_threads(n_jobs) as run:
+
+        def apply(v):
+            return symmetric_product(run, blocks, n, v) + ridge[:, None] * v
+
+        solved = conjugate_gradients(apply, precondition, right, tol=0.5 * tol, max_iter=max_iter)
+    raise_unless_finite(solved.x)
+    dual = _dual(solved.x, solved.residual, right, shift, bias)
+    dual.n_iter = solved.n_iter
+    return dual
+
+
+def rank_for(n):
+    """Columns of a preconditioner for n rows, where memory does not bound them."""
+    return max(1, min(_RANK, n // _ROWS_A_COLUMN))
+
+
+def warn_of_residual(residual):
+    """Tell that the equations are met poorly."""
+    warnings.warn(
+        f"The LS-SVM equations are met only to {residual:.1e} of the target: lower C, make the kernel "
+        "smoother, or merge repeated rows into one with their weight.",
+        LinAlgWarning,
+        stacklevel=4,
+    )
+
+
+def _dual(x, left, right, shift, bias):
+    alpha, b = with_bias(x[:, :-1], x[:, -1:], bias)
+    # the bias is a combination of both solutions, and so is what is left of the equations
+    of_all = left[:, :-1] - b * left[:, -1:]
+    size = np.maximum(np.abs(right[:, :-1]).max(axis=0), np.finfo(float).tiny)
+    return Dual(alpha, b + shift, float((np.abs(of_all) / size).max()))

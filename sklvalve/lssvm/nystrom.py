@@ -1,0 +1,274 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""An LS-SVM whose function is spanned by few of the rows, for as many rows as there are.
+
+The rows are read in passes, and never stored as kernel values. A system that a coarse copy of the data makes
+is so near to the true one that a handful of passes is enough.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg.lapack import dpotrf
+
+from sklvalve.lssvm.cells import Cells
+from sklvalve.lssvm.pivoted import pivoted_cholesky
+from sklvalve.lssvm.products import KernelBlocks
+from sklvalve.lssvm.threads import Turns, own_threads
+
+# landmarks are sought among so many rows for each, and no more than that
+_PER_LANDMARK, _MOST_SEARCHED = 20, 40_000
+# cells, or drawn rows, of the coarse copy: its factor may cost what a few passes over all rows do
+_MOST_CELLS, _FEWEST_PER_LANDMARK, _PASSES = 60_000, 5, 150
+_DRAWN_PER_LANDMARK = 30
+_BLOCK = 2**17
+# what is added to the diagonal of the landmarks' own matrix, of its mean: the least that lets it be factored
+_JITTERS = (1e-14, 1e-12, 1e-10, 1e-8)
+
+
+@dataclass
+class Nystrom:
+    """A fitted function f(x) = sum over landmarks of alpha k(x, landmark) + b.
+
+    Attributes
+    ----------
+    landmarks : ndarray of shape (m, d)
+    alpha : ndarray of shape (m, n_targets)
+    b : ndarray of shape (n_targets,)
+    n_iter : int
+        Passes over the rows, beyond the first.
+    residual : float
+        What is left of the equations in the norm that the coarse copy gives, relative to the targets.
+    """
+
+    landmarks: np.ndarray
+    alpha: np.ndarray
+    b: np.ndarray
+    n_iter: int
+    residual: float
+
+
+def fit_nystrom(
+    between, source, n_rows, *, C, bias, n_landmarks, length, tol, max_iter, random_state, n_jobs=None
+):
+    r"""Fit on landmarks by conjugate gradients.
+
+    Parameters
+    ----------
+    between : callable
+        ``between(A, B)`` is the kernel matrix of the rows of two arrays.
+    source : iterable
+        Each time it is iterated over it gives the same blocks ``(X, y, weight)``, arrays of shape (k, d),
+        (k, n_targets) and (k,).
+    n_rows : int
+        About as many rows as there are.
+    C : float
+    bias : {"free", "regularized", "none"}
+    n_landmarks : int
+    length : float or None
+        In which the kernel falls; None where it is no function of the distance.
+    tol : float
+        Of the residual.
+    max_iter : int
+    random_state : RandomState
+    n_jobs : int, default=None
+
+    Returns
+    -------
+    found : Nystrom
+
+    Notes
+    -----
+    With :math:`K_{mm} = L L^T` the function is :math:`f = K_{nm} L^{-T} \theta + b`, and
+
+    .. math:: \Bigl(\sum_i w_i z_i z_i^T + I / C\Bigr) \theta = \sum_i w_i z_i (y_i - b), \quad
+        z = L^{-1} k_m(x)
+
+    is well conditioned where the same equations for the weights themselves lose all digits. The coarse copy
+    holds the weighted means of the rows in the cells of a grid.
+
+    References
+    ----------
+    .. [1] A. Rudi, L. Carratino, L. Rosasco, FALKON: an optimal large scale kernel method, NIPS 2017.
+    """
+    sample, n, copy = _looked_at(source, n_rows, length, n_landmarks, random_state)
+    landmarks = _landmarks(between, sample[0], n_landmarks, random_state, n_jobs)
+    L = _factor(between(landmarks, landmarks))
+    with own_threads(n_jobs) as run:
+        system = _System(run, between, source, landmarks, L, C, bias)
+        coarse = sample if copy is None else copy
+        scale = n / coarse[2].sum() if copy is None else 1.0
+        precondition, theta = system.solved_for(*coarse[:2], scale * coarse[2])
+        residual = system.residual(theta)
+        theta, n_iter, left = _iterated(system, precondition, theta, residual, tol, max_iter)
+    alpha = solve_triangular(L, theta[:-1], lower=True, trans=1, check_finite=False)
+    return Nystrom(landmarks, alpha, theta[-1], n_iter, left)
+
+
+def _factor(own):
+    """Lower factor of the landmarks' own matrix."""
+    diagonal = np.einsum("ii->i", own)
+    plain, size = diagonal.copy(), float(diagonal.mean())
+    for jitter in _JITTERS:
+        diagonal[:] = plain + jitter * size
+        factor, failed = dpotrf(own, lower=1, clean=1)
+        if not failed and np.isfinite(factor).all():
+            return factor
+    raise ValueError(
+        "The kernel matrix of the landmarks is not positive semidefinite: it is no kernel; use a kernel that "
+        "is one, or solver='cholesky'."
+    )
+
+
+def _looked_at(source, n_rows, length, n_landmarks, random_state):
+    """Some rows drawn from all, the sum of the weights, and the coarse copy, from one pass."""
+    most = min(max(_PER_LANDMARK, _DRAWN_PER_LANDMARK) * n_landmarks, _MOST_SEARCHED)
+    cells, drawn, n = None, [], 0.0
+    for X, y, weight in source:
+        if cells is None:
+            many = max(_PASSES * n_rows // n_landmarks, _FEWEST_PER_LANDMARK * n_landmarks)
+            cells = Cells(length, min(many, _MOST_CELLS)) if length is not None else False
+        if cells:
+            cells.add(X, y, weight)
+        n += weight.sum()
+        drawn.append(_thinned(X, y, weight, random_state.uniform(size=len(X)), most))
+        if len(drawn) > 16:
+            drawn = [_lowest(drawn, most)]
+    X, y, weight, _ = _lowest(drawn, most)
+    copy = cells.result() if cells else None
+    return (X, y, weight), n, copy
+
+
+def _thinned(X, y, weight, chance, most):
+    kept = np.argsort(chance)[:most]
+    return X[kept], y[kept], weight[kept], chance[kept]
+
+
+def _lowest(parts, most):
+    """Of rows with random numbers those with the lowest: a sample of all that were ever seen."""
+    return _thinned(*(np.concatenate(column) for column in zip(*parts, strict=True)), most)
+
+
+def _landmarks(between, X, many, random_state, n_jobs):
+    X = np.unique(X, axis=0)
+    X = X[random_state.permutation(len(X))[: _PER_LANDMARK * many]]
+    diagonal = np.array([float(between(x[None], x[None])[0, 0]) for x in X[:1]]).repeat(len(X))
+    if not np.allclose(between(X[-1:], X[-1:]), diagonal[0]):
+        diagonal = np.concatenate([between(x[None], x[None])[0] for x in X])
+    _, pivots, _ = pivoted_cholesky(
+        between, X, diagonal, rank=many, left=0.0, random_state=random_state, n_jobs=n_jobs
+    )
+    return X[pivots]
+
+
+class _System:
+    """Equations of the weights in the landmarks' own coordinates, the bias behind them."""
+
+    def __init__(self, run, between, source, landmarks, L, C, bias):
+        self._run, self._between, self._source = run, between, source
+        self._landmarks, self._L, self._bias = landmarks, L, bias
+        self._penalty = np.full(len(L) + 1, 1.0 / C)
+        # nothing holds a free bias, and one that is none is held to zero
+        self._penalty[-1] = {"free": 0.0, "regularized": 1.0 / C, "none": np.inf}[bias]
+
+    def _inward(self, sums):
+        sums[:-1] = solve_triangular(self._L, sums[:-1], lower=True, check_finite=False)
+        return sums
+
+    def _outward(self, theta):
+        return solve_triangular(self._L, theta[:-1], lower=True, trans=1, check_finite=False), theta[-1]
+
+    def _fixed(self, vector):
+        if self._bias == "none":
+            vector[-1] = 0.0
+        return vector
+
+    def residual(self, theta):
+        """Right side less the product with an approximate solution, in one pass."""
+        sums = self._sums(theta, with_targets=True)
+        held = np.where(np.isinf(self._penalty), 0.0, self._penalty)
+        return self._fixed(self._inward(sums) - held[:, None] * theta)
+
+    def apply(self, theta):
+        """Product with the matrix of the equations, in one pass."""
+        held = np.where(np.isinf(self._penalty), 0.0, self._penalty)
+        return self._fixed(held[:, None] * theta - self._inward(self._sums(theta, with_targets=False)))
+
+    def _sums(self, theta, with_targets):
+        """Kernel values and ones, times weight times what is left (target, or nothing, less function)."""
+        alpha, b = self._outward(theta)
+        m = len(alpha)
+        total = np.zeros((m + 1, theta.shape[1]))
+        step = max(32, _BLOCK // m)
+        for X, y, weight in self._source:
+            blocks = KernelBlocks(self._between, X, self._landmarks)
+            turns = Turns([slice(start, start + step) for start in range(0, len(X), step)])
+            parts = [np.zeros_like(total) for _ in range(self._run.many)]
+
+            def work(k, blocks=blocks, turns=turns, parts=parts, y=y, weight=weight):
+                own = parts[k]
+                for rows in turns:
+                    values = blocks(rows, slice(None))
+                    left = -(values @ alpha) - b
+                    if with_targets:
+                        left += y[rows]
+                    left *= weight[rows, None]
+                    own[:-1] += values.T @ left
+                    own[-1] += left.sum(axis=0)
+
+            self._run(work)
+            total += sum(parts)
+        return total
+
+    def solved_for(self, X, y, weight):
+        """Inverse of the equations that some weighted rows make, and their solution."""
+        m = len(self._L)
+        matrix, right = np.zeros((m + 1, m + 1)), np.zeros((m + 1, y.shape[1]))
+        step = max(32, 4 * _BLOCK // m)
+        turns = Turns([slice(start, start + step) for start in range(0, len(X), step)])
+        parts = [(np.zeros_like(matrix), np.zeros_like(right)) for _ in range(self._run.many)]
+
+        def work(k):
+            own, sums = parts[k]
+            for rows in turns:
+                root = np.sqrt(weight[rows])
+                z = solve_triangular(
+                    self._L, self._between(self._landmarks, X[rows]), lower=True, check_finite=False
+                )
+                z = np.vstack([z, np.ones(z.shape[1])]) * root
+                own += z @ z.T
+                sums += z @ (root[:, None] * y[rows])
+
+        self._run(work)
+        for own, sums in parts:
+            matrix += own
+            right += sums
+        held = np.where(np.isinf(self._penalty), 1.0, self._penalty)
+        if self._bias == "none":
+            matrix[-1], matrix[:, -1], right[-1] = 0.0, 0.0, 0.0
+        matrix[np.diag_indices_from(matrix)] += held
+        inverse = cho_factor(matrix, lower=True, check_finite=False)
+
+        def precondition(vector):
+            return cho_solve(inverse, vector, check_finite=False)
+
+        return precondition, precondition(right)
+
+
+def _iterated(system, precondition, theta, residual, tol, max_iter):
+    """Preconditioned conjugate gradients for each target."""
+    step = precondition(residual)
+    slope = np.einsum("ij,ij->j", residual, step)
+    # of the whole: the norm of the solution itself
+    whole = np.maximum(np.einsum("ij,ij->j", theta, system.apply(theta)), np.finfo(float).tiny)
+    n_iter = 0
+    while n_iter < max_iter and np.sqrt((slope / whole).max()) > tol:
+        along = system.apply(step)
+        length = slope / np.maximum(np.einsum("ij,ij->j", step, along), np.finfo(float).tiny)
+        theta = theta + length * step
+        residual = residual - length * along
+        better = precondition(residual)
+        before, slope = slope, np.einsum("ij,ij->j", residual, better)
+        step = better + slope / np.maximum(before, np.finfo(float).tiny) * step
+        n_iter += 1
+    return theta, n_iter, float(np.sqrt((slope / whole).max()))

@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A few threads that share blocks of work, each with a BLAS of one thread.
+
+Two threads of one BLAS call wait for each other at every step, and wait badly where another process holds a
+core. Threads that take blocks of their own wait for nothing.
+"""
+
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from itertools import count
+from threading import Lock
+
+from joblib import effective_n_jobs
+from threadpoolctl import threadpool_info, threadpool_limits
+
+
+def threads_to_use(n_jobs=None):
+    """Number of threads: `n_jobs` as scikit-learn has it; None is what BLAS would use by itself."""
+    if n_jobs is not None:
+        return effective_n_jobs(n_jobs)
+    return max((pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"), default=1)
+
+
+@contextmanager
+def own_threads(n_jobs=None):
+    """Function that runs a task on every thread at once, while BLAS keeps to one thread each.
+
+    Yields
+    ------
+    run : callable
+        ``run(task)`` calls ``task(k)`` for k from 0 to ``run.many`` less one, side by side, and raises the
+        first error.
+    """
+    many = threads_to_use(n_jobs)
+    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(many) as pool:
+
+        def run(task):
+            for done in [pool.submit(task, k) for k in range(many)]:
+                done.result()
+
+        run.many = many
+        yield run
+
+
+class Turns:
+    """Items handed out one at a time, in order, to whichever thread asks."""
+
+    def __init__(self, items):
+        self._items, self._lock, self._count = items, Lock(), count()
+
+    def __iter__(self):
+        while True:
+            with self._lock:
+                k = next(self._count)
+            if k >= len(self._items):
+                return
+            yield self._items[k]
