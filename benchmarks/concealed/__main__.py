@@ -15,8 +15,9 @@ import argparse
 import sys
 from pathlib import Path
 
-from benchmarks.concealed.draw import broken_seals, seal
+from benchmarks.concealed.draw import broken_seals, seal, unsealed
 from benchmarks.concealed.methods import METHODS
+from benchmarks.concealed.methods.random_forest import learn
 from benchmarks.concealed.report.__main__ import main as report
 from benchmarks.concealed.run import draw_all, judge_all, log
 
@@ -43,18 +44,27 @@ def main(arguments=None):
     parser.add_argument("--jobs", type=int, default=2, help="processes; 2")
     options = parser.parse_args(arguments)
     folder = options.folder.resolve()
+    if (folder / "seal.txt").exists() and not (folder / "salt.txt").exists():
+        parser.error(f"{folder} holds seal.txt, and no salt.txt by which it was made; put it back")
+    if broken := broken_seals(folder):
+        parser.error(f"the truth of {', '.join(broken)} is not the one that was sealed")
     if options.seed is not None:
         sizes = dict(SMALL if options.small else WHOLE)
         sizes |= {name: getattr(options, name) for name in WHOLE if getattr(options, name) is not None}
-        draw_all(folder, options.seed, options.jobs, **sizes)
+        try:
+            draw_all(folder, options.seed, options.jobs, **sizes)
+        except ValueError as error:
+            parser.error(str(error))
         log(folder, f"drawn with seed {options.seed} and {sizes}; sealed as {seal(folder)}")
     if not any(folder.glob("record_*/truth.json")):
         parser.error(f"expected records in {folder}, or a --seed to draw them by")
-    if broken := broken_seals(folder):
-        parser.error(f"the truth of {', '.join(broken)} is not the one that was sealed")
+    if new := unsealed(folder):
+        parser.error(f"{len(new)} records, first {new[0]}, are not sealed: give the --seed of their draw")
     if not options.methods:
         return 0
     names = ["sklvalve"] if options.given else options.methods
+    if "random_forest" in names:
+        learn(folder / "learnt")
     files = judge_all(folder, names, options.jobs, given=options.given)
     out = folder / ("report_given" if options.given else "report")
     return report([*map(str, files), "--out", str(out)])

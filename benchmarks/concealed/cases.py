@@ -16,7 +16,7 @@ from benchmarks.concealed.plant.programs import EXCITATIONS
 # what makes a record harder, beside the size of the effect, its excitation and the moment it begins
 OF_HEALTHY = (
     "loud", "wandering", "correlated", "growing_with_flow", "quantised", "badly_tuned", "wrong_sheet",
-    "disturbed", "confounded", "retuned",
+    "disturbed", "confounded", "retuned", "rare", "compressed", "no_opening", "no_p2",
 )  # fmt: skip
 OF_EFFECTS = (
     "compensated", "wandering", "correlated", "growing_with_flow", "rare", "wrong_sheet", "quantised",
@@ -32,6 +32,8 @@ PAIRS = (
     ("friction", "wrong_characteristic"),
 )  # fmt: skip
 STEPS = (1.0, 2.0, 3.0)
+# so that a fluid tells nothing of what is concealed
+FLUIDS, OFTEN = ("water", "hot_water", "oil"), (0.8, 0.1, 0.1)
 
 
 @dataclass(frozen=True)
@@ -45,6 +47,7 @@ class Case:
     excitation: str = "wide"
     course: str = "start"
     nasty: tuple = ()
+    fluid: str = "water"
 
     @property
     def name(self):
@@ -75,6 +78,10 @@ def plan(seed, healthy=200, each=6, pairs=60, outside=80, defects=16):
     return [Case(i, *drawn[k]) for i, k in enumerate(order)]
 
 
+def _fluid_of(names):
+    return next((EFFECTS[n].fluid for n in names if EFFECTS[n].fluid != "water"), "water")
+
+
 def _ways(rng, names, excitation, many, course="start"):
     possible = [n for n in names if excitation in ONLY_IN.get(n, EXCITATIONS)]
     if course != "start":
@@ -83,19 +90,28 @@ def _ways(rng, names, excitation, many, course="start"):
     return tuple(str(n) for n in rng.choice(possible, min(many, len(possible)), replace=False))
 
 
+def _hidden_by(name):
+    """What leaves no trace of an effect in the record."""
+    if name == "outlet_bias":
+        return ("no_p2",)
+    if EFFECTS[name].block == "actuator" or name.startswith(("sensor", "loop")):
+        return ("no_opening", "compensated")
+    return ()
+
+
 def _healthy(rng, i):
     excitation = EXCITATIONS[i % len(EXCITATIONS)]
-    return "healthy", (), None, excitation, "start", _ways(rng, OF_HEALTHY, excitation, 2)
+    nasty = _ways(rng, OF_HEALTHY, excitation, 2)
+    return "healthy", (), None, excitation, "start", nasty, str(rng.choice(FLUIDS, p=OFTEN))
 
 
 def _single(rng, kind, name, i):
     effect = EFFECTS[name]
     excitation = str(rng.choice(effect.asks or EXCITATIONS))
     course = _course(rng, effect)
-    nasty = _ways(rng, OF_EFFECTS, excitation, 1, course)
-    if effect.block == "actuator" or name.startswith(("sensor", "loop")):
-        nasty = tuple(n for n in nasty if n not in ("no_opening", "compensated"))
-    return kind, (name,), STEPS[i % len(STEPS)], excitation, course, nasty
+    ways = [n for n in OF_EFFECTS if n not in _hidden_by(name)]
+    nasty = _ways(rng, ways, excitation, 1, course)
+    return kind, (name,), STEPS[i % len(STEPS)], excitation, course, nasty, _fluid_of((name,))
 
 
 def _course(rng, effect):
@@ -115,7 +131,7 @@ def _pair(rng, names):
     if any(EFFECTS[name].asks for name in names):
         excitation = "wide"
     nasty = _ways(rng, ("wandering", "growing_with_flow", "wrong_sheet", "disturbed"), excitation, 1)
-    return "pair", tuple(names), float(rng.choice([2.0, 3.0])), excitation, "start", nasty
+    return "pair", tuple(names), float(rng.choice([2.0, 3.0])), excitation, "start", nasty, _fluid_of(names)
 
 
 def _defect(rng, i):

@@ -21,6 +21,7 @@ from benchmarks.concealed.record import Impossible, make
 from sklvalve.datasets.concealed import to_toml
 
 ATTEMPTS = 8
+PLAN = "plan.json"
 
 
 def draw(folder, seed, part=(1, 1), report=print, **sizes):
@@ -38,7 +39,7 @@ def draw(folder, seed, part=(1, 1), report=print, **sizes):
         How many records of each kind (`cases.plan`).
     """
     cases = plan(seed, **sizes)
-    folder.mkdir(parents=True, exist_ok=True)
+    only_of(folder, seed, sizes)
     for case in cases[part[0] - 1 :: part[1]]:
         place = folder / case.name
         skipped = folder / f"{case.name}.impossible"
@@ -53,6 +54,22 @@ def draw(folder, seed, part=(1, 1), report=print, **sizes):
             continue
         write(place, made)
         report(f"{case.name} written")
+
+
+def only_of(folder, seed, sizes):
+    """Make the folder one of this plan alone: records of two plans would pass for one draw."""
+    folder.mkdir(parents=True, exist_ok=True)
+    told, file = {"seed": seed, "sizes": sizes}, folder / PLAN
+    if not file.exists():
+        waiting = file.with_name(f".{PLAN}.{os.getpid()}")
+        waiting.write_text(json.dumps(told) + "\n", encoding="utf-8")
+        waiting.replace(file)
+    before = json.loads(file.read_text(encoding="utf-8"))
+    if before != told:
+        raise ValueError(
+            f"{folder} holds records of seed {before['seed']} and sizes {before['sizes']}; got seed {seed} "
+            f"and sizes {sizes}: give another folder"
+        )
 
 
 def _made(case, seed):
@@ -94,26 +111,54 @@ def _cell(value):
 
 
 def seal(folder):
-    """Write `seal.txt`, a salted hash of every truth; the salt stays in `salt.txt`, for whoever checks it."""
+    """Add to `seal.txt` a salted hash of every truth that it has none of; what was sealed stays.
+
+    The salt stays in `salt.txt`, for whoever checks it.
+
+    Returns
+    -------
+    digest : str
+        SHA-256 of the seal.
+    """
     salt_file = folder / "salt.txt"
+    sealed = _sealed(folder)
     if not salt_file.exists():
+        if sealed:
+            raise FileNotFoundError(f"{folder} holds seal.txt, and not the salt.txt of it; put it back")
         salt_file.write_text(os.urandom(16).hex() + "\n", encoding="utf-8")
     salt = salt_file.read_bytes()
-    truths = sorted(folder.glob("record_*/truth.json"))
-    lines = [f"{hashlib.sha256(salt + t.read_bytes()).hexdigest()}  {t.parent.name}" for t in truths]
-    text = "\n".join(lines) + "\n"
-    (folder / "seal.txt").write_text(text, encoding="utf-8")
+    for truth in folder.glob("record_*/truth.json"):
+        sealed.setdefault(truth.parent.name, hashlib.sha256(salt + truth.read_bytes()).hexdigest())
+    text = "".join(f"{sealed[name]}  {name}\n" for name in sorted(sealed))
+    waiting = folder / f".seal.{os.getpid()}"
+    waiting.write_text(text, encoding="utf-8")
+    waiting.replace(folder / "seal.txt")
     return hashlib.sha256(text.encode()).hexdigest()
 
 
+def _sealed(folder):
+    file = folder / "seal.txt"
+    if not file.exists():
+        return {}
+    return {name: digest for digest, name in (line.split() for line in file.read_text("utf-8").splitlines())}
+
+
 def broken_seals(folder):
-    """Names of records whose truth is not the one that was sealed."""
+    """Names of sealed records whose truth is gone or not the one that was sealed."""
     folder = Path(folder)
+    sealed = _sealed(folder)
+    if not sealed:
+        return []
     salt = (folder / "salt.txt").read_bytes()
     wrong = []
-    for line in (folder / "seal.txt").read_text(encoding="utf-8").splitlines():
-        digest, name = line.split()
+    for name, digest in sealed.items():
         truth = folder / name / "truth.json"
         if not truth.exists() or hashlib.sha256(salt + truth.read_bytes()).hexdigest() != digest:
             wrong.append(name)
     return wrong
+
+
+def unsealed(folder):
+    """Names of records that the seal knows nothing of."""
+    names = {truth.parent.name for truth in Path(folder).glob("record_*/truth.json")}
+    return sorted(names - set(_sealed(Path(folder))))

@@ -56,8 +56,7 @@ def make(case, seed, *, rows=None, strengths=None, distances=True):
     rng = np.random.default_rng([seed, 3])
     drawn = int(rng.choice([2400, 3000, 3600, 4800]))
     rows = drawn if rows is None else rows
-    fluid = next((EFFECTS[n].fluid for n in case.effects if EFFECTS[n].fluid != "water"), "water")
-    plant = Plant(seed, case.excitation, rows, LATER, fluid, case.nasty)
+    plant = Plant(seed, case.excitation, rows, LATER, case.fluid, case.nasty)
     course = Course.drawn(rng, case.course, rows)
     lacking = tuple(n[3:] for n in case.nasty if n.startswith("no_"))
     _write_sheet(rng, plant, case)
@@ -141,11 +140,12 @@ def _recorded(rng, plant, scene, case):
             # what it misses, it misses by bursts
             noise = noise + 0.5 * missed * rng.standard_normal(n)
         clean[name] = (values * scale.get(name, 1.0))[rows]
-        width = sensors.RANGES.get(name, plant.span * 1.25)
+        width = sensors.RANGES.get(name, plant.span * sensors.FLOW_WIDTH)
         few = "quantised" in case.nasty and name in ("X", "F")
-        read = sensors.convert((values + noise) * scale.get(name, 1.0), width, 9 if few else sensors.BITS)
+        bits = sensors.FEW_BITS if few else sensors.BITS
+        read = sensors.convert((values + noise) * scale.get(name, 1.0), width, bits)
         if "compressed" in case.nasty:
-            read = sensors.held(read, 0.003 * width)
+            read = sensors.held(read, sensors.HELD * width)
         table[name] = np.round(read, 4)[rows]
     table["F"] = np.maximum(table["F"], -0.02 * plant.span)
     if plant.excitation == "closed":

@@ -8,7 +8,7 @@ import subprocess
 import time
 from pathlib import Path
 
-from benchmarks.concealed.draw import draw
+from benchmarks.concealed.draw import draw, only_of
 from benchmarks.concealed.judging import line_of
 from benchmarks.concealed.scoring.lines import read_lines
 
@@ -19,6 +19,7 @@ GIVEN = "valve_given.toml"
 
 def draw_all(folder, seed, jobs, **sizes):
     """Draw all records, by some processes at once."""
+    only_of(folder, seed, sizes)
     if jobs == 1:
         draw(folder, seed, **sizes)
         return

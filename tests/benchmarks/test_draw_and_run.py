@@ -39,7 +39,7 @@ def test_the_plan_has_what_was_asked():
 def test_a_draw_that_was_stopped_goes_on_and_gives_the_same(folder, tmp_path):
     half = tmp_path / "set"
     draw(half, 5, part=(1, 2), report=lambda text: None, **SIZES)
-    some = sorted(p.name for p in half.iterdir())
+    some = sorted(p.name for p in half.glob("record_*"))
     assert 0 < len(some) < 3
     draw(half, 5, report=lambda text: None, **SIZES)
     for name in sorted(p.name for p in half.glob("record_*")):

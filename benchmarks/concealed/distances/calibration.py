@@ -59,7 +59,8 @@ class Nuisance:
     def multiples(self, white):
         """What calibration takes of each of its series."""
         scale = np.maximum(np.linalg.norm(self.triangle, axis=0), 1e-9)
-        found = lsq_linear(self.triangle / scale, self.basis.T @ white, (self.low * scale, self.high * scale))
+        bounds = self.low * scale, self.high * scale
+        found = lsq_linear(self.triangle / scale, self.basis.T @ white, bounds, method="bvls")
         return found.x / scale
 
 

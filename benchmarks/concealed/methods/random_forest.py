@@ -219,6 +219,13 @@ def _forest(folder):
     return _LOADED[path]
 
 
+def learn(folder, **sizes):
+    """Train a forest into a folder, unless it holds one."""
+    if not (folder / FILE).exists():
+        folder.mkdir(parents=True, exist_ok=True)
+        train(folder, **sizes)
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description="Train the random forest of the benchmark.")
     parser.add_argument("folder", type=Path)

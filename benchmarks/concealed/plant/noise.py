@@ -7,9 +7,21 @@ import numpy as np
 from numba import njit
 
 from benchmarks.concealed.plant.programs import wander
+from benchmarks.concealed.plant.sensors import BITS, FEW_BITS, FLOW_WIDTH, HELD, RANGES
 
 # kinds of noise that a record may have more of than usual
 KINDS = ("loud", "wandering", "correlated", "growing_with_flow")
+
+
+# what exception reporting makes of the square of its width, measured on healthy records of the plant
+_OF_HELD_X, _OF_HELD_FLOW = 0.12, 0.055
+_CONVERTER = 2.5e-4
+
+
+def _misread(width, of_held, kinds):
+    bits = FEW_BITS if "quantised" in kinds else BITS
+    held = of_held * (HELD * width) ** 2 if "compressed" in kinds else 0.0
+    return (width / 2.0**bits) ** 2 / 12.0 + held
 
 
 @dataclass(frozen=True)
@@ -17,7 +29,8 @@ class Law:
     """Standard deviations, as shares of the flow meter's span, of travel [1], and in [Pa].
 
     `correlated` has a time constant of 20 s, so that neighbours correlate with 0.95; `wandering` one of
-    `slow` seconds; `turbulence` is a share of the flow.
+    `slow` seconds; `turbulence` is a share of the flow. `misread` and `x_misread` are variances that a coarse
+    converter and the historian's exception reporting add.
     """
 
     white: float = 0.002
@@ -30,6 +43,8 @@ class Law:
     x_wandering: float = 0.0003
     p_white: float = 200.0
     p_wandering: float = 120.0
+    misread: float = _CONVERTER**2 / 12.0
+    x_misread: float = _CONVERTER**2 / 12.0
 
     @classmethod
     def drawn(cls, rng, kinds):
@@ -46,6 +61,8 @@ class Law:
             x_wandering=0.0003 * loud,
             p_white=200.0 * loud,
             p_wandering=120.0 * loud,
+            misread=_misread(FLOW_WIDTH, _OF_HELD_FLOW, kinds),
+            x_misread=_misread(1e-2 * RANGES["X"], _OF_HELD_X, kinds),
         )
 
     def draw(self, rng, n, span):
@@ -108,7 +125,7 @@ def _whitened(columns, parts, white):
 
 def whiten_opening(columns, law):
     """Series of opening [1], one row a second, as multiples of what its sensor's noise leaves unforeseen."""
-    white = law.x_white**2 + (2.5e-4) ** 2 / 12.0 + 1e-9
+    white = law.x_white**2 + law.x_misread + 1e-9
     return _whitened(columns, [(500.0, law.x_wandering)], white)
 
 
@@ -121,7 +138,7 @@ def whiten_flow(columns, law, span, flow, by_opening, by_drop, lag):
     pole = np.exp(-1.0 / max(lag, 0.3))
     damped = np.sqrt((1.0 - pole) / (1.0 + pole))
     rough = law.envelope(flow, span)
-    stem = np.hypot(law.x_white, 2.5e-4 / np.sqrt(12.0))
+    stem = np.sqrt(law.x_white**2 + law.x_misread)
     parts = [
         (20.0, law.correlated * span * rough),
         (law.slow, law.wandering * span * rough),
@@ -130,4 +147,4 @@ def whiten_flow(columns, law, span, flow, by_opening, by_drop, lag):
         (500.0, law.x_wandering * by_opening),
         (400.0, np.sqrt(2.0) * law.p_wandering * by_drop),
     ]
-    return _whitened(columns, parts, (law.white * span * rough) ** 2 + (2.5e-4 * span) ** 2 / 12.0)
+    return _whitened(columns, parts, (law.white * span * rough) ** 2 + law.misread * span**2)

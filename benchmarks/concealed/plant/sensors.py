@@ -3,7 +3,9 @@
 
 import numpy as np
 
-BITS = 12
+BITS, FEW_BITS = 12, 9
+# of the flow meter's converter, in spans; of the historian's exception reporting, in widths of the converter
+FLOW_WIDTH, HELD = 1.25, 0.003
 RANGES = {"CV": 100.0, "X": 104.0, "P1": 2500.0, "P2": 2500.0, "T1": 200.0}
 
 
