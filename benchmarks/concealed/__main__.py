@@ -13,6 +13,7 @@ module in `benchmarks/concealed/methods` (see its ``__init__``).
 
 import argparse
 import sys
+from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
 from benchmarks.concealed.draw import broken_seals, seal, unsealed
@@ -65,9 +66,13 @@ def main(arguments=None):
     names = ["sklvalve"] if options.given else options.methods
     if "random_forest" in names:
         learn(folder / "learnt")
-    files = judge_all(folder, names, options.jobs, given=options.given)
+    try:
+        files = judge_all(folder, names, options.jobs, given=options.given)
+    except BrokenProcessPool:
+        parser.exit(1, "a process that judges was ended, for want of memory perhaps; start again to go on\n")
     out = folder / ("report_given" if options.given else "report")
-    return report([*map(str, files), "--out", str(out)])
+    shown = "sklvalve" if "sklvalve" in names else names[0]
+    return report([*map(str, files), "--method", shown, "--out", str(out)])
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 
 Of 640 records about 200 hold nothing, 300 one effect of the catalogue, 60 two, 80 one that no catalogue
 holds. Every effect comes at one, two and three times what its own record could just tell, in different
-excitations, and every one is concealed in some further way.
+excitations, and nearly every one is concealed in some further way; healthy records are hard in the same ways.
 """
 
 from dataclasses import dataclass

@@ -5,6 +5,7 @@ import json
 import os
 import resource
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -43,24 +44,41 @@ def line_of(place, name, *, valve="valve.toml", cache=None):
         "method": name,
         "load": round(os.getloadavg()[0], 1),
     }
+    _forget_peak()
     began, worked = time.perf_counter(), time.process_time()
-    found = None
     try:
         recording = read_recording(place / "recording.csv.gz", place / valve)
         found = method(name)(recording, folder=cache)
         line["seconds"] = round(time.perf_counter() - began, 2)
         line["cpu_seconds"] = round(time.process_time() - worked, 2)
         line["found"] = public(found)
+        # what it has found is judged by it as well: a simulation that breaks is its own
+        line["peak_mb"] = _peak()
+        behind = _behind(place)
+        truth = json.loads((place / "truth.json").read_text(encoding="utf-8"))
+        if behind:
+            line["rows"] = _rows(found, truth, behind)
+            line["errors"] = _errors(found, place, valve, truth, behind)
     except Exception as error:
         # a diagnosis that breaks is an outcome too, and no reason to leave the others undone
         line["failed"] = f"{type(error).__name__}: {error}"
-    line["peak_mb"] = round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, 1)
     line["truth"] = json.loads((place / "truth.json").read_text(encoding="utf-8"))
-    behind = _behind(place)
-    if found is not None and behind:
-        line["rows"] = _rows(found, line["truth"], behind)
-        line["errors"] = _errors(found, place, valve, line["truth"], behind)
     return line
+
+
+def _forget_peak():
+    """Begin to count the peak of memory anew, where the system can."""
+    with suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
+
+
+def _peak():
+    """Peak of memory since then [MB]; since the process began where the system cannot tell."""
+    with suppress(OSError, StopIteration):
+        status = Path("/proc/self/status").read_text().splitlines()
+        kilobytes = next(row for row in status if row.startswith("VmHWM")).split()[1]
+        return round(float(kilobytes) / 1024.0, 1)
+    return round(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0, 1)
 
 
 def _behind(place):

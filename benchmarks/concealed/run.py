@@ -6,6 +6,7 @@ import multiprocessing
 import os
 import subprocess
 import time
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 from benchmarks.concealed.draw import draw, only_of
@@ -72,8 +73,11 @@ def judge_all(folder, names, jobs, *, given=False, report=print):
     work.sort(key=lambda item: item[0].name)
     began = time.perf_counter()
     log(folder, f"{len(work)} diagnoses of {', '.join(names)}, code {commit}, {jobs} processes")
-    with multiprocessing.get_context("spawn").Pool(jobs, maxtasksperchild=_RECORDS_A_WORKER) as pool:
-        for many, (file, line) in enumerate(pool.imap_unordered(_judged, work), start=1):
+    own = {"mp_context": multiprocessing.get_context("spawn"), "max_tasks_per_child": _RECORDS_A_WORKER}
+    with ProcessPoolExecutor(jobs, **own) as pool:
+        # a worker that the system ends raises here, instead of being waited for
+        for many, done in enumerate(as_completed([pool.submit(_judged, item) for item in work]), start=1):
+            file, line = done.result()
             with file.open("a", encoding="utf-8") as stream:
                 stream.write(json.dumps(line | {"code": commit}, default=float) + "\n")
             if many % 20 == 0 or many == len(work):

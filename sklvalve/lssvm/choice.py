@@ -114,8 +114,9 @@ class Machine:
             return dual, "tiled", None
         if self._n > LAPACK_ROWS:
             raise ValueError(
-                "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C "
-                "is too large for it; lower C, or merge repeated rows into one with their weight."
+                "The kernel matrix plus 1/C on its diagonal is not positive definite, or not finite: it is "
+                "no kernel, X is too large for it, or C is; scale X, lower C, or merge repeated rows into one "
+                "with their weight."
             )
         return self._cholesky(y, ridge)
 

@@ -4,6 +4,7 @@
 import numpy as np
 from scipy.linalg import solve_triangular
 
+from sklvalve.lssvm.solvers import raise_unless_finite
 from sklvalve.lssvm.threads import Turns, own_threads
 
 _BLOCK = 128
@@ -48,6 +49,7 @@ def pivoted_cholesky(between, X, diagonal, *, rank, left, random_state, n_jobs=N
     .. [2] E. N. Epperly, J. A. Tropp, R. J. Webber, Embrace rejection: kernel matrix approximation by
        accelerated randomly pivoted Cholesky, arXiv 2410.03969.
     """
+    raise_unless_finite(diagonal)
     n = len(X)
     rank = min(rank, n)
     F = np.empty((n, rank), order="F")

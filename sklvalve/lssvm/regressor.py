@@ -57,12 +57,11 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     max_iter : int, default=100
         Most steps of conjugate gradients.
     max_memory : float, default=None
-        Bytes that a fit may take beyond its rows, as far as the choice of the solver goes; None is 0.6 of
-        what is free.
+        Bytes by which the solver is chosen; None is 0.6 of what is free.
     n_jobs : int, default=None
-        Threads of "tiled", "pcg", "nystrom" and of predictions; None is what BLAS would use.
+        Threads of "tiled", "pcg" and "nystrom"; None is what BLAS would use.
     random_state : int, RandomState instance or None, default=None
-        Of the rows that make the low rank of "pcg", which changes nothing beyond `tol`, and of the landmarks.
+        Of the landmarks, and of the low rank of "pcg", which changes nothing beyond `tol`.
 
     Attributes
     ----------
@@ -72,13 +71,14 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Bias :math:`b`.
     X_fit_ : ndarray of shape (n_fit, n_features) or None
         Rows whose weight is not zero, or the landmarks; None with a precomputed kernel.
+    offset_ : ndarray of shape (n_features,)
+        Taken off all rows, so that small differences keep their digits; none with a precomputed kernel.
     solver_ : str
         The solver that gave the solution.
     n_iter_ : int
         Solutions that it made one after the other: 1 of a factorisation.
     residual_ : float
-        Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative to the largest target less its mean; of
-        "cholesky" over some of the rows, of "nystrom" as under `tol`.
+        Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative as under `tol`; of "cholesky" over some rows.
     n_features_in_ : int
         Number of columns seen in `fit`.
     feature_names_in_ : ndarray of shape (n_features_in_,)
@@ -212,7 +212,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.n_iter_, self.residual_ = dual.n_iter + 1, dual.residual
         alpha = dual.alpha
         if landmarks is not None:
-            self.X_fit_ = landmarks + self._origin
+            self.X_fit_ = landmarks + self.offset_
         b = dual.b - self._offset(alpha)
         if self.kernel == "precomputed":
             kept, alpha = alpha, np.zeros((len(y), targets.shape[1]))
@@ -240,7 +240,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if self.kernel == "precomputed":
             product = X @ alpha
         else:
-            centre = self._origin
+            centre = self.offset_
             product = kernel_product(self._between(), X - centre, self.X_fit_ - centre, alpha)
             product += self._offset(alpha)
         return (product[:, 0] if self.dual_coef_.ndim == 1 else product) + self.intercept_
@@ -274,9 +274,9 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             matrix = X if rows.all() else X[np.ix_(rows, rows)]
             return Machine(None, None, matrix, length=None, **more)
         self.X_fit_ = X[rows]
-        self._origin = self._centre()
+        self.offset_ = self._centre()
         length = kernel_length(self.kernel, self.gamma, X.shape[1])
-        return Machine(self._between(), self.X_fit_ - self._origin, None, length=length, **more)
+        return Machine(self._between(), self.X_fit_ - self.offset_, None, length=length, **more)
 
     def _between(self):
         return kernel_between(
@@ -288,14 +288,13 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         )
 
     def _centre(self):
-        """Offset taken off all rows: it changes no prediction and keeps the digits of small differences."""
         kernel = self.kernel if isinstance(self.kernel, str) else None
         if kernel in SHIFT_INVARIANT or (kernel == "linear" and self.bias == "free"):
             return self.X_fit_.mean(axis=0)
         return np.zeros(self.X_fit_.shape[1])
 
     def _offset(self, alpha):
-        """What `_origin` takes off the value of the linear kernel; others do not see it."""
+        """What `offset_` takes off the value of the linear kernel; others do not see it."""
         if self.kernel != "linear":
             return 0.0
-        return self._origin @ ((self.X_fit_ - self._origin).T @ alpha)
+        return self.offset_ @ ((self.X_fit_ - self.offset_).T @ alpha)

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from itertools import count
 from threading import Lock
 
+import numpy as np
 from joblib import effective_n_jobs
 from threadpoolctl import threadpool_info, threadpool_limits
 
@@ -34,8 +35,13 @@ def own_threads(n_jobs=None):
     many = threads_to_use(n_jobs)
     with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(many) as pool:
 
+        def quietly(task, k):
+            # what overflows is seen by whoever asks whether the result is finite; threads inherit no errstate
+            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+                task(k)
+
         def run(task):
-            for done in [pool.submit(task, k) for k in range(many)]:
+            for done in [pool.submit(quietly, task, k) for k in range(many)]:
                 done.result()
 
         run.many = many

@@ -41,7 +41,8 @@ class MissingPhysicsFinder(BaseEstimator):
         physics already held: they are calibrated with the rest and are no candidates. It is calibrated anew,
         fitted or not. Of a regressor, or a function of the recording, only what it predicts counts, as if
         the recording held it as ``simulated_flow``, or ``simulated_opening`` where no flow is recorded:
-        effects then change that, and only gain, zeros and response are calibrated.
+        effects then change that, and only gain, zeros, response and a trim within its tolerance are
+        calibrated.
     effects : "all", str or sequence of str, default="all"
         Names of the effects to be considered.
     alpha : float, default=0.01

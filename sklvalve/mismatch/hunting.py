@@ -5,15 +5,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.mismatch.stick_slip import sensor_noise
+
 # a window, whose straight line is taken off, so that a slow approach is no movement to and fro
 _WINDOW = 20
 # the command rests that moves by less than this within a window and the one before it [1]
 _QUIET = 0.02
-# the stem hunts that deviates by more than this [1], and its command by less than this share of it
-_LEAST, _OF_COMMAND = 0.005, 0.3
-# 1,061 recordings without friction or play had five such windows at the most, but for one of a stem whose
-# positioner is none of the catalogue's
-_EVIDENT = 10
+# the stem hunts that deviates by more than this [1], by so many times the sensor's noise, and its command by
+# less than this share of it
+_LEAST, _NOISES, _OF_COMMAND = 0.005, 2.5, 0.3
+# windows of a resting stem that tell the noise: so many of all that rest by their command
+_RESTING = 0.2
+# so many windows, and this share of those in which the command rests
+_EVIDENT, _OFTEN = 10, 0.05
 
 
 @dataclass(frozen=True)
@@ -26,28 +30,33 @@ class Hunting:
         First row of each window.
     sizes : ndarray of shape (k,)
         Standard deviation of the opening within each window [1].
+    quiet : int
+        Windows in which the command rests.
     evident : bool
         Whether they are too many for chance.
     """
 
     rows: np.ndarray
     sizes: np.ndarray
+    quiet: int = 0
     length: int = _WINDOW
 
     @property
     def evident(self):
-        return len(self.rows) >= _EVIDENT
+        return len(self.rows) >= max(_EVIDENT, _OFTEN * self.quiet)
 
 
 def find_hunting(command, opening):
     r"""Windows in which the stem moves to and fro while its command rests.
 
-    .. math:: s_x > 0.005, \quad s_u < 0.3\, s_x
+    .. math:: s_x > \max(0.005, 2.5\, \sigma), \quad s_u < 0.3\, s_x
 
     with s the standard deviations of opening and command about their straight lines in a window of 20 rows.
-    In a window the command, and in the one before it, moves by less than 2 % of travel. A positioner that
-    works against friction at rest or play makes such a cycle; so does one that is tuned too sharply, which
-    is no effect of the catalogue.
+    In a window the command, and in the one before it, moves by less than 2 % of travel. The noise
+    :math:`\sigma` is the lesser of what the bends of the whole series say of it and of s in the quieter
+    windows; a sensor that turns noisy for a while is taken for a stem that hunts. A positioner that works
+    against friction at rest or play makes such a cycle; so does one that is tuned too sharply, which is no
+    effect of the catalogue.
 
     Parameters
     ----------
@@ -74,9 +83,13 @@ def find_hunting(command, opening):
     moved = np.ptp(u, axis=1)
     quiet = (moved < _QUIET) & (np.r_[0.0, moved[:-1]] < _QUIET)
     of_stem, of_command = _about_their_line(x), _about_their_line(u)
+    resting = of_stem[quiet & np.isfinite(of_stem)]
+    if not len(resting):
+        return Hunting(np.zeros(0, dtype=int), np.zeros(0))
+    noise = min(sensor_noise(x.ravel()), float(np.quantile(resting, _RESTING)))
     # comparisons with NaN are false
-    hunts = quiet & (of_stem > _LEAST) & (of_command < _OF_COMMAND * of_stem)
-    return Hunting(np.flatnonzero(hunts) * _WINDOW, of_stem[hunts])
+    hunts = quiet & (of_stem > max(_LEAST, _NOISES * noise)) & (of_command < _OF_COMMAND * of_stem)
+    return Hunting(np.flatnonzero(hunts) * _WINDOW, of_stem[hunts], len(resting))
 
 
 def _windows(series):

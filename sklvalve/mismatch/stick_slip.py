@@ -95,7 +95,7 @@ def find_slips(command, opening):
         )
     if len(x) < _BEGINNING + 3:
         return Slips(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
-    noise = _sensor_noise(x)
+    noise = sensor_noise(x)
     least = max(_LEAST, _NOISES * noise)
     jump = np.diff(x)
     found = []
@@ -115,7 +115,8 @@ def find_slips(command, opening):
     return Slips(rows.astype(int), sizes, beyond)
 
 
-def _sensor_noise(x):
+def sensor_noise(x):
+    """White noise of a sensor, by how its series bends from row to row."""
     bends = np.diff(x, 2)
     bends = bends[np.isfinite(bends)]
     if not len(bends):

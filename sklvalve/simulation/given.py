@@ -188,7 +188,11 @@ class GivenChain(Chain):
         self._plug = np.clip(self._through("plug", self.drive(values), values), 0.0, 1.0)
         if any(e.stage in ("plug", "position_sensor") for e in self.effects):
             seen = np.clip(self.measured, 0.0, 1.0)
-            self._shift = self.capacity_at(self._plug) - self.capacity_at(seen)
+            self._shift = self._own_capacity(self._plug, values) - self._own_capacity(seen, values)
+
+    def _own_capacity(self, opening, values):
+        """Capacity of the valve's own trim at an opening [m3/h]."""
+        return values["given_gain"] * self.trim.factor(opening, values) * self.capacity_at(opening)
 
     @property
     def plug(self):

@@ -83,4 +83,5 @@ def _lssvm_of(correction):
     regressor.dual_coef_ = np.asarray(correction["coefficients"], dtype=float)
     regressor.intercept_ = float(correction["intercept"])
     regressor.n_features_in_ = regressor.X_fit_.shape[1]
+    regressor.offset_ = regressor.X_fit_.mean(axis=0)
     return regressor

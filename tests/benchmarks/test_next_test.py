@@ -40,6 +40,7 @@ def test_promised_is_what_parts_from_the_truth_and_was_not_apart():
         (["b"], {"b": 20.0}, [["a", "b"]], of.LEFT, ["b"]),
         (["b"], {"b": 20.0}, [["b"]], of.LOST, []),
         (["b"], {"b": 20.0}, [], of.LOST, []),
+        (["b"], {"b": 20.0}, [["a"], ["d"]], of.WRONG, []),
         (["b"], {"b": 3.0}, [["a", "b"]], of.TOO_MUCH, []),
         (["b", "c"], {"b": 3.0, "c": 20.0}, [["a", "b"]], of.SPLIT, []),
         (["b"], {}, [["a"]], of.NOT_JUDGED, []),
@@ -47,7 +48,11 @@ def test_promised_is_what_parts_from_the_truth_and_was_not_apart():
     ],
 )
 def test_outcome(names, reached, after, expected, left):
-    assert of.outcome("a", names, reached, after) == (expected, left)
+    assert of.outcome("a", names, reached, "named", after) == (expected, left)
+
+
+def test_candidates_of_no_verdict_name_nothing():
+    assert of.outcome("a", ["b"], {"b": 20.0}, "cannot_tell", [["a"]]) == (of.LOST, [])
 
 
 def test_no_program_is_said_truly_where_none_parts_any():

@@ -3,6 +3,7 @@
 
 import pytest
 
+from benchmarks.concealed.plant import EFFECTS
 from benchmarks.concealed.scoring.parameters import (
     accuracy,
     accuracy_by_effect,
@@ -55,8 +56,10 @@ def test_play_on_either_side_of_the_position_sensor(a_line):
 
     assert list(intervals(line("backlash", "overshoot"))) == [("backlash", True, pytest.approx(0.1))]
     assert list(intervals(line("backlash"))) == []
-    assert [inside for _, inside, _ in intervals(line("linkage_backlash"))] == [True]
-    assert list(intervals(line("linkage_backlash", "overshoot"))) == []
+    for linked in ("linkage_backlash", "link_backlash"):
+        assert [inside for _, inside, _ in intervals(line(linked))] == [True]
+        assert list(intervals(line(linked, "overshoot"))) == []
+    assert EFFECTS["link_backlash"].told == EFFECTS["plug_backlash"].told == "backlash"
 
 
 def test_accuracy_by_size_and_effect(found):

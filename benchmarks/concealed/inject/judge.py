@@ -12,6 +12,8 @@ import time
 from collections import Counter, defaultdict
 from pathlib import Path
 
+from benchmarks.concealed.run import whole_lines
+
 OUTCOMES = ("right", "wrong name", "cannot tell", "none of these", "missed", "in the base already", "failed")
 
 
@@ -25,7 +27,7 @@ def diagnosed(folder, method):
     began = time.process_time()
     try:
         recording = read_recording(folder / "recording.csv.gz", folder / "valve.toml")
-        line["found"] = public(of(method)(recording, folder=folder))
+        line["found"] = public(of(method)(recording, folder=folder.parent / "learnt"))
     except Exception as error:
         # a diagnosis that breaks is an outcome too, and no reason to leave the others undone
         line["failed"] = f"{type(error).__name__}: {error}"
@@ -102,13 +104,15 @@ def main(arguments=None):
     parser.add_argument("--method", default="sklvalve")
     options = parser.parse_args(arguments)
     out = options.folder / f"scores_{options.method}.jsonl"
-    rows = out.read_text(encoding="utf-8").splitlines() if out.exists() else []
-    lines = [json.loads(row) for row in rows if row.endswith("}")]
+    lines = whole_lines(out)
     done = {line["record"] for line in lines}
-    out.write_text("".join(json.dumps(line) + "\n" for line in lines), encoding="utf-8")
     # the untouched ones first, against which the others are judged
     kind = lambda path: json.loads(path.read_text(encoding="utf-8"))["kind"] != "healthy"  # noqa: E731
     truths = sorted(options.folder.glob("*/truth.json"), key=lambda path: (kind(path), path))
+    if options.method == "random_forest":
+        from benchmarks.concealed.methods.random_forest import learn
+
+        learn(options.folder / "learnt")
     for folder in (path.parent for path in truths):
         if folder.name not in done:
             lines.append(diagnosed(folder, options.method))

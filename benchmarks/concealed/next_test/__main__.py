@@ -38,6 +38,8 @@ def main(arguments=None):
     options.folder.mkdir(parents=True, exist_ok=True)
     file, commit = options.folder / "next_test.jsonl", code()
     lines = whole_lines(file)
+    if other := {line["seed_of_draw"] for line in lines} - {options.seed}:
+        parser.error(f"{file} holds records of seed {other.pop()}; give that seed, or another folder")
     with multiprocessing.get_context("spawn").Pool(options.jobs, maxtasksperchild=20) as pool:
         while _open(lines) < options.records and len(lines) < _MOST_DRAWN * options.records:
             known = {line["number"] for line in lines}

@@ -4,8 +4,9 @@
 APART = 14.0
 # outcomes of records whose diagnosis left a class open with the truth in it, the good one first
 SPLIT, LOST, LEFT, TOO_MUCH = "split rightly", "truth lost", "rivals left", "promised too much"
+WRONG = "wrong name beside"
 NOT_JUDGED, NO_PROMISE, NO_PROGRAM, SENSOR = "not judged", "no promise", "no program", "sensor"
-JUDGED = (SPLIT, LOST, LEFT, TOO_MUCH)
+JUDGED = (SPLIT, LOST, LEFT, TOO_MUCH, WRONG)
 
 
 def open_class(effects, told):
@@ -34,8 +35,8 @@ def promised(pairs, told):
     return [next(n for n in names if n != told) for names in new]
 
 
-def outcome(told, names, reached, after):
-    """Whether a class split rightly.
+def outcome(told, names, reached, verdict, after):
+    """Whether a class split rightly: the truth is named, and nothing that is wrong.
 
     Parameters
     ----------
@@ -44,6 +45,7 @@ def outcome(told, names, reached, after):
         Those that were promised to be set apart.
     reached : dict
         Distances of these by the plant, after the test; without those it cannot make.
+    verdict : str
     after : list of list of str
         Classes of the diagnosis after the test.
 
@@ -56,7 +58,7 @@ def outcome(told, names, reached, after):
     if not names:
         return NO_PROMISE, []
     able = [n for n in names if reached.get(n, 0.0) >= APART]
-    held = [c for c in after if told in c]
+    held = [c for c in after if told in c] if verdict == "named" else []
     left = [n for n in able if held and n in held[0]]
     if not any(n in reached for n in names):
         return NOT_JUDGED, left
@@ -64,6 +66,8 @@ def outcome(told, names, reached, after):
         return LOST, left
     if not able:
         return TOO_MUCH, left
+    if any(told not in c for c in after):
+        return WRONG, left
     return (LEFT if left else SPLIT), left
 
 

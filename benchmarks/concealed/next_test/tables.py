@@ -31,7 +31,7 @@ def tables(lines):
 def _rates(lines):
     judged = [line for line in lines if line["outcome"] in of.JUDGED]
     yield _rate("tests that split the class rightly", [line["outcome"] == of.SPLIT for line in judged])
-    for name in (of.LOST, of.LEFT, of.TOO_MUCH):
+    for name in (of.LOST, of.LEFT, of.TOO_MUCH, of.WRONG):
         yield _rate(name, [line["outcome"] == name for line in judged])
     names = [(line, n) for line in judged for n in line["promised"] if n in line["reached"]]
     kept = [line["reached"][n] >= of.APART for line, n in names]

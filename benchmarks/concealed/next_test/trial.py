@@ -67,5 +67,7 @@ def _judged(stand):
     line["reached"] = stand.apart(scene, others)
     again = MissingPhysicsFinder(n_jobs=1).fit(both).diagnosis_
     line |= {"verdict_after": again.verdict, "after": [list(c) for c in again.effects]}
-    line["outcome"], line["left"] = of.outcome(told, line["promised"], line["reached"], line["after"])
+    line["outcome"], line["left"] = of.outcome(
+        told, line["promised"], line["reached"], again.verdict, line["after"]
+    )
     return line

@@ -22,6 +22,9 @@ NOT_ONE_QUANTITY = (
     "members of a class that are not its first, whose parameters alone are told",
 )
 
+# play between stem and position sensor, as the simulators call it
+_LINKED = {"link_backlash", "linkage_backlash"}
+
 
 def intervals(line):
     """For each main parameter whose class begins with the true name: (effect, inside, error).
@@ -35,7 +38,7 @@ def intervals(line):
             if names_of(entry)[:1] != [name] or given is None or given.get("unit") != told.get("unit"):
                 continue
             # play before and behind the position sensor share a name, not a quantity
-            linked = "linkage_backlash" in (truth.get("concealed") or ())
+            linked = bool(_LINKED & set(truth.get("concealed") or ()))
             if name == "backlash" and linked == ("overshoot" in entry["parameters"]):
                 continue
             value, true = given.get("value"), told.get("value")

@@ -18,6 +18,8 @@ from benchmarks.concealed.scoring.lines import (
 from benchmarks.concealed.scoring.rates import Estimate, mean_of, quantile_of, rate_of
 
 NEAR = 0.01  # of the record
+# an onset that is not told counts as wrong by the whole record
+_NOT_TOLD = 1.0
 
 
 def _told(lines, *kinds):
@@ -149,8 +151,9 @@ def onset_near(lines, step=None):
 
 
 def onset_median(lines, step=None):
-    """Median error of the onset of abrupt effects, of those that tell one."""
-    return quantile_of(_abrupt(lines, step), unit="%", digits=1)
+    """Median error of the onset of abrupt effects; one that is not told is wrong by the whole record."""
+    errors = [error if np.isfinite(error) else _NOT_TOLD for error in _abrupt(lines, step)]
+    return quantile_of(errors, unit="%", digits=1)
 
 
 def onset_told(lines, step=None):
