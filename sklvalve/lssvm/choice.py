@@ -115,8 +115,8 @@ class Machine:
         if self._n > LAPACK_ROWS:
             raise ValueError(
                 "The kernel matrix plus 1/C on its diagonal is not positive definite, or not finite: it is "
-                "no kernel, X is too large for it, or C is; scale X, lower C, or merge repeated rows into one "
-                "with their weight."
+                "no kernel, X is too large for it, or C is; scale X, lower C, or merge repeated rows into "
+                "one with their weight."
             )
         return self._cholesky(y, ridge)
 

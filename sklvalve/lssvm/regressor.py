@@ -78,7 +78,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     n_iter_ : int
         Solutions that it made one after the other: 1 of a factorisation.
     residual_ : float
-        Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative as under `tol`; of "cholesky" over some rows.
+        Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative as under `tol`; of "cholesky" of some.
     n_features_in_ : int
         Number of columns seen in `fit`.
     feature_names_in_ : ndarray of shape (n_features_in_,)
