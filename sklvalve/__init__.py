@@ -9,6 +9,7 @@ __version__ = "0.1.0"
 # Loaded at first use, so that `import sklvalve` stays well under a second and needs the core only.
 _WHERE = {
     "LSSVMRegressor": "sklvalve.lssvm",
+    "LSSVMRegressorCV": "sklvalve.lssvm",
     "ValveMechanismTransformer": "sklvalve.mechanism",
     "SeriesHybridRegressor": "sklvalve.hybrid",
     "ParallelHybridRegressor": "sklvalve.hybrid",

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What data say: the least-squares support vector machine."""
 
+from sklvalve.lssvm.cross_validated import LSSVMRegressorCV
 from sklvalve.lssvm.regressor import LSSVMRegressor
 
-__all__ = ["LSSVMRegressor"]
+__all__ = ["LSSVMRegressor", "LSSVMRegressorCV"]

@@ -7,7 +7,7 @@ import warnings
 import numpy as np
 from scipy.linalg import LinAlgWarning
 
-from sklvalve.lssvm.kernels import kernel_product, lower_gram
+from sklvalve.lssvm.kernels import kernel_diagonal, kernel_product, lower_gram
 from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
 from sklvalve.lssvm.nystrom import fit_nystrom
 from sklvalve.lssvm.products import KernelBlocks
@@ -147,7 +147,14 @@ class Machine:
         more = {k: self._options[k] for k in names}
         rank = max(1, int(self._memory / (8.0 * self._n)) - 40)
         return solve_pcg(
-            self._between, self._blocks(), self._X, self._diagonal(), y, ridge, rank=rank, **more
+            self._between,
+            self._blocks(),
+            self._X,
+            kernel_diagonal(self._between, self._X),
+            y,
+            ridge,
+            rank=rank,
+            **more,
         )
 
     def _nystrom(self, y, ridge):
@@ -187,12 +194,3 @@ class Machine:
         if self._matrix is None:
             return KernelBlocks(self._between, self._X, self._X)
         return lambda rows, columns: self._matrix[rows, columns].copy()
-
-    def _diagonal(self):
-        step = 1024
-        parts = []
-        for start in range(0, self._n, step):
-            rows = self._X[start : start + step]
-            # most kernels are one on the diagonal: the block of a kilorow is cheap beside what follows
-            parts.append(np.einsum("ii->i", self._between(rows, rows)).copy())
-        return np.concatenate(parts)

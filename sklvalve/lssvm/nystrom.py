@@ -12,6 +12,7 @@ from scipy.linalg import cho_factor, cho_solve, solve_triangular
 from scipy.linalg.lapack import dpotrf
 
 from sklvalve.lssvm.cells import Cells
+from sklvalve.lssvm.kernels import kernel_diagonal
 from sklvalve.lssvm.pivoted import pivoted_cholesky
 from sklvalve.lssvm.products import KernelBlocks
 from sklvalve.lssvm.threads import Turns, own_threads
@@ -152,9 +153,7 @@ def _lowest(parts, most):
 def _landmarks(between, X, many, random_state, n_jobs):
     X = np.unique(X, axis=0)
     X = X[random_state.permutation(len(X))[: _PER_LANDMARK * many]]
-    diagonal = np.array([float(between(x[None], x[None])[0, 0]) for x in X[:1]]).repeat(len(X))
-    if not np.allclose(between(X[-1:], X[-1:]), diagonal[0]):
-        diagonal = np.concatenate([between(x[None], x[None])[0] for x in X])
+    diagonal = kernel_diagonal(between, X)
     _, pivots, _ = pivoted_cholesky(
         between, X, diagonal, rank=many, left=0.0, random_state=random_state, n_jobs=n_jobs
     )

@@ -8,7 +8,7 @@ from sklearn.utils.estimator_checks import (
     parametrize_with_checks,
 )
 
-from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.lssvm import LSSVMRegressor, LSSVMRegressorCV
 from sklvalve.lssvm.choice import SOLVERS
 
 INSTANCES = [
@@ -21,6 +21,9 @@ INSTANCES = [
     LSSVMRegressor("laplacian", gamma=0.5),
     LSSVMRegressor("precomputed"),
     LSSVMRegressor("precomputed", solver="tiled"),
+    LSSVMRegressorCV(),
+    LSSVMRegressorCV("laplacian", cv=3, gammas=[0.1, 0.5]),
+    LSSVMRegressorCV("linear", bias="regularized"),
     *(LSSVMRegressor(solver=solver) for solver in SOLVERS),
     *(LSSVMRegressor("laplacian", solver=solver, bias="regularized") for solver in SOLVERS),
     *(LSSVMRegressor("linear", solver=solver, bias="none") for solver in SOLVERS),
@@ -36,5 +39,6 @@ def test_estimator_checks(estimator, check):
 
 
 @pytest.mark.parametrize("check", [check_dataframe_column_names_consistency, check_param_validation])
-def test_checks_outside_the_suite(check):
-    check("LSSVMRegressor", LSSVMRegressor())
+@pytest.mark.parametrize("estimator", [LSSVMRegressor(), LSSVMRegressorCV()])
+def test_checks_outside_the_suite(check, estimator):
+    check(type(estimator).__name__, estimator)

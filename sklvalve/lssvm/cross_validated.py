@@ -1,0 +1,304 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The LS-SVM that chooses C and gamma itself."""
+
+from numbers import Integral, Real
+from typing import ClassVar
+
+import numpy as np
+from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, _fit_context
+from sklearn.model_selection import check_cv
+from sklearn.utils import check_random_state
+from sklearn.utils._param_validation import Interval, StrOptions
+from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
+
+from sklvalve.lssvm.choice import SOLVERS
+from sklvalve.lssvm.kernels import kernel_between
+from sklvalve.lssvm.left_out import LeftOut
+from sklvalve.lssvm.regressor import LSSVMRegressor
+
+# rows on which values of gamma are compared, C is chosen on all
+_COMPARED = 2000
+# so many values of C are compared again on all of them
+_NEAR = 5
+
+
+class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
+    r"""LS-SVM with C and gamma chosen by what it errs on rows left out, in closed form.
+
+    One decomposition of the kernel matrix gives the errors on left-out rows for the whole path of C; so the
+    search costs little more than a few fits.
+
+    Parameters
+    ----------
+    kernel : {"rbf", "linear", "polynomial", "poly", "laplacian"} or callable, default="rbf"
+    Cs : array-like of shape (n_Cs,), default=None
+        Values of C to choose from; None is fifteen from 0.1 to 1e6.
+    gammas : array-like of shape (n_gammas,), default=None
+        Values of gamma to choose from; None is one over the number of columns times 1/16 to 16, for the
+        kernels that have one.
+    cv : int, splitter of scikit-learn or iterable of (train, test), default=None
+        None leaves out one row at a time. A number leaves out as many contiguous blocks of rows: for a time
+        series, whose neighbouring rows say the same.
+    gap : int, default=0
+        Rows on either side of each row of a block that are left out with it and do not count.
+    degree, coef0, kernel_params, bias, solver, n_landmarks, tol, max_iter, max_memory, n_jobs, random_state
+        As in :class:`LSSVMRegressor`, of the final fit.
+
+    Attributes
+    ----------
+    best_C_, best_gamma_ : float
+        Chosen values; `best_gamma_` is None for a kernel without gamma.
+    best_score_ : float
+        Root of the mean square of the errors on left-out rows, weighted, over all targets.
+    loo_residuals_ : ndarray of shape (n_samples,) or (n_samples, n_targets)
+        Errors on the rows left out, target less prediction, with the chosen values; NaN where no block holds
+        a row, and where its weight is zero.
+    scores_ : ndarray of shape (n_gammas, n_Cs)
+        Scores of all pairs, on at most 2,000 rows; NaN where C is too large for the kernel. The best five of
+        C are compared again on all rows.
+    estimator_ : LSSVMRegressor
+        Fitted to all rows.
+    dual_coef_, intercept_, X_fit_
+        Of `estimator_`.
+    n_features_in_ : int
+    feature_names_in_ : ndarray of shape (n_features_in_,)
+
+    See Also
+    --------
+    LSSVMRegressor : With C and gamma given.
+    sklearn.linear_model.RidgeCV : The same for linear functions.
+
+    References
+    ----------
+    .. [1] G. C. Cawley, N. L. C. Talbot, Neural Networks 17 (2004) 1467.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from sklvalve.lssvm import LSSVMRegressorCV
+    >>> opening = np.linspace(0, 1, 41)[:, None]
+    >>> kv = 50.0 ** (opening[:, 0] - 1) + 0.002 * np.cos(900 * opening[:, 0])
+    >>> model = LSSVMRegressorCV().fit(opening, kv)
+    >>> model.best_C_ > 10.0, model.loo_residuals_.shape
+    (True, (41,))
+    """
+
+    _parameter_constraints: ClassVar[dict] = {
+        "kernel": [StrOptions({"rbf", "linear", "polynomial", "poly", "laplacian"}), callable],
+        "Cs": ["array-like", None],
+        "gammas": ["array-like", None],
+        "cv": ["cv_object"],
+        "gap": [Interval(Integral, 0, None, closed="left")],
+        "degree": [Interval(Integral, 1, None, closed="left")],
+        "coef0": [Interval(Real, None, None, closed="neither")],
+        "kernel_params": [dict, None],
+        "bias": [StrOptions({"free", "regularized", "none"})],
+        "solver": [StrOptions({"auto", *SOLVERS})],
+        "n_landmarks": [Interval(Integral, 1, None, closed="left")],
+        "tol": [Interval(Real, 0, None, closed="neither")],
+        "max_iter": [Interval(Integral, 1, None, closed="left")],
+        "max_memory": [Interval(Real, 0, None, closed="neither"), None],
+        "n_jobs": [Integral, None],
+        "random_state": ["random_state"],
+    }
+
+    def __init__(
+        self,
+        kernel="rbf",
+        *,
+        Cs=None,
+        gammas=None,
+        cv=None,
+        gap=0,
+        degree=3,
+        coef0=1,
+        kernel_params=None,
+        bias="free",
+        solver="auto",
+        n_landmarks=1000,
+        tol=1e-6,
+        max_iter=100,
+        max_memory=None,
+        n_jobs=None,
+        random_state=None,
+    ):
+        self.kernel = kernel
+        self.Cs = Cs
+        self.gammas = gammas
+        self.cv = cv
+        self.gap = gap
+        self.degree = degree
+        self.coef0 = coef0
+        self.kernel_params = kernel_params
+        self.bias = bias
+        self.solver = solver
+        self.n_landmarks = n_landmarks
+        self.tol = tol
+        self.max_iter = max_iter
+        self.max_memory = max_memory
+        self.n_jobs = n_jobs
+        self.random_state = random_state
+
+    @_fit_context(prefer_skip_nested_validation=True)
+    def fit(self, X, y, sample_weight=None):
+        """Choose C and gamma, and fit to all rows.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+        y : array-like of shape (n_samples,) or (n_samples, n_targets)
+        sample_weight : float or array-like of shape (n_samples,), default=None
+            Non-negative; an error counts by its row's weight as well.
+
+        Returns
+        -------
+        self : LSSVMRegressorCV
+
+        Raises
+        ------
+        ValueError
+            If the data are not finite numbers, too few to leave any out, or if no value of C is possible.
+        """
+        X, y = validate_data(
+            self, X, y, dtype=np.float64, multi_output=True, y_numeric=True, ensure_min_samples=2
+        )
+        weight = np.ones(len(X)) if sample_weight is None else sample_weight
+        weight = _check_sample_weight(weight, X, dtype=np.float64, ensure_non_negative=True)
+        rows = weight > 0.0
+        if rows.sum() < 2:
+            raise ValueError(
+                "Fewer than two rows have a positive weight; give at least two, to leave one out."
+            )
+        Cs, gammas = self._paths(X.shape[1])
+        targets = y.astype(np.float64).reshape(len(y), -1)
+        data = X[rows] - X[rows].mean(axis=0), targets[rows], weight[rows], self._blocks(X, y, rows)
+        self._choose(*data, Cs, gammas)
+        errors = np.full(targets.shape, np.nan)
+        errors[rows] = self._errors_of_the_chosen(*data, Cs)
+        known = np.isfinite(errors[:, 0])
+        self.best_score_ = _score(errors[known], weight[known])
+        self.loo_residuals_ = errors[:, 0] if y.ndim == 1 else errors
+        own = ("kernel", "degree", "coef0", "kernel_params", "bias", "solver", "n_landmarks", "tol")
+        more = {
+            name: getattr(self, name) for name in (*own, "max_iter", "max_memory", "n_jobs", "random_state")
+        }
+        self.estimator_ = LSSVMRegressor(C=self.best_C_, gamma=self.best_gamma_, **more)
+        self.estimator_.fit(X, y, sample_weight)
+        self.n_iter_ = self.estimator_.n_iter_
+        return self
+
+    def predict(self, X):
+        """Predict the target, as :meth:`LSSVMRegressor.predict`."""
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=np.float64, reset=False)
+        return self.estimator_.predict(X)
+
+    @property
+    def dual_coef_(self):
+        """Weights of the rows in `X_fit_`."""
+        return self.estimator_.dual_coef_
+
+    @property
+    def intercept_(self):
+        """Bias."""
+        return self.estimator_.intercept_
+
+    @property
+    def X_fit_(self):
+        """Rows that span the function."""
+        return self.estimator_.X_fit_
+
+    def _paths(self, n_features):
+        Cs = np.logspace(-1.0, 6.0, 15) if self.Cs is None else np.asarray(self.Cs, dtype=np.float64).ravel()
+        if callable(self.kernel) or self.kernel == "linear":
+            gammas = [None]
+        elif self.gammas is None:
+            gammas = list(4.0 ** np.arange(-2, 3) / n_features)
+        else:
+            gammas = [float(g) for g in np.asarray(self.gammas, dtype=np.float64).ravel()]
+        for name, values in (("Cs", Cs), ("gammas", gammas)):
+            if len(values) == 0 or any(v is not None and not (v > 0.0 and np.isfinite(v)) for v in values):
+                raise ValueError(
+                    f"{name} must hold positive finite numbers, one at least; got {list(values)}."
+                )
+        return Cs, gammas
+
+    def _blocks(self, X, y, kept):
+        """Rows of each block and those left out with them, by place among the kept; None for single rows."""
+        if self.cv is None:
+            return None
+        place, n = np.cumsum(kept) - 1, len(X)
+        blocks = []
+        for train, test in check_cv(self.cv).split(X, y):
+            out = np.ones(n, dtype=bool)
+            out[train] = False
+            for shift in range(1, self.gap + 1):
+                out[np.maximum(np.asarray(test) - shift, 0)] = True
+                out[np.minimum(np.asarray(test) + shift, n - 1)] = True
+            rows = np.asarray(test)[kept[test]]
+            blocks.append((place[rows], place[out & kept]))
+        return [block for block in blocks if len(block[0])]
+
+    def _left_out(self, X, weight, blocks, gamma, largest_C):
+        more = {"gamma": gamma, "degree": self.degree, "coef0": self.coef0}
+        return LeftOut(
+            kernel_between(self.kernel, kernel_params=self.kernel_params, **more),
+            X,
+            weight,
+            largest_C=largest_C,
+            bias=self.bias,
+            blocks=blocks,
+            random_state=check_random_state(self.random_state),
+            n_jobs=self.n_jobs,
+        )
+
+    def _choose(self, X, y, weight, blocks, Cs, gammas):
+        some = slice(None)
+        if len(gammas) > 1 and len(X) > _COMPARED:
+            some = np.sort(check_random_state(self.random_state).permutation(len(X))[:_COMPARED])
+            blocks = _thinned(blocks, some, len(X))
+        self.scores_ = np.full((len(gammas), len(Cs)), np.nan)
+        for i, gamma in enumerate(gammas):
+            left_out = self._left_out(X[some], weight[some], blocks, gamma, Cs.max())
+            for j, C in enumerate(Cs):
+                self.scores_[i, j] = _scored(left_out, C, y[some], weight[some])
+        if not np.isfinite(self.scores_).any():
+            raise ValueError(
+                "No pair of C and gamma gives finite errors on left-out rows; scale X, or lower Cs."
+            )
+        i, j = np.unravel_index(np.nanargmin(self.scores_), self.scores_.shape)
+        self.best_gamma_, self.best_C_ = gammas[i], float(Cs[j])
+
+    def _errors_of_the_chosen(self, X, y, weight, blocks, Cs):
+        """Errors on left-out rows among all, with C chosen among all as well."""
+        left_out = self._left_out(X, weight, blocks, self.best_gamma_, Cs.max())
+        if len(X) > _COMPARED:
+            # values next to the one that was best among some rows
+            near = np.argsort(np.abs(np.log(Cs / self.best_C_)))[:_NEAR]
+            scores = [_scored(left_out, C, y, weight) for C in Cs[near]]
+            if np.isfinite(scores).any():
+                self.best_C_ = float(Cs[near][int(np.nanargmin(scores))])
+        return left_out.errors(self.best_C_, y)
+
+
+def _thinned(blocks, some, n):
+    """Blocks of which only some rows are left, as places among these."""
+    if blocks is None:
+        return None
+    place = np.full(n, -1)
+    place[some] = np.arange(len(some))
+    thin = [tuple(place[rows][place[rows] >= 0] for rows in block) for block in blocks]
+    return [block for block in thin if len(block[0])]
+
+
+def _scored(left_out, C, y, weight):
+    try:
+        errors = left_out.errors(C, y)
+    except ValueError:
+        return np.nan
+    known = np.isfinite(errors[:, 0])
+    return _score(errors[known], weight[known]) if known.any() else np.nan
+
+
+def _score(errors, weight):
+    return float(np.sqrt(np.average(np.mean(errors**2, axis=1), weights=weight)))
