@@ -6,6 +6,7 @@ import warnings
 
 import numpy as np
 from scipy.linalg import LinAlgWarning
+from sklearn.utils.validation import _check_sample_weight
 
 from sklvalve.lssvm.kernels import kernel_diagonal, kernel_product, lower_gram
 from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
@@ -65,6 +66,21 @@ def _of_pcg(n):
 
 def _of_tiles(n):
     return 4.4 * n**2
+
+
+def ridge_of(C, sample_weight, X):
+    """Diagonal 1 / (C w) of the equations, infinite where a weight is zero."""
+    with np.errstate(divide="ignore", over="ignore"):
+        if not np.isfinite(np.divide(1.0, C)):
+            raise ValueError(f"C = {C:g} is so small that 1 / C is infinite; give C = 1e-300 or more.")
+    if sample_weight is None:
+        return np.full(len(X), 1.0 / C)
+    weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True)
+    with np.errstate(divide="ignore", over="ignore"):
+        ridge = 1.0 / (C * weight)
+    if not np.isfinite(ridge).any():
+        raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
+    return ridge
 
 
 class Machine:

@@ -13,7 +13,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from sklvalve.lssvm.choice import SOLVERS
 from sklvalve.lssvm.kernels import kernel_between
-from sklvalve.lssvm.left_out import LeftOut
+from sklvalve.lssvm.left_out import LeftOut, score_of
 from sklvalve.lssvm.regressor import LSSVMRegressor
 
 # rows on which values of gamma are compared, C is chosen on all
@@ -176,7 +176,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         errors = np.full(targets.shape, np.nan)
         errors[rows] = self._errors_of_the_chosen(*data, Cs)
         known = np.isfinite(errors[:, 0])
-        self.best_score_ = _score(errors[known], weight[known])
+        self.best_score_ = score_of(errors[known], weight[known])
         self.loo_residuals_ = errors[:, 0] if y.ndim == 1 else errors
         own = ("kernel", "degree", "coef0", "kernel_params", "bias", "solver", "n_landmarks", "tol")
         more = {
@@ -297,8 +297,4 @@ def _scored(left_out, C, y, weight):
     except ValueError:
         return np.nan
     known = np.isfinite(errors[:, 0])
-    return _score(errors[known], weight[known]) if known.any() else np.nan
-
-
-def _score(errors, weight):
-    return float(np.sqrt(np.average(np.mean(errors**2, axis=1), weights=weight)))
+    return score_of(errors[known], weight[known]) if known.any() else np.nan

@@ -212,3 +212,8 @@ def _placed(rows, out, n):
     place = np.full(n, -1)
     place[out] = np.arange(len(out))
     return rows, out, place[rows]
+
+
+def score_of(errors, weight):
+    """Root of the weighted mean square of errors of shape (n, n_targets)."""
+    return float(np.sqrt(np.average(np.mean(errors**2, axis=1), weights=weight)))

@@ -8,10 +8,16 @@ import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, _fit_context
 from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import Interval, StrOptions
-from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
+from sklearn.utils.validation import check_is_fitted, validate_data
 
-from sklvalve.lssvm.choice import SOLVERS, Machine, memory_to_use
+from sklvalve.lssvm.choice import SOLVERS, Machine, memory_to_use, ridge_of
 from sklvalve.lssvm.kernels import SHIFT_INVARIANT, kernel_between, kernel_length, kernel_product
+from sklvalve.lssvm.products import KernelBlocks
+from sklvalve.lssvm.products import product as product_of
+from sklvalve.lssvm.threads import own_threads
+
+# kernel values of a prediction from which on threads of one's own are worth their beginning
+_MANY = 2**22
 
 
 class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -203,7 +209,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             zero, 1 / C is infinite, or kernel values overflow.
         """
         X, y = validate_data(self, X, y, dtype=np.float64, multi_output=True, y_numeric=True)
-        ridge = self._ridge(sample_weight, X)
+        ridge = ridge_of(self.C, sample_weight, X)
         rows = np.isfinite(ridge)
         targets = y.astype(np.float64).reshape(len(y), -1)[rows]
         machine = self._machine(X, rows)
@@ -240,25 +246,9 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         if self.kernel == "precomputed":
             product = X @ alpha
         else:
-            centre = self.offset_
-            product = kernel_product(self._between(), X - centre, self.X_fit_ - centre, alpha)
+            product = self._product(X - self.offset_, self.X_fit_ - self.offset_, alpha)
             product += self._offset(alpha)
         return (product[:, 0] if self.dual_coef_.ndim == 1 else product) + self.intercept_
-
-    def _ridge(self, sample_weight, X):
-        with np.errstate(divide="ignore", over="ignore"):
-            if not np.isfinite(np.divide(1.0, self.C)):
-                raise ValueError(
-                    f"C = {self.C:g} is so small that 1 / C is infinite; give C = 1e-300 or more."
-                )
-        if sample_weight is None:
-            return np.full(len(X), 1.0 / self.C)
-        weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True)
-        with np.errstate(divide="ignore", over="ignore"):
-            ridge = 1.0 / (self.C * weight)
-        if not np.isfinite(ridge).any():
-            raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
-        return ridge
 
     def _machine(self, X, rows):
         """What is to be solved, of the kept rows."""
@@ -277,6 +267,12 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.offset_ = self._centre()
         length = kernel_length(self.kernel, self.gamma, X.shape[1])
         return Machine(self._between(), self.X_fit_ - self.offset_, None, length=length, **more)
+
+    def _product(self, A, B, alpha):
+        if len(A) * len(B) < _MANY:
+            return kernel_product(self._between(), A, B, alpha)
+        with own_threads(self.n_jobs) as run:
+            return product_of(run, KernelBlocks(self._between(), A, B), (len(A), len(B)), alpha)
 
     def _between(self):
         return kernel_between(
