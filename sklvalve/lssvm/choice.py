@@ -12,7 +12,7 @@ from sklvalve.lssvm.kernels import kernel_diagonal, kernel_product, lower_gram
 from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
 from sklvalve.lssvm.nystrom import fit_nystrom
 from sklvalve.lssvm.products import KernelBlocks
-from sklvalve.lssvm.solvers import LAPACK_ROWS, solve_lssvm
+from sklvalve.lssvm.solvers import LAPACK_ROWS, right_sides, solve_lssvm
 
 #: Solvers, "auto" aside.
 SOLVERS = ("cholesky", "tiled", "pcg", "nystrom")
@@ -177,16 +177,19 @@ class Machine:
         names = ("C", "bias", "max_iter", "random_state", "n_jobs")
         more = {k: self._options[k] for k in names}
         weight = 1.0 / (self._options["C"] * ridge)
+        shift, right = right_sides(y, ridge, self._options["bias"])
         found = fit_nystrom(
             self._between,
-            [(self._X, y, weight)],
+            [(self._X, right[:, :-1], weight)],
             self._n,
             n_landmarks=min(self._options["n_landmarks"], self._n),
             length=self._length,
             tol=_NYSTROM_TOLERANCE * self._options["tol"],
             **more,
         )
-        return Dual(found.alpha, found.b, found.residual, found.n_iter), "nystrom", found.landmarks
+        if found.residual > _NYSTROM_TOLERANCE * self._options["tol"]:
+            warn_of_residual(found.residual)
+        return Dual(found.alpha, found.b + shift, found.residual, found.n_iter), "nystrom", found.landmarks
 
     def _gram(self):
         if self._matrix is not None:

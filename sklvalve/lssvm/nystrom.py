@@ -8,7 +8,7 @@ is so near to the true one that a handful of passes is enough.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import cho_solve, solve_triangular
 from scipy.linalg.lapack import dpotrf
 
 from sklvalve.lssvm.cells import Cells
@@ -23,7 +23,7 @@ _PER_LANDMARK, _MOST_SEARCHED = 20, 40_000
 _MOST_CELLS, _FEWEST_PER_LANDMARK, _PASSES = 60_000, 5, 150
 _DRAWN_PER_LANDMARK = 30
 _BLOCK = 2**17
-# what is added to the diagonal of the landmarks' own matrix, of its mean: the least that lets it be factored
+# what is added to the diagonal of a matrix of the landmarks, of its mean: the least that lets it be factored
 _JITTERS = (1e-14, 1e-12, 1e-10, 1e-8)
 
 
@@ -106,11 +106,11 @@ def fit_nystrom(
     return Nystrom(landmarks, alpha, theta[-1], n_iter, left)
 
 
-def _factor(own):
-    """Lower factor of the landmarks' own matrix."""
+def _factor(own, jitters=_JITTERS):
+    """Lower factor of a matrix of the landmarks, which is semidefinite but for rounding."""
     diagonal = np.einsum("ii->i", own)
     plain, size = diagonal.copy(), float(diagonal.mean())
-    for jitter in _JITTERS:
+    for jitter in jitters:
         diagonal[:] = plain + jitter * size
         factor, failed = dpotrf(own, lower=1, clean=1)
         if not failed and np.isfinite(factor).all():
@@ -246,7 +246,8 @@ class _System:
         if self._bias == "none":
             matrix[-1], matrix[:, -1], right[-1] = 0.0, 0.0, 0.0
         matrix[np.diag_indices_from(matrix)] += held
-        inverse = cho_factor(matrix, lower=True, check_finite=False)
+        # with a ridge below rounding the factor is one of a matrix nearby, good enough to lead the way
+        inverse = _factor(matrix, (0.0, *_JITTERS)), True
 
         def precondition(vector):
             return cho_solve(inverse, vector, check_finite=False)

@@ -202,6 +202,30 @@ def test_the_smallest_data(solver, n):
     np.testing.assert_allclose(found.predict(X), y, atol=1e-2)
 
 
+@pytest.mark.parametrize("offset", [1e6, 1e12])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_offsets_are_taken_up_by_the_bias(solver, offset):
+    X, y, _ = some(300)
+    plain = LSSVMRegressor(C=100.0, solver=solver, random_state=0).fit(X, y[:, 0])
+    moved = LSSVMRegressor(C=100.0, solver=solver, random_state=0).fit(X + 1e6, y[:, 0] + offset)
+    digits = 1e-3 if offset < 1e9 else 1e-2
+    np.testing.assert_allclose(moved.predict(X + 1e6) - offset, plain.predict(X), atol=digits)
+
+
+@pytest.mark.parametrize("solver", SOLVERS)
+@pytest.mark.parametrize("C", [1e10, 1e13, 1e16])
+def test_a_huge_c_gives_the_answer_or_a_warning(solver, C):
+    X, y, _ = some(200)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = LSSVMRegressor(C=C, gamma=0.5, solver=solver, random_state=0).fit(X, y)
+    made = found.predict(X)
+    assert np.isfinite(made).all()
+    left = np.abs(made - y).max() / np.abs(y - y.mean(axis=0)).max()
+    # so large a C asks to go through every point
+    assert left < 1e-2 or any(issubclass(w.category, LinAlgWarning) for w in told)
+
+
 @pytest.mark.parametrize("solver", SOLVERS)
 def test_columns_that_never_change_and_rows_that_repeat(solver):
     X, y, _ = some(120)
