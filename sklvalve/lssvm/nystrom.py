@@ -11,10 +11,9 @@ import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 from scipy.linalg.lapack import dpotrf
 
-from sklvalve.lssvm.cells import Cells
 from sklvalve.lssvm.kernels import kernel_diagonal
+from sklvalve.lssvm.passes import Passes
 from sklvalve.lssvm.pivoted import pivoted_cholesky
-from sklvalve.lssvm.products import KernelBlocks
 from sklvalve.lssvm.threads import Turns, own_threads
 
 # landmarks are sought among so many rows for each, and no more than that
@@ -50,7 +49,7 @@ class Nystrom:
 
 
 def fit_nystrom(
-    between, source, n_rows, *, C, bias, n_landmarks, length, tol, max_iter, random_state, n_jobs=None
+    between, blocks, n_rows, *, C, bias, n_landmarks, length, tol, max_iter, random_state, n_jobs=None
 ):
     r"""Fit on landmarks by conjugate gradients.
 
@@ -58,9 +57,8 @@ def fit_nystrom(
     ----------
     between : callable
         ``between(A, B)`` is the kernel matrix of the rows of two arrays.
-    source : iterable
-        Each time it is iterated over it gives the same blocks ``(X, y, weight)``, arrays of shape (k, d),
-        (k, n_targets) and (k,).
+    blocks : iterable
+        Of `passes.Passes`.
     n_rows : int
         About as many rows as there are.
     C : float
@@ -92,11 +90,20 @@ def fit_nystrom(
     ----------
     .. [1] A. Rudi, L. Carratino, L. Rosasco, FALKON: an optimal large scale kernel method, NIPS 2017.
     """
-    sample, n, copy = _looked_at(source, n_rows, length, n_landmarks, random_state)
+    many = max(_PASSES * n_rows // n_landmarks, _FEWEST_PER_LANDMARK * n_landmarks)
+    with own_threads(n_jobs) as run:
+        passes = Passes(between, blocks, run)
+        sample, n, copy = passes.looked_at(
+            most=min(max(_PER_LANDMARK, _DRAWN_PER_LANDMARK) * n_landmarks, _MOST_SEARCHED),
+            length=length,
+            most_cells=min(many, _MOST_CELLS),
+            random_state=random_state,
+        )
     landmarks = _landmarks(between, sample[0], n_landmarks, random_state, n_jobs)
     L = _factor(between(landmarks, landmarks))
     with own_threads(n_jobs) as run:
-        system = _System(run, between, source, landmarks, L, C, bias)
+        passes = Passes(between, blocks, run)
+        system = _System(run, between, passes, landmarks, L, C, bias)
         coarse = sample if copy is None else copy
         scale = n / coarse[2].sum() if copy is None else 1.0
         precondition, theta = system.solved_for(*coarse[:2], scale * coarse[2])
@@ -121,35 +128,6 @@ def _factor(own, jitters=_JITTERS):
     )
 
 
-def _looked_at(source, n_rows, length, n_landmarks, random_state):
-    """Some rows drawn from all, the sum of the weights, and the coarse copy, from one pass."""
-    most = min(max(_PER_LANDMARK, _DRAWN_PER_LANDMARK) * n_landmarks, _MOST_SEARCHED)
-    cells, drawn, n = None, [], 0.0
-    for X, y, weight in source:
-        if cells is None:
-            many = max(_PASSES * n_rows // n_landmarks, _FEWEST_PER_LANDMARK * n_landmarks)
-            cells = Cells(length, min(many, _MOST_CELLS)) if length is not None else False
-        if cells:
-            cells.add(X, y, weight)
-        n += weight.sum()
-        drawn.append(_thinned(X, y, weight, random_state.uniform(size=len(X)), most))
-        if len(drawn) > 16:
-            drawn = [_lowest(drawn, most)]
-    X, y, weight, _ = _lowest(drawn, most)
-    copy = cells.result() if cells else None
-    return (X, y, weight), n, copy
-
-
-def _thinned(X, y, weight, chance, most):
-    kept = np.argsort(chance)[:most]
-    return X[kept], y[kept], weight[kept], chance[kept]
-
-
-def _lowest(parts, most):
-    """Of rows with random numbers those with the lowest: a sample of all that were ever seen."""
-    return _thinned(*(np.concatenate(column) for column in zip(*parts, strict=True)), most)
-
-
 def _landmarks(between, X, many, random_state, n_jobs):
     X = np.unique(X, axis=0)
     X = X[random_state.permutation(len(X))[: _PER_LANDMARK * many]]
@@ -163,8 +141,8 @@ def _landmarks(between, X, many, random_state, n_jobs):
 class _System:
     """Equations of the weights in the landmarks' own coordinates, the bias behind them."""
 
-    def __init__(self, run, between, source, landmarks, L, C, bias):
-        self._run, self._between, self._source = run, between, source
+    def __init__(self, run, between, passes, landmarks, L, C, bias):
+        self._run, self._between, self._passes = run, between, passes
         self._landmarks, self._L, self._bias = landmarks, L, bias
         self._penalty = np.full(len(L) + 1, 1.0 / C)
         # nothing holds a free bias, and one that is none is held to zero
@@ -194,30 +172,7 @@ class _System:
         return self._fixed(held[:, None] * theta - self._inward(self._sums(theta, with_targets=False)))
 
     def _sums(self, theta, with_targets):
-        """Kernel values and ones, times weight times what is left (target, or nothing, less function)."""
-        alpha, b = self._outward(theta)
-        m = len(alpha)
-        total = np.zeros((m + 1, theta.shape[1]))
-        step = max(32, _BLOCK // m)
-        for X, y, weight in self._source:
-            blocks = KernelBlocks(self._between, X, self._landmarks)
-            turns = Turns([slice(start, start + step) for start in range(0, len(X), step)])
-            parts = [np.zeros_like(total) for _ in range(self._run.many)]
-
-            def work(k, blocks=blocks, turns=turns, parts=parts, y=y, weight=weight):
-                own = parts[k]
-                for rows in turns:
-                    values = blocks(rows, slice(None))
-                    left = -(values @ alpha) - b
-                    if with_targets:
-                        left += y[rows]
-                    left *= weight[rows, None]
-                    own[:-1] += values.T @ left
-                    own[-1] += left.sum(axis=0)
-
-            self._run(work)
-            total += sum(parts)
-        return total
+        return self._passes.sums(self._landmarks, *self._outward(theta), with_targets=with_targets)
 
     def solved_for(self, X, y, weight):
         """Inverse of the equations that some weighted rows make, and their solution."""
