@@ -8,7 +8,6 @@ that scipy exports for Cython let go of it, and need no compiler.
 import ctypes
 from functools import cache
 
-import numpy as np
 from scipy.linalg import cython_blas, cython_lapack
 
 _INT, _DOUBLE, _CHAR = ctypes.POINTER(ctypes.c_int), ctypes.POINTER(ctypes.c_double), ctypes.c_char_p
@@ -81,8 +80,3 @@ def take_off_square(tile, left):
     """Subtract left @ left.T from the lower triangle of a tile in place; both in Fortran order."""
     n, k = left.shape
     _call("dsyrk", b"L", b"N", n, k, -1.0, left, n, 1.0, tile, n)
-
-
-def as_tile(array):
-    """The array as double precision in Fortran order, copied only where it is not."""
-    return np.asfortranarray(array, dtype=np.float64)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The LS-SVM that chooses C and gamma itself."""
 
-from numbers import Integral, Real
+from numbers import Integral
 from typing import ClassVar
 
 import numpy as np
@@ -11,7 +11,6 @@ from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
-from sklvalve.lssvm.choice import SOLVERS
 from sklvalve.lssvm.kernels import kernel_between
 from sklvalve.lssvm.left_out import LeftOut, score_of
 from sklvalve.lssvm.regressor import LSSVMRegressor
@@ -20,6 +19,11 @@ from sklvalve.lssvm.regressor import LSSVMRegressor
 _COMPARED = 2000
 # so many values of C are compared again on all of them
 _NEAR = 5
+# parameters of the final fit that are no choice
+_PASSED_ON = (
+    "degree", "coef0", "kernel_params", "bias", "solver", "n_landmarks", "tol", "max_iter", "max_memory",
+    "n_jobs", "random_state",
+)  # fmt: skip
 
 
 class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -89,17 +93,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         "gammas": ["array-like", None],
         "cv": ["cv_object"],
         "gap": [Interval(Integral, 0, None, closed="left")],
-        "degree": [Interval(Integral, 1, None, closed="left")],
-        "coef0": [Interval(Real, None, None, closed="neither")],
-        "kernel_params": [dict, None],
-        "bias": [StrOptions({"free", "regularized", "none"})],
-        "solver": [StrOptions({"auto", *SOLVERS})],
-        "n_landmarks": [Interval(Integral, 1, None, closed="left")],
-        "tol": [Interval(Real, 0, None, closed="neither")],
-        "max_iter": [Interval(Integral, 1, None, closed="left")],
-        "max_memory": [Interval(Real, 0, None, closed="neither"), None],
-        "n_jobs": [Integral, None],
-        "random_state": ["random_state"],
+        **{name: LSSVMRegressor._parameter_constraints[name] for name in _PASSED_ON},
     }
 
     def __init__(
@@ -178,10 +172,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         known = np.isfinite(errors[:, 0])
         self.best_score_ = score_of(errors[known], weight[known])
         self.loo_residuals_ = errors[:, 0] if y.ndim == 1 else errors
-        own = ("kernel", "degree", "coef0", "kernel_params", "bias", "solver", "n_landmarks", "tol")
-        more = {
-            name: getattr(self, name) for name in (*own, "max_iter", "max_memory", "n_jobs", "random_state")
-        }
+        more = {name: getattr(self, name) for name in ("kernel", *_PASSED_ON)}
         self.estimator_ = LSSVMRegressor(C=self.best_C_, gamma=self.best_gamma_, **more)
         self.estimator_.fit(X, y, sample_weight)
         self.n_iter_ = self.estimator_.n_iter_

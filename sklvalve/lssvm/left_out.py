@@ -69,7 +69,7 @@ class LeftOut:
         left = _GOOD_ENOUGH / largest_C
         # scaled by the roots of the weights, so that the ridge is the same everywhere
         F, _, rest = pivoted_cholesky(
-            _Weighted(between, self._root, X.shape[1]),
+            _Weighted(between, X.shape[1]),
             np.column_stack([X, self._root]),
             diagonal,
             rank=min(_RANK, n // 2),
@@ -142,7 +142,7 @@ class LeftOut:
 class _Weighted:
     """A kernel between rows times the roots of their weights, which stand in the last column."""
 
-    def __init__(self, between, root, d):
+    def __init__(self, between, d):
         self._between, self._d = between, d
 
     def __call__(self, A, B):

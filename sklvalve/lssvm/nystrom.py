@@ -91,18 +91,16 @@ def fit_nystrom(
     .. [1] A. Rudi, L. Carratino, L. Rosasco, FALKON: an optimal large scale kernel method, NIPS 2017.
     """
     many = max(_PASSES * n_rows // n_landmarks, _FEWEST_PER_LANDMARK * n_landmarks)
-    with own_threads(n_jobs) as run:
-        passes = Passes(between, blocks, run)
-        sample, n, copy = passes.looked_at(
-            most=min(max(_PER_LANDMARK, _DRAWN_PER_LANDMARK) * n_landmarks, _MOST_SEARCHED),
-            length=length,
-            most_cells=min(many, _MOST_CELLS),
-            random_state=random_state,
-        )
+    passes = Passes(between, blocks)
+    sample, n, copy = passes.looked_at(
+        most=min(max(_PER_LANDMARK, _DRAWN_PER_LANDMARK) * n_landmarks, _MOST_SEARCHED),
+        length=length,
+        most_cells=min(many, _MOST_CELLS),
+        random_state=random_state,
+    )
     landmarks = _landmarks(between, sample[0], n_landmarks, random_state, n_jobs)
     L = _factor(between(landmarks, landmarks))
     with own_threads(n_jobs) as run:
-        passes = Passes(between, blocks, run)
         system = _System(run, between, passes, landmarks, L, C, bias)
         coarse = sample if copy is None else copy
         scale = n / coarse[2].sum() if copy is None else 1.0
@@ -145,8 +143,8 @@ class _System:
         self._run, self._between, self._passes = run, between, passes
         self._landmarks, self._L, self._bias = landmarks, L, bias
         self._penalty = np.full(len(L) + 1, 1.0 / C)
-        # nothing holds a free bias, and one that is none is held to zero
-        self._penalty[-1] = {"free": 0.0, "regularized": 1.0 / C, "none": np.inf}[bias]
+        # only a regularized bias costs anything; one that is none stays zero
+        self._penalty[-1] = 1.0 / C if bias == "regularized" else 0.0
 
     def _inward(self, sums):
         sums[:-1] = solve_triangular(self._L, sums[:-1], lower=True, check_finite=False)
@@ -163,16 +161,16 @@ class _System:
     def residual(self, theta):
         """Right side less the product with an approximate solution, in one pass."""
         sums = self._sums(theta, with_targets=True)
-        held = np.where(np.isinf(self._penalty), 0.0, self._penalty)
-        return self._fixed(self._inward(sums) - held[:, None] * theta)
+        return self._fixed(self._inward(sums) - self._penalty[:, None] * theta)
 
     def apply(self, theta):
         """Product with the matrix of the equations, in one pass."""
-        held = np.where(np.isinf(self._penalty), 0.0, self._penalty)
-        return self._fixed(held[:, None] * theta - self._inward(self._sums(theta, with_targets=False)))
+        return self._fixed(
+            self._penalty[:, None] * theta - self._inward(self._sums(theta, with_targets=False))
+        )
 
     def _sums(self, theta, with_targets):
-        return self._passes.sums(self._landmarks, *self._outward(theta), with_targets=with_targets)
+        return self._passes.sums(self._run, self._landmarks, *self._outward(theta), with_targets=with_targets)
 
     def solved_for(self, X, y, weight):
         """Inverse of the equations that some weighted rows make, and their solution."""
@@ -197,10 +195,10 @@ class _System:
         for own, sums in parts:
             matrix += own
             right += sums
-        held = np.where(np.isinf(self._penalty), 1.0, self._penalty)
+        matrix[np.diag_indices_from(matrix)] += self._penalty
         if self._bias == "none":
             matrix[-1], matrix[:, -1], right[-1] = 0.0, 0.0, 0.0
-        matrix[np.diag_indices_from(matrix)] += held
+            matrix[-1, -1] = 1.0
         # with a ridge below rounding the factor is one of a matrix nearby, good enough to lead the way
         inverse = _factor(matrix, (0.0, *_JITTERS)), True
 

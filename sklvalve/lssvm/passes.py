@@ -25,12 +25,10 @@ class Passes:
     blocks : iterable
         Each time it is iterated over it gives the same blocks ``(X, y, weight)``, arrays of shape (k, d),
         (k, n_targets) and (k,).
-    run : callable
-        Of `threads.own_threads`.
     """
 
-    def __init__(self, between, blocks, run):
-        self._between, self._blocks, self._run = between, blocks, run
+    def __init__(self, between, blocks):
+        self._between, self._blocks = between, blocks
 
     def looked_at(self, *, most, length, most_cells, random_state):
         """Some rows drawn from all, the sum of the weights, and a coarse copy, from one pass.
@@ -65,11 +63,13 @@ class Passes:
         X, y, weight, _ = _lowest(drawn, most)
         return (X, y, weight), n, None if cells is None else cells.result()
 
-    def sums(self, landmarks, alpha, b, *, with_targets):
+    def sums(self, run, landmarks, alpha, b, *, with_targets):
         """Kernel values and ones, times weight times what is left: target, or nothing, less function.
 
         Parameters
         ----------
+        run : callable
+            Of `threads.own_threads`.
         landmarks : ndarray of shape (m, d)
         alpha : ndarray of shape (m, n_targets)
         b : ndarray of shape (n_targets,)
@@ -82,7 +82,7 @@ class Passes:
         total = np.zeros((len(alpha) + 1, alpha.shape[1]))
         for X, y, weight in self._blocks:
             left = y if with_targets else None
-            total += sums_of_block(self._run, self._between, landmarks, alpha, b, X, left, weight)
+            total += sums_of_block(run, self._between, landmarks, alpha, b, X, left, weight)
         return total
 
 

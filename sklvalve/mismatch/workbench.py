@@ -247,8 +247,8 @@ class Workbench(Sharing, Sizes):
                 fits.append(anew)
         return max(fits, key=lambda fitted: fitted.log_likelihood)
 
-    def sound(self, model, **values):
-        """A hypothesis with the actuator as most rows have it, or with some values of it, not fitted.
+    def sound(self, model):
+        """A hypothesis with the actuator as most rows have it, simulated and not fitted.
 
         Returns
         -------
@@ -257,7 +257,7 @@ class Workbench(Sharing, Sizes):
         """
         if not self.sound_values:
             return model
-        return self.judged(self.simulate(model.members, model.values | self.sound_values | values))
+        return self.judged(self.simulate(model.members, model.values | self.sound_values))
 
     def judged(self, model):
         """A simulated hypothesis with its log likelihood, the distance from the priors included."""

@@ -139,20 +139,20 @@ class GivenChain(Chain):
         """Flow as the meter would show it [m3/s, or kg/s where recorded by mass]."""
         if self.given_flow is None:
             return super().flow(values, stem)
-        flow = self._open(values) * self.given_flow * self._more_drop(values)
+        share, more_drop = self._share(self.measured, values), self._more_drop(values)
+        flow = share * self.given_flow * more_drop
         if self.measured is None:
             flow = self._through("signal", flow, values)
-        flow = flow + self._added(values)
+        flow = flow + self._added(values, share, more_drop)
         flow = self._through("flow", flow, values)
         flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
         return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
 
-    def _open(self, values):
+    def _share(self, opening, values):
         """The valve's own capacity, of the simulated one: a gain, and a trim within its tolerance [1]."""
-        if self.measured is None:
+        if opening is None:
             return values["given_gain"]
-        seen = np.clip(self.measured, 0.0, 1.0)
-        return values["given_gain"] * self.trim.factor(seen, values)
+        return values["given_gain"] * self.trim.factor(np.clip(opening, 0.0, 1.0), values)
 
     def _more_drop(self, values):
         """By what factor the zero of the pressures changes the flow; one where no drop drives it [1]."""
@@ -163,18 +163,18 @@ class GivenChain(Chain):
             ratio = np.sqrt(np.maximum((self.dp + zero) / self.dp, 0.0))
         return np.where(self._driven, ratio, 1.0)
 
-    def _added(self, values):
+    def _added(self, values, share, more_drop):
         """What effects on plug, capacity, line and pressures add to the given flow."""
         self._find_plug(values)
         if not any(e.stage in _CAPACITY_STAGES for e in self.effects):
             return 0.0
-        own = self._open(values) * self._kv
+        own = share * self._kv
         kv = own + self._shift
         kv = self._through("line", self._through("capacity", kv, values), values)
         drop = self._through("pressures", self.dp, values) + values.get("dp_zero", 0.0)
         choking = {"fl": np.full(len(drop), np.inf), "knee": np.full(len(drop), 16.0)}
         choking = self._through("choking", choking, values)
-        before = own * self._root * self._more_drop(values)
+        before = own * self._root * more_drop
         added = FLOW_CONSTANT * (kv * self._root_of_drop(drop, **choking) - before)
         return added * self.density if self.recording.mass_flow else added
 
@@ -192,7 +192,7 @@ class GivenChain(Chain):
 
     def _own_capacity(self, opening, values):
         """Capacity of the valve's own trim at an opening [m3/h]."""
-        return values["given_gain"] * self.trim.factor(opening, values) * self.capacity_at(opening)
+        return self._share(opening, values) * self.capacity_at(opening)
 
     @property
     def plug(self):
