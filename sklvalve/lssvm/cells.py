@@ -4,35 +4,35 @@
 import numpy as np
 
 # sides of a cell over the length in which the kernel falls: such cells say what the kernel sees of the rows
-_SIDE = 0.15
+SIDE = 0.15
 _MOST = 2**62
 
 
 class Cells:
-    """Sums over cells of a grid, gathered block by block.
+    """Weighted means of the cells of a grid, gathered part by part.
 
     Parameters
     ----------
-    length : float
-        In which the kernel falls: a cell's side is a share of it.
+    side : float
+        Of a cell.
     most : int
         Of so many cells coarser ones are made.
     """
 
-    def __init__(self, length, most):
-        self._side, self._most = _SIDE * length, most
+    def __init__(self, side, most):
+        self._side, self._most = side, most
         self._parts, self._many = [], 0
 
-    def add(self, X, y, weight):
-        """Gather some rows, their targets of shape (n, n_targets) and their weights."""
-        self._parts.append(_gathered(X, y, weight, self._side))
-        self._many += len(self._parts[-1][0])
+    def add(self, part):
+        """Add what `gathered` made of some rows."""
+        self._parts.append(part)
+        self._many += len(part[0])
         if self._many > 4 * self._most:
-            self._parts = [self._together()]
+            self._parts = [self._together(self._most)]
             self._many = len(self._parts[0][0])
 
-    def result(self):
-        """Weighted means of the rows of each cell.
+    def result(self, most=None):
+        """Weighted means of the rows of each cell, of which there are not more than `most`.
 
         Returns
         -------
@@ -40,20 +40,20 @@ class Cells:
         y : ndarray of shape (k, n_targets)
         weight : ndarray of shape (k,)
         """
-        self._parts = [self._together()]
+        self._parts = [self._together(self._most if most is None else min(most, self._most))]
         return self._parts[0]
 
-    def _together(self):
+    def _together(self, most):
         merged = [np.concatenate(column) for column in zip(*self._parts, strict=True)]
-        found = _gathered(*merged, self._side)
-        while len(found[0]) > self._most:
+        found = gathered(*merged, self._side)
+        while len(found[0]) > most:
             # coarser as the number of cells asks for, in the plane that most rows lie near
-            self._side *= max(1.2, (len(found[0]) / self._most) ** (1.0 / 4.0))
-            found = _gathered(*found, self._side)
+            self._side *= max(1.2, (len(found[0]) / most) ** (1.0 / 4.0))
+            found = gathered(*found, self._side)
         return found
 
 
-def _gathered(X, y, weight, side):
+def gathered(X, y, weight, side):
     """Weighted means of rows and targets by cells, and their weights."""
     places = np.floor(X / side)
     places -= places.min(axis=0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which solver for how many rows, within how much memory, and what to do where it does not get there."""
+"""Which exact solver for how many rows, within how much memory, and what to do where it fails."""
 
 import os
 import warnings
@@ -8,11 +8,10 @@ import numpy as np
 from scipy.linalg import LinAlgWarning
 from sklearn.utils.validation import _check_sample_weight
 
-from sklvalve.lssvm.kernels import kernel_diagonal, kernel_product, lower_gram
+from sklvalve.lssvm.kernels import kernel_diagonal, lower_gram
 from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
-from sklvalve.lssvm.nystrom import fit_nystrom
-from sklvalve.lssvm.products import KernelBlocks
-from sklvalve.lssvm.solvers import LAPACK_ROWS, right_sides, solve_lssvm
+from sklvalve.lssvm.products import KernelBlocks, kernel_product
+from sklvalve.lssvm.solvers import LAPACK_ROWS, solve_lssvm
 
 #: Solvers, "auto" aside.
 SOLVERS = ("cholesky", "tiled", "pcg", "nystrom")
@@ -20,8 +19,6 @@ SOLVERS = ("cholesky", "tiled", "pcg", "nystrom")
 _EXACT_ROWS = 100_000
 # of the memory that is free
 _OF_FREE = 0.6
-# the approximation's own error is far above this, whatever the tolerance of an exact solution
-_NYSTROM_TOLERANCE = 100.0
 # rows whose equations are looked at after a factorisation that gave no reason to doubt it
 _LOOKED_AT = 64
 
@@ -68,23 +65,30 @@ def _of_tiles(n):
     return 4.4 * n**2
 
 
-def ridge_of(C, sample_weight, X):
-    """Diagonal 1 / (C w) of the equations, infinite where a weight is zero."""
+def weight_of(C, sample_weight, X):
+    """Weights of the rows, of shape (n,); at least one is positive, and 1 / (C w) is finite.
+
+    Raises
+    ------
+    ValueError
+        If weights are negative, not finite or all zero, or if 1 / C is infinite.
+    """
     with np.errstate(divide="ignore", over="ignore"):
         if not np.isfinite(np.divide(1.0, C)):
             raise ValueError(f"C = {C:g} is so small that 1 / C is infinite; give C = 1e-300 or more.")
     if sample_weight is None:
-        return np.full(len(X), 1.0 / C)
-    weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True)
+        return np.ones(len(X))
+    weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True, copy=True)
+    # what is so small that its ridge overflows counts as nothing
     with np.errstate(divide="ignore", over="ignore"):
-        ridge = 1.0 / (C * weight)
-    if not np.isfinite(ridge).any():
+        weight[~np.isfinite(1.0 / (C * weight))] = 0.0
+    if not weight.any():
         raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
-    return ridge
+    return weight
 
 
 class Machine:
-    """One LS-SVM to be fitted: rows, kernel and what the equations are to meet.
+    """One LS-SVM to be solved exactly: rows, kernel and what the equations are to meet.
 
     Parameters
     ----------
@@ -92,42 +96,49 @@ class Machine:
         Kernel matrix of the rows of two arrays; None where `matrix` is given.
     X : ndarray of shape (n, d) or None
     matrix : ndarray of shape (n, n) or None
-    length : float or None
-        In which the kernel falls with the distance.
+    memory : float
+        Bytes that may be taken.
     options : dict
-        ``C``, ``bias``, ``tol``, ``max_iter``, ``n_landmarks``, ``random_state``, ``n_jobs``.
+        ``bias``, ``tol``, ``max_iter``, ``random_state``, ``n_jobs``.
     """
 
-    def __init__(self, between, X, matrix, *, length, memory, options):
+    def __init__(self, between, X, matrix, *, memory, options):
         self._between, self._X, self._matrix = between, X, matrix
-        self._length, self._memory, self._options = length, memory, options
+        self._memory, self._options = memory, options
         self._n = len(X) if matrix is None else len(matrix)
 
     def solved(self, solver, y, ridge):
-        """Dual solution by a solver, or by what takes its place; the solver's name, and landmarks or None."""
-        if solver == "auto":
+        """Dual solution by a solver, or by what takes its place, and the name of that.
+
+        Parameters
+        ----------
+        solver : {"auto", "cholesky", "tiled", "pcg"}
+        y : ndarray of shape (n, n_targets)
+        ridge : ndarray of shape (n,)
+
+        Returns
+        -------
+        dual : Dual
+        solver : str
+        """
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            if solver != "auto":
+                return getattr(self, f"_{solver}")(y, ridge)
             solver = solver_for(self._n, self._memory, matrix_given=self._matrix is not None)
-            if solver == "pcg":
-                return self._pcg_or_else(y, ridge)
-        if self._matrix is not None and solver in ("pcg", "nystrom"):
-            raise ValueError(
-                f"solver={solver!r} needs rows, and a precomputed kernel has none; use 'auto', 'cholesky' or "
-                "'tiled'."
-            )
-        return getattr(self, f"_{solver}")(y, ridge)
+            return self._pcg_or_else(y, ridge) if solver == "pcg" else getattr(self, f"_{solver}")(y, ridge)
 
     def _cholesky(self, y, ridge):
         alpha, b = solve_lssvm(self._gram, self._product, y, ridge, bias=self._options["bias"])
         some = np.unique(np.linspace(0, self._n - 1, _LOOKED_AT).astype(int))
         left = self._product_of(some, alpha) + ridge[some, None] * alpha[some] + b - y[some]
         size = np.maximum(np.abs(y - b).max(axis=0), np.finfo(float).tiny)
-        return Dual(alpha, b, float((np.abs(left) / size).max())), "cholesky", None
+        return Dual(alpha, b, float((np.abs(left) / size).max())), "cholesky"
 
     def _tiled(self, y, ridge):
         more = {k: self._options[k] for k in ("bias", "tol", "n_jobs")}
         dual = solve_tiled(self._blocks(), y, ridge, **more)
         if dual is not None:
-            return dual, "tiled", None
+            return dual, "tiled"
         if self._n > LAPACK_ROWS:
             raise ValueError(
                 "The kernel matrix plus 1/C on its diagonal is not positive definite, or not finite: it is "
@@ -140,13 +151,13 @@ class Machine:
         dual = self._by_gradients(y, ridge)
         if dual.residual > self._options["tol"]:
             warn_of_residual(dual.residual)
-        return dual, "pcg", None
+        return dual, "pcg"
 
     def _pcg_or_else(self, y, ridge):
         """Conjugate gradients, and a factorisation where they stall and there is room for it."""
         dual = self._by_gradients(y, ridge)
         if dual.residual <= self._options["tol"]:
-            return dual, "pcg", None
+            return dual, "pcg"
         if _of_tiles(self._n) <= self._memory:
             return self._tiled(y, ridge)
         warnings.warn(
@@ -156,7 +167,7 @@ class Machine:
             LinAlgWarning,
             stacklevel=4,
         )
-        return dual, "pcg", None
+        return dual, "pcg"
 
     def _by_gradients(self, y, ridge):
         names = ("bias", "tol", "max_iter", "random_state", "n_jobs")
@@ -172,24 +183,6 @@ class Machine:
             rank=rank,
             **more,
         )
-
-    def _nystrom(self, y, ridge):
-        names = ("C", "bias", "max_iter", "random_state", "n_jobs")
-        more = {k: self._options[k] for k in names}
-        weight = 1.0 / (self._options["C"] * ridge)
-        shift, right = right_sides(y, ridge, self._options["bias"])
-        found = fit_nystrom(
-            self._between,
-            [(self._X, right[:, :-1], weight)],
-            self._n,
-            n_landmarks=min(self._options["n_landmarks"], self._n),
-            length=self._length,
-            tol=_NYSTROM_TOLERANCE * self._options["tol"],
-            **more,
-        )
-        if found.residual > _NYSTROM_TOLERANCE * self._options["tol"]:
-            warn_of_residual(found.residual)
-        return Dual(found.alpha, found.b + shift, found.residual, found.n_iter), "nystrom", found.landmarks
 
     def _gram(self):
         if self._matrix is not None:

@@ -48,15 +48,45 @@ class Solved:
     n_iter: int
 
 
+def gradient_steps(apply, precondition, x, residual):
+    """Preconditioned conjugate gradients, for each of some right sides, without an end.
+
+    Parameters
+    ----------
+    apply : callable
+        Product of a symmetric positive definite matrix with an array of shape (n, m).
+    precondition : callable
+        As good as its inverse.
+    x, residual : ndarray of shape (n, m)
+        Solution to begin with, and right side less the product with it.
+
+    Yields
+    ------
+    x, residual : ndarray of shape (n, m)
+        As they are to begin with, and after each step.
+    slope : ndarray of shape (m,)
+        Squared norm of the residual in the preconditioner.
+    """
+    step = precondition(residual)
+    slope = np.einsum("ij,ij->j", residual, step)
+    while True:
+        yield x, residual, slope
+        along = apply(step)
+        length = slope / np.maximum(np.einsum("ij,ij->j", step, along), np.finfo(float).tiny)
+        x = x + length * step
+        residual = residual - length * along
+        better = precondition(residual)
+        before, slope = slope, np.einsum("ij,ij->j", residual, better)
+        step = better + slope / np.maximum(before, np.finfo(float).tiny) * step
+
+
 def conjugate_gradients(apply, precondition, right, *, tol, max_iter):
     """Solve a symmetric positive definite system for some right sides at once.
 
     Parameters
     ----------
-    apply : callable
-        Product of the matrix with an array of shape (n, m).
-    precondition : callable
-        As good as its inverse.
+    apply, precondition : callable
+        As in `gradient_steps`.
     right : ndarray of shape (n, m)
     tol : float
         Largest residual of any equation, relative to the largest entry of its right side.
@@ -68,31 +98,21 @@ def conjugate_gradients(apply, precondition, right, *, tol, max_iter):
     solved : Solved
     """
     size = np.maximum(np.abs(right).max(axis=0), np.finfo(float).tiny)
-    x = precondition(right)
-    residual = right - apply(x)
-    best = Solved(x.copy(), residual.copy(), 0)
-    begun = lowest = _worst(residual, size)
-    step = precondition(residual)
-    slope = np.einsum("ij,ij->j", residual, step)
-    n_iter = 0
-    while lowest > tol and n_iter < max_iter and np.isfinite(slope).all():
-        along = apply(step)
-        length = slope / np.maximum(np.einsum("ij,ij->j", step, along), np.finfo(float).tiny)
-        x += length * step
-        residual -= length * along
-        n_iter += 1
+    start = precondition(right)
+    best, begun, lowest = start, None, np.inf
+    for n_iter, (x, residual, slope) in enumerate(
+        gradient_steps(apply, precondition, start, right - apply(start))
+    ):
         now = _worst(residual, size)
+        begun = now if begun is None else begun
         if now < lowest:
-            best, lowest = Solved(x.copy(), residual.copy(), n_iter), now
+            best, lowest = x, now
+        if lowest <= tol or n_iter == max_iter or not np.isfinite(slope).all():
+            break
         if n_iter == _LOOK_AFTER and _hopeless(begun, lowest, tol, n_iter, max_iter):
             break
-        better = precondition(residual)
-        before, slope = slope, np.einsum("ij,ij->j", residual, better)
-        step = better + slope / np.maximum(before, np.finfo(float).tiny) * step
     # what was added up step by step drifts from the truth
-    best.residual = right - apply(best.x)
-    best.n_iter = n_iter
-    return best
+    return Solved(best, right - apply(best), n_iter)
 
 
 def _worst(residual, size):

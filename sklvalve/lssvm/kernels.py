@@ -57,12 +57,51 @@ def kernel_between(kernel, *, gamma=None, degree=3, coef0=1, kernel_params=None)
     )
 
 
+def gamma_and_scale(kernel, gamma, n_features):
+    """One gamma for all columns, and what each column is multiplied by for it; None where by nothing.
+
+    Parameters
+    ----------
+    kernel : str or callable
+    gamma : float, array-like of shape (n_features,) or None
+        Several are one for each column.
+    n_features : int
+
+    Returns
+    -------
+    gamma : float or None
+    scale : ndarray of shape (n_features,) or None
+
+    Raises
+    ------
+    ValueError
+        If there are several, and not one for each column, or not all positive and finite.
+    """
+    if gamma is None or np.ndim(gamma) == 0:
+        return gamma, None
+    gammas = np.asarray(gamma, dtype=np.float64)
+    if gammas.shape != (n_features,) or not (np.isfinite(gammas) & (gammas > 0.0)).all():
+        raise ValueError(
+            f"gamma must be one positive number, or one for each of the {n_features} columns of X; got "
+            f"{gamma!r}."
+        )
+    return 1.0, gammas if kernel == "laplacian" else np.sqrt(gammas)
+
+
 def kernel_length(kernel, gamma, n_features):
     """Distance over which a kernel falls; None where it is no function of the distance."""
     gamma = 1.0 / n_features if gamma is None else gamma
     if kernel == "rbf":
         return (2.0 * gamma) ** -0.5
     return 1.0 / gamma if kernel == "laplacian" else None
+
+
+def gaussian_gamma(between, n_features):
+    """Gamma of a gaussian kernel; None for every other."""
+    if not (isinstance(between, partial) and between.func is _rbf):
+        return None
+    gamma = between.keywords["gamma"]
+    return 1.0 / n_features if gamma is None else gamma
 
 
 def kernel_diagonal(between, X):
@@ -82,14 +121,6 @@ def lower_gram(between, X):
     for rows in row_blocks(n, n):
         gram[rows.start :, rows] = between(X[rows], X[rows.start :]).T
     return gram
-
-
-def kernel_product(between, A, B, weights):
-    """K(A, B) @ weights without ever holding K: rows of A are taken in blocks."""
-    product = np.empty((A.shape[0], weights.shape[1]))
-    for rows in row_blocks(A.shape[0], B.shape[0]):
-        product[rows] = between(A[rows], B) @ weights
-    return product
 
 
 def row_blocks(n_rows, n_columns):

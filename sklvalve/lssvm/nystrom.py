@@ -11,8 +11,9 @@ import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
 from scipy.linalg.lapack import dpotrf
 
+from sklvalve.lssvm.cells import SIDE
+from sklvalve.lssvm.conjugate import gradient_steps
 from sklvalve.lssvm.kernels import kernel_diagonal
-from sklvalve.lssvm.passes import Passes
 from sklvalve.lssvm.pivoted import pivoted_cholesky
 from sklvalve.lssvm.threads import Turns, own_threads
 
@@ -48,22 +49,17 @@ class Nystrom:
     residual: float
 
 
-def fit_nystrom(
-    between, blocks, n_rows, *, C, bias, n_landmarks, length, tol, max_iter, random_state, n_jobs=None
-):
+def fit_nystrom(passes, *, C, bias, n_landmarks, length, tol, max_iter, random_state, n_jobs=None):
     r"""Fit on landmarks by conjugate gradients.
 
     Parameters
     ----------
-    between : callable
-        ``between(A, B)`` is the kernel matrix of the rows of two arrays.
-    blocks : iterable
-        Of `passes.Passes`.
-    n_rows : int
-        About as many rows as there are.
+    passes : passes.Passes
+        Or what makes its sums elsewhere.
     C : float
     bias : {"free", "regularized", "none"}
     n_landmarks : int
+        At most; repeated rows are no landmarks.
     length : float or None
         In which the kernel falls; None where it is no function of the distance.
     tol : float
@@ -90,28 +86,27 @@ def fit_nystrom(
     ----------
     .. [1] A. Rudi, L. Carratino, L. Rosasco, FALKON: an optimal large scale kernel method, NIPS 2017.
     """
-    many = max(_PASSES * n_rows // n_landmarks, _FEWEST_PER_LANDMARK * n_landmarks)
-    passes = Passes(between, blocks)
-    sample, n, copy = passes.looked_at(
+    look = passes.look(
         most=min(max(_PER_LANDMARK, _DRAWN_PER_LANDMARK) * n_landmarks, _MOST_SEARCHED),
-        length=length,
-        most_cells=min(many, _MOST_CELLS),
-        random_state=random_state,
+        side=None if length is None else SIDE * length,
+        most_cells=_MOST_CELLS,
+        seed=random_state.randint(2**31 - 1),
     )
-    landmarks = _landmarks(between, sample[0], n_landmarks, random_state, n_jobs)
-    L = _factor(between(landmarks, landmarks))
+    sample, between = look.sample(), passes.between
+    n_landmarks = min(n_landmarks, look.rows)
+    copy = look.copy(max(_PASSES * look.rows // n_landmarks, _FEWEST_PER_LANDMARK * n_landmarks))
+    landmarks = chosen_landmarks(between, sample[0], n_landmarks, random_state, n_jobs)
+    L = factor_of(between(landmarks, landmarks))
+    coarse = sample if copy is None else copy
+    scale = look.weight / coarse[2].sum() if copy is None else 1.0
     with own_threads(n_jobs) as run:
-        system = _System(run, between, passes, landmarks, L, C, bias)
-        coarse = sample if copy is None else copy
-        scale = n / coarse[2].sum() if copy is None else 1.0
+        system = _System(run, passes, landmarks, L, C, bias)
         precondition, theta = system.solved_for(*coarse[:2], scale * coarse[2])
-        residual = system.residual(theta)
-        theta, n_iter, left = _iterated(system, precondition, theta, residual, tol, max_iter)
-    alpha = solve_triangular(L, theta[:-1], lower=True, trans=1, check_finite=False)
-    return Nystrom(landmarks, alpha, theta[-1], n_iter, left)
+        theta, n_iter, left = _iterated(system, precondition, theta, tol, max_iter)
+    return Nystrom(landmarks, *outward(L, theta), n_iter, left)
 
 
-def _factor(own, jitters=_JITTERS):
+def factor_of(own, jitters=_JITTERS):
     """Lower factor of a matrix of the landmarks, which is semidefinite but for rounding."""
     diagonal = np.einsum("ii->i", own)
     plain, size = diagonal.copy(), float(diagonal.mean())
@@ -126,7 +121,8 @@ def _factor(own, jitters=_JITTERS):
     )
 
 
-def _landmarks(between, X, many, random_state, n_jobs):
+def chosen_landmarks(between, X, many, random_state, n_jobs=None):
+    """At most so many different rows that span what the kernel makes of all, in the coordinates of it."""
     X = np.unique(X, axis=0)
     X = X[random_state.permutation(len(X))[: _PER_LANDMARK * many]]
     diagonal = kernel_diagonal(between, X)
@@ -136,92 +132,117 @@ def _landmarks(between, X, many, random_state, n_jobs):
     return X[pivots]
 
 
+def normal_equations(run, between, landmarks, L, X, y, weight):
+    """Sums of weight z z^T and of weight z y over some rows, with z = L^-1 k of the landmarks and a one.
+
+    Parameters
+    ----------
+    run : callable
+        Of `threads.own_threads`.
+    between : callable
+    landmarks : ndarray of shape (m, d)
+    L : ndarray of shape (m, m)
+        Lower factor of the kernel matrix of the landmarks.
+    X, y, weight : ndarray of shape (n, d), (n, n_targets) and (n,)
+
+    Returns
+    -------
+    matrix : ndarray of shape (m + 1, m + 1)
+    right : ndarray of shape (m + 1, n_targets)
+    """
+    m = len(L)
+    parts = [(np.zeros((m + 1, m + 1)), np.zeros((m + 1, y.shape[1]))) for _ in range(run.many)]
+    turns = Turns(row_spans(len(X), m))
+
+    def work(k):
+        own, sums = parts[k]
+        for rows in turns:
+            root = np.sqrt(weight[rows])
+            z = inward(between, landmarks, L, X[rows]) * root
+            own += z @ z.T
+            sums += z @ (root[:, None] * y[rows])
+
+    run(work)
+    return tuple(np.sum(column, axis=0) for column in zip(*parts, strict=True))
+
+
+def row_spans(n, m):
+    """Slices of n rows that are worth one product with so many landmarks."""
+    step = max(32, 4 * _BLOCK // m)
+    return [slice(start, min(start + step, n)) for start in range(0, n, step)]
+
+
+def inward(between, landmarks, L, X):
+    """Coordinates z of some rows, a one behind them, of shape (m + 1, n)."""
+    z = solve_triangular(L, between(landmarks, X), lower=True, check_finite=False)
+    return np.vstack([z, np.ones(z.shape[1])])
+
+
+def outward(L, theta):
+    """Weights of the landmarks, and the bias, from the solution in their own coordinates."""
+    return solve_triangular(L, theta[:-1], lower=True, trans=1, check_finite=False), theta[-1]
+
+
+def penalty_of(m, C, bias):
+    """What the weights cost in their own coordinates; only a regularized bias costs anything."""
+    return np.append(np.full(m, 1.0 / C), 1.0 / C if bias == "regularized" else 0.0)
+
+
+def penalized(matrix, right, penalty, bias):
+    """Factor of equations with their penalty, as `cho_solve` takes it; a bias of none stays zero."""
+    matrix[np.diag_indices_from(matrix)] += penalty
+    if bias == "none":
+        matrix[-1], matrix[:, -1], right[-1] = 0.0, 0.0, 0.0
+        matrix[-1, -1] = 1.0
+    # with a ridge below rounding the factor is one of a matrix nearby, good enough to lead the way
+    return factor_of(matrix, (0.0, *_JITTERS)), True
+
+
 class _System:
     """Equations of the weights in the landmarks' own coordinates, the bias behind them."""
 
-    def __init__(self, run, between, passes, landmarks, L, C, bias):
-        self._run, self._between, self._passes = run, between, passes
+    def __init__(self, run, passes, landmarks, L, C, bias):
+        self._run, self._passes = run, passes
         self._landmarks, self._L, self._bias = landmarks, L, bias
-        self._penalty = np.full(len(L) + 1, 1.0 / C)
-        # only a regularized bias costs anything; one that is none stays zero
-        self._penalty[-1] = 1.0 / C if bias == "regularized" else 0.0
-
-    def _inward(self, sums):
-        sums[:-1] = solve_triangular(self._L, sums[:-1], lower=True, check_finite=False)
-        return sums
-
-    def _outward(self, theta):
-        return solve_triangular(self._L, theta[:-1], lower=True, trans=1, check_finite=False), theta[-1]
-
-    def _fixed(self, vector):
-        if self._bias == "none":
-            vector[-1] = 0.0
-        return vector
+        self._penalty = penalty_of(len(L), C, bias)
 
     def residual(self, theta):
         """Right side less the product with an approximate solution, in one pass."""
-        sums = self._sums(theta, with_targets=True)
-        return self._fixed(self._inward(sums) - self._penalty[:, None] * theta)
+        return self._fixed(self._sums(theta, with_targets=True) - self._penalty[:, None] * theta)
 
     def apply(self, theta):
         """Product with the matrix of the equations, in one pass."""
-        return self._fixed(
-            self._penalty[:, None] * theta - self._inward(self._sums(theta, with_targets=False))
-        )
-
-    def _sums(self, theta, with_targets):
-        return self._passes.sums(self._run, self._landmarks, *self._outward(theta), with_targets=with_targets)
+        return self._fixed(self._penalty[:, None] * theta - self._sums(theta, with_targets=False))
 
     def solved_for(self, X, y, weight):
         """Inverse of the equations that some weighted rows make, and their solution."""
-        m = len(self._L)
-        matrix, right = np.zeros((m + 1, m + 1)), np.zeros((m + 1, y.shape[1]))
-        step = max(32, 4 * _BLOCK // m)
-        turns = Turns([slice(start, start + step) for start in range(0, len(X), step)])
-        parts = [(np.zeros_like(matrix), np.zeros_like(right)) for _ in range(self._run.many)]
-
-        def work(k):
-            own, sums = parts[k]
-            for rows in turns:
-                root = np.sqrt(weight[rows])
-                z = solve_triangular(
-                    self._L, self._between(self._landmarks, X[rows]), lower=True, check_finite=False
-                )
-                z = np.vstack([z, np.ones(z.shape[1])]) * root
-                own += z @ z.T
-                sums += z @ (root[:, None] * y[rows])
-
-        self._run(work)
-        for own, sums in parts:
-            matrix += own
-            right += sums
-        matrix[np.diag_indices_from(matrix)] += self._penalty
-        if self._bias == "none":
-            matrix[-1], matrix[:, -1], right[-1] = 0.0, 0.0, 0.0
-            matrix[-1, -1] = 1.0
-        # with a ridge below rounding the factor is one of a matrix nearby, good enough to lead the way
-        inverse = _factor(matrix, (0.0, *_JITTERS)), True
+        between = self._passes.between
+        matrix, right = normal_equations(self._run, between, self._landmarks, self._L, X, y, weight)
+        inverse = penalized(matrix, right, self._penalty, self._bias)
 
         def precondition(vector):
             return cho_solve(inverse, vector, check_finite=False)
 
         return precondition, precondition(right)
 
+    def _sums(self, theta, with_targets):
+        function = outward(self._L, theta)
+        sums = self._passes.sums(self._run, self._landmarks, *function, with_targets=with_targets)
+        sums[:-1] = solve_triangular(self._L, sums[:-1], lower=True, check_finite=False)
+        return sums
 
-def _iterated(system, precondition, theta, residual, tol, max_iter):
-    """Preconditioned conjugate gradients for each target."""
-    step = precondition(residual)
-    slope = np.einsum("ij,ij->j", residual, step)
+    def _fixed(self, vector):
+        if self._bias == "none":
+            vector[-1] = 0.0
+        return vector
+
+
+def _iterated(system, precondition, theta, tol, max_iter):
+    """Conjugate gradients until little is left of every target, in the norm of the preconditioner."""
+    residual = system.residual(theta)
     # of the whole: the norm of the solution itself
     whole = np.maximum(np.einsum("ij,ij->j", theta, system.apply(theta)), np.finfo(float).tiny)
-    n_iter = 0
-    while n_iter < max_iter and np.sqrt((slope / whole).max()) > tol:
-        along = system.apply(step)
-        length = slope / np.maximum(np.einsum("ij,ij->j", step, along), np.finfo(float).tiny)
-        theta = theta + length * step
-        residual = residual - length * along
-        better = precondition(residual)
-        before, slope = slope, np.einsum("ij,ij->j", residual, better)
-        step = better + slope / np.maximum(before, np.finfo(float).tiny) * step
-        n_iter += 1
-    return theta, n_iter, float(np.sqrt((slope / whole).max()))
+    for n_iter, (found, _, slope) in enumerate(gradient_steps(system.apply, precondition, theta, residual)):
+        left = float(np.sqrt((slope / whole).max()))
+        if not left > tol or n_iter == max_iter:
+            return found, n_iter, left

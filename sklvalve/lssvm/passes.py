@@ -6,7 +6,7 @@ A pass gives sums over all rows, so it may be made block by block, and each bloc
 
 import numpy as np
 
-from sklvalve.lssvm.cells import Cells
+from sklvalve.lssvm.cells import Cells, gathered
 from sklvalve.lssvm.products import KernelBlocks
 from sklvalve.lssvm.threads import Turns
 
@@ -28,40 +28,29 @@ class Passes:
     """
 
     def __init__(self, between, blocks):
-        self._between, self._blocks = between, blocks
+        self.between, self._blocks = between, blocks
 
-    def looked_at(self, *, most, length, most_cells, random_state):
-        """Some rows drawn from all, the sum of the weights, and a coarse copy, from one pass.
+    def look(self, *, most, side, most_cells, seed):
+        """What one pass tells of the rows.
 
         Parameters
         ----------
         most : int
             Rows to be drawn.
-        length : float or None
-            In which the kernel falls; None where no copy is wanted.
+        side : float or None
+            Of the cells of a coarse copy; None where none is wanted.
         most_cells : int
             Of the copy.
-        random_state : RandomState
+        seed : int
 
         Returns
         -------
-        sample : tuple
-            X, y and weight of the rows drawn.
-        n : float
-            Sum of the weights.
-        copy : tuple or None
-            X, y and weight of weighted means.
+        look : Look
         """
-        cells, drawn, n = None if length is None else Cells(length, most_cells), [], 0.0
-        for X, y, weight in self._blocks:
-            if cells is not None:
-                cells.add(X, y, weight)
-            n += weight.sum()
-            drawn.append(_thinned(X, y, weight, random_state.uniform(size=len(X)), most))
-            if len(drawn) > _PARTS:
-                drawn = [_lowest(drawn, most)]
-        X, y, weight, _ = _lowest(drawn, most)
-        return (X, y, weight), n, None if cells is None else cells.result()
+        look = Look(most, side, most_cells)
+        for block in self._blocks:
+            look.add(look_at(block, look.rows, seed, most, side))
+        return look
 
     def sums(self, run, landmarks, alpha, b, *, with_targets):
         """Kernel values and ones, times weight times what is left: target, or nothing, less function.
@@ -80,16 +69,66 @@ class Passes:
         sums : ndarray of shape (m + 1, n_targets)
         """
         total = np.zeros((len(alpha) + 1, alpha.shape[1]))
-        for X, y, weight in self._blocks:
-            left = y if with_targets else None
-            total += sums_of_block(run, self._between, landmarks, alpha, b, X, left, weight)
+        for block in self._blocks:
+            total += sums_of_block(run, self.between, landmarks, alpha, b, block, with_targets=with_targets)
         return total
 
 
-def sums_of_block(run, between, landmarks, alpha, b, X, y, weight):
-    """`Passes.sums` of one block; without targets where y is None."""
+def look_at(block, start, seed, most, side):
+    """What a block adds to a `Look`: its rows, their weight, some that are drawn, and means of cells.
+
+    Each row has a random number of its own by its place among all rows, so that it does not matter in which
+    blocks they come. Rows without weight are none.
+    """
+    many, chance = len(block[0]), _chances(seed, start, len(block[0]))
+    kept = block[2] > 0.0
+    X, y, weight = block if kept.all() else (column[kept] for column in block)
+    cells = gathered(X, y, weight, side) if side is not None and len(X) else None
+    return many, weight.sum(), _thinned(X, y, weight, chance[kept], most), cells
+
+
+class Look:
+    """What is known of all rows after the first pass.
+
+    Attributes
+    ----------
+    rows : int
+    weight : float
+        Sum of the weights.
+    """
+
+    def __init__(self, most, side, most_cells):
+        self.rows, self.weight = 0, 0.0
+        self._most, self._drawn = most, []
+        self._cells = None if side is None else Cells(side, most_cells)
+
+    def add(self, part):
+        """Add what `look_at` tells of the next block."""
+        many, weight, drawn, cells = part
+        self.rows += many
+        self.weight += weight
+        self._drawn.append(drawn)
+        if len(self._drawn) > _PARTS:
+            self._drawn = [_lowest(self._drawn, self._most)]
+        if cells is not None:
+            self._cells.add(cells)
+
+    def sample(self):
+        """X, y and weight of the rows drawn."""
+        if not self.weight > 0.0:
+            raise ValueError("There are no rows with a positive weight; give at least one.")
+        return _lowest(self._drawn, self._most)[:3]
+
+    def copy(self, most):
+        """X, y and weight of weighted means, at most so many; None where none was wanted."""
+        return None if self._cells is None else self._cells.result(most)
+
+
+def sums_of_block(run, between, landmarks, alpha, b, block, *, with_targets):
+    """`Passes.sums` of one block."""
+    X, y, weight = block
     m = len(alpha)
-    blocks = KernelBlocks(between, X, landmarks)
+    values_of = KernelBlocks(between, X, landmarks)
     step = max(32, _BLOCK // m)
     turns = Turns([slice(start, start + step) for start in range(0, len(X), step)])
     parts = [np.zeros((m + 1, alpha.shape[1])) for _ in range(run.many)]
@@ -97,9 +136,9 @@ def sums_of_block(run, between, landmarks, alpha, b, X, y, weight):
     def work(k):
         own = parts[k]
         for rows in turns:
-            values = blocks(rows, slice(None))
+            values = values_of(rows, slice(None))
             left = -(values @ alpha) - b
-            if y is not None:
+            if with_targets:
                 left += y[rows]
             left *= weight[rows, None]
             own[:-1] += values.T @ left
@@ -109,6 +148,14 @@ def sums_of_block(run, between, landmarks, alpha, b, X, y, weight):
     return np.sum(parts, axis=0)
 
 
+def _chances(seed, start, many):
+    """Random numbers of rows by their places, whatever was drawn before."""
+    bits = np.random.Philox(key=seed)
+    # its counter goes on by one for every four numbers
+    bits.advance(start // 4)
+    return np.random.Generator(bits).random(start % 4 + many)[start % 4 :]
+
+
 def _thinned(X, y, weight, chance, most):
     """Of rows with random numbers those with the lowest."""
     kept = np.argpartition(chance, most - 1)[:most] if len(chance) > most else slice(None)
@@ -116,5 +163,6 @@ def _thinned(X, y, weight, chance, most):
 
 
 def _lowest(parts, most):
-    """A sample of all the rows of some samples."""
-    return _thinned(*(np.concatenate(column) for column in zip(*parts, strict=True)), most)
+    """A sample of all the rows of some samples, in the order of their random numbers."""
+    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
+    return _thinned(*(column[np.argsort(columns[-1])] for column in columns), most)

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Products with kernel matrices that are never stored: block by block, on some threads."""
 
-from functools import partial
-
 import numpy as np
 
-from sklvalve.lssvm.threads import Turns
+from sklvalve.lssvm.kernels import gaussian_gamma
+from sklvalve.lssvm.threads import Turns, in_this_thread
 
 # numbers of one block: they stay within the processor's own memory from one step to the next
 _BLOCK = 2**17
@@ -19,34 +18,54 @@ class KernelBlocks:
     ----------
     between : callable
         Of `kernels.kernel_between`.
-    A, B : ndarray of shape (n, d) and (m, d)
-        With the gaussian kernel their squares are taken once, for all blocks.
+    A : ndarray of shape (n, d)
+    B : ndarray of shape (m, d), or None
+    right : ndarray, default=None
+        What `as_right` made of B, in its place.
     """
 
-    def __init__(self, between, A, B):
-        self._between, self._A, self._B = between, A, B
-        self._gaussian = isinstance(between, partial) and between.func.__name__ == "_rbf"
+    def __init__(self, between, A, B, right=None):
+        self._between = between
+        self._right = as_right(between, B) if right is None else right
+        gamma = gaussian_gamma(between, A.shape[1])
+        self._gaussian = gamma is not None
         if self._gaussian:
-            gamma = between.keywords["gamma"]
-            gamma = 1.0 / A.shape[1] if gamma is None else gamma
-            self._A, self._B = _with_squares(A, gamma, True), _with_squares(B, gamma, False)
+            A = _beside(2.0 * gamma * A, -gamma * np.einsum("ij,ij->i", A, A), 1.0)
+        self._left = A
 
     def __call__(self, rows, columns):
         if not self._gaussian:
-            return self._between(self._A[rows], self._B[columns])
-        values = self._A[rows] @ self._B[columns].T
+            return self._between(self._left[rows], self._right[columns])
+        values = self._left[rows] @ self._right[columns].T
         # rounding leaves squared distances of equal rows a little below zero
         np.minimum(values, 0.0, out=values)
         return np.exp(values, out=values)
 
 
-def _with_squares(X, gamma, first):
-    """Columns by which the exponent of a gaussian is one product."""
-    squares = -gamma * np.einsum("ij,ij->i", X, X)
-    ones = np.ones(len(X))
-    if first:
-        return np.column_stack([2.0 * gamma * X, squares, ones])
-    return np.column_stack([X, ones, squares])
+def as_right(between, B):
+    """Rows as `KernelBlocks` wants them on its right; those of a gaussian with the squares behind them.
+
+    So the exponent of a gaussian is one product of matrices.
+    """
+    gamma = gaussian_gamma(between, B.shape[1])
+    if gamma is None:
+        return B
+    # column by column, so that a single row on the left reads them in one go
+    return np.asfortranarray(_beside(B, 1.0, -gamma * np.einsum("ij,ij->i", B, B)))
+
+
+def _beside(X, *columns):
+    d = X.shape[1]
+    wide = np.empty((len(X), d + len(columns)))
+    wide[:, :d] = X
+    for k, column in enumerate(columns):
+        wide[:, d + k] = column
+    return wide
+
+
+def kernel_product(between, A, B, weights):
+    """K(A, B) @ weights without ever holding K, in this thread."""
+    return product(in_this_thread, KernelBlocks(between, A, B), (len(A), len(B)), weights)
 
 
 def symmetric_product(run, blocks, n, weights):

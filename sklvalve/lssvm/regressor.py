@@ -6,21 +6,23 @@ from typing import ClassVar
 
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, _fit_context
-from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import Interval, StrOptions
-from sklearn.utils.validation import check_is_fitted, validate_data
+from sklearn.utils.metaestimators import available_if
+from sklearn.utils.validation import validate_data
 
-from sklvalve.lssvm.choice import SOLVERS, Machine, memory_to_use, ridge_of
-from sklvalve.lssvm.kernels import SHIFT_INVARIANT, kernel_between, kernel_length, kernel_product
-from sklvalve.lssvm.products import KernelBlocks
-from sklvalve.lssvm.products import product as product_of
-from sklvalve.lssvm.threads import own_threads
-
-# kernel values of a prediction from which on threads of one's own are worth their beginning
-_MANY = 2**22
+from sklvalve.lssvm import device
+from sklvalve.lssvm.choice import SOLVERS
+from sklvalve.lssvm.distributed import is_dask
+from sklvalve.lssvm.fitting import Fitting
+from sklvalve.lssvm.predicting import Predicting
 
 
-class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
+def _has_rows(estimator):
+    """Whether rows may come in parts: a kernel matrix has none."""
+    return estimator.kernel != "precomputed"
+
+
+class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, BaseEstimator):
     r"""Least-squares support vector machine for regression.
 
     Fits :math:`f(x) = \sum_i \alpha_i k(x, x_i) + b` by one linear system. Kernel ridge regression is the
@@ -37,9 +39,10 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
     C : float, default=100.0
         Weight of the squared errors against the size of the function; `1 / C` is the `alpha` of ridge
         regression. Near the variance of the signal over that of the noise: the default suits 10 % noise.
-    gamma : float, default=None
+    gamma : float or array-like of shape (n_features,), default=None
         Scale of the kernels rbf :math:`e^{-\gamma |x-z|^2}`, laplacian :math:`e^{-\gamma |x-z|_1}` and
-        polynomial :math:`(\gamma x^T z + c_0)^d`. None is one over the number of columns.
+        polynomial :math:`(\gamma x^T z + c_0)^d`; several are one for each column, within the sum. None is
+        one over the number of columns.
     degree : int, default=3
         Degree :math:`d` of the polynomial.
     coef0 : float, default=1
@@ -68,6 +71,12 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Threads of "tiled", "pcg" and "nystrom"; None is what BLAS would use.
     random_state : int, RandomState instance or None, default=None
         Of the landmarks, and of the low rank of "pcg", which changes nothing beyond `tol`.
+    robust_passes : int, default=0
+        Times that the fit is made again with less weight on rows that are far from it: a few where some
+        targets are wrong.
+    uncertainty : bool, default=False
+        Get ready for `predict(..., return_std=True)` and `predict_interval`: exact up to `n_landmarks` rows,
+        on so many landmarks beyond.
 
     Attributes
     ----------
@@ -83,6 +92,11 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         The solver that gave the solution.
     n_iter_ : int
         Solutions that it made one after the other: 1 of a factorisation.
+    robust_weight_ : ndarray of shape (n_samples,)
+        What `robust_passes` leave of the weight of each row.
+    loo_residuals_ : ndarray of shape (n_samples,) or (n_samples, n_targets)
+        With `uncertainty`: target less prediction of each row by a machine that has not seen it; NaN of rows
+        without weight.
     residual_ : float
         Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative as under `tol`; of "cholesky" of some.
     n_features_in_ : int
@@ -132,7 +146,7 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             callable,
         ],
         "C": [Interval(Real, 0, None, closed="neither")],
-        "gamma": [Interval(Real, 0, None, closed="neither"), None],
+        "gamma": [Interval(Real, 0, None, closed="neither"), "array-like", None],
         "degree": [Interval(Integral, 1, None, closed="left")],
         "coef0": [Interval(Real, None, None, closed="neither")],
         "kernel_params": [dict, None],
@@ -144,6 +158,8 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         "max_memory": [Interval(Real, 0, None, closed="neither"), None],
         "n_jobs": [Integral, None],
         "random_state": ["random_state"],
+        "robust_passes": [Interval(Integral, 0, None, closed="left")],
+        "uncertainty": ["boolean"],
     }
 
     def __init__(
@@ -163,6 +179,8 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         max_memory=None,
         n_jobs=None,
         random_state=None,
+        robust_passes=0,
+        uncertainty=False,
     ):
         self.kernel = kernel
         self.C = C
@@ -178,10 +196,13 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.max_memory = max_memory
         self.n_jobs = n_jobs
         self.random_state = random_state
+        self.robust_passes = robust_passes
+        self.uncertainty = uncertainty
 
     def __sklearn_tags__(self):
         tags = super().__sklearn_tags__()
         tags.input_tags.pairwise = self.kernel == "precomputed"
+        tags.array_api_support = True
         return tags
 
     @_fit_context(prefer_skip_nested_validation=True)
@@ -190,10 +211,13 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
         Parameters
         ----------
-        X : array-like of shape (n_samples, n_features)
-            Rows to learn from, or the kernel matrix of shape (n_samples, n_samples).
+        X : array-like, or Dask array or data frame, of shape (n_samples, n_features)
+            Rows to learn from, or the kernel matrix of shape (n_samples, n_samples). An array that is mapped
+            into memory is read in blocks by "nystrom", and so are the parts of a Dask collection, on whatever
+            scheduler or cluster Dask is set to; keep them in its memory by `persist` if they fit. Where
+            `array_api_dispatch` of scikit-learn is on, arrays of other libraries stay on their device.
         y : array-like of shape (n_samples,) or (n_samples, n_targets)
-            Targets.
+            Targets; a Dask collection divided as X if that is one.
         sample_weight : float or array-like of shape (n_samples,), default=None
             Non-negative. A row of weight k counts as k equal rows, one of weight 0 as absent.
 
@@ -208,89 +232,60 @@ class LSSVMRegressor(MultiOutputMixin, RegressorMixin, BaseEstimator):
             If the data are not finite numbers, a kernel matrix is not square, weights are negative or all
             zero, 1 / C is infinite, or kernel values overflow.
         """
-        X, y = validate_data(self, X, y, dtype=np.float64, multi_output=True, y_numeric=True)
-        ridge = ridge_of(self.C, sample_weight, X)
-        rows = np.isfinite(ridge)
-        targets = y.astype(np.float64).reshape(len(y), -1)[rows]
-        machine = self._machine(X, rows)
-        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            dual, self.solver_, landmarks = machine.solved(self.solver, targets, ridge[rows])
-        self.n_iter_, self.residual_ = dual.n_iter + 1, dual.residual
-        alpha = dual.alpha
-        if landmarks is not None:
-            self.X_fit_ = landmarks + self.offset_
-        b = dual.b - self._offset(alpha)
-        if self.kernel == "precomputed":
-            kept, alpha = alpha, np.zeros((len(y), targets.shape[1]))
-            alpha[rows] = kept
-        self.dual_coef_ = alpha[:, 0] if y.ndim == 1 else alpha
-        self.intercept_ = float(b[0]) if y.ndim == 1 else b
-        return self
+        if is_dask(X):
+            return self._fit_dask(X, y, sample_weight)
+        if device.is_elsewhere(X):
+            return device.fitted(self, X, y, sample_weight)
+        X, y = validate_data(self, X, y, dtype=(np.float64, np.float32), multi_output=True, y_numeric=True)
+        return self._fit_arrays(X, y, sample_weight)
 
-    def predict(self, X):
-        """Predict the target.
+    @available_if(_has_rows)
+    @_fit_context(prefer_skip_nested_validation=True)
+    def fit_blocks(self, blocks):
+        """Fit to rows that come in blocks and never all at once, by the solver "nystrom".
+
+        Parameters
+        ----------
+        blocks : iterable or callable
+            Of blocks ``(X, y)`` or ``(X, y, sample_weight)``, the same each time it is iterated over, some
+            ten times; or a function that returns a new iterator.
+
+        Returns
+        -------
+        self : LSSVMRegressor
+
+        Raises
+        ------
+        ValueError
+            If the blocks can be read only once, or one is no block, not finite, or unlike the first.
+        """
+        return self._fit_given(blocks)
+
+    @available_if(_has_rows)
+    @_fit_context(prefer_skip_nested_validation=True)
+    def partial_fit(self, X, y, sample_weight=None):
+        """Add rows to what was learnt; the rows themselves are not kept.
 
         Parameters
         ----------
         X : array-like of shape (n_samples, n_features)
-            Rows, or their kernel values against the rows of the fit, of shape (n_samples, n_fit).
+        y : array-like of shape (n_samples,) or (n_samples, n_targets)
+        sample_weight : float or array-like of shape (n_samples,), default=None
 
         Returns
         -------
-        y : ndarray of shape (n_samples,) or (n_samples, n_targets)
-            Predictions. Memory beyond them and X is bounded, whatever the number of rows.
+        self : LSSVMRegressor
+            Fitted to the rows of all calls since the first or since `fit`, which begins anew. The function is
+            spanned by at most `n_landmarks` of them, chosen as they come.
+
+        Raises
+        ------
+        ValueError
+            If rows are unlike those before, or not finite.
+
+        Warns
+        -----
+        UserWarning
+            If there are `n_landmarks` already and they do not span the new rows.
         """
-        check_is_fitted(self)
-        X = validate_data(self, X, dtype=np.float64, reset=False)
-        alpha = self.dual_coef_.reshape(len(self.dual_coef_), -1)
-        if self.kernel == "precomputed":
-            product = X @ alpha
-        else:
-            product = self._product(X - self.offset_, self.X_fit_ - self.offset_, alpha)
-            product += self._offset(alpha)
-        return (product[:, 0] if self.dual_coef_.ndim == 1 else product) + self.intercept_
-
-    def _machine(self, X, rows):
-        """What is to be solved, of the kept rows."""
-        options = {
-            name: getattr(self, name) for name in ("C", "bias", "tol", "max_iter", "n_landmarks", "n_jobs")
-        }
-        options["random_state"] = check_random_state(self.random_state)
-        more = {"memory": memory_to_use(self.max_memory), "options": options}
-        if self.kernel == "precomputed":
-            if X.shape[0] != X.shape[1]:
-                raise ValueError(f"A precomputed kernel matrix must be square, got shape {X.shape}.")
-            self.X_fit_ = None
-            matrix = X if rows.all() else X[np.ix_(rows, rows)]
-            return Machine(None, None, matrix, length=None, **more)
-        self.X_fit_ = X[rows]
-        self.offset_ = self._centre()
-        length = kernel_length(self.kernel, self.gamma, X.shape[1])
-        return Machine(self._between(), self.X_fit_ - self.offset_, None, length=length, **more)
-
-    def _product(self, A, B, alpha):
-        if len(A) * len(B) < _MANY:
-            return kernel_product(self._between(), A, B, alpha)
-        with own_threads(self.n_jobs) as run:
-            return product_of(run, KernelBlocks(self._between(), A, B), (len(A), len(B)), alpha)
-
-    def _between(self):
-        return kernel_between(
-            self.kernel,
-            gamma=self.gamma,
-            degree=self.degree,
-            coef0=self.coef0,
-            kernel_params=self.kernel_params,
-        )
-
-    def _centre(self):
-        kernel = self.kernel if isinstance(self.kernel, str) else None
-        if kernel in SHIFT_INVARIANT or (kernel == "linear" and self.bias == "free"):
-            return self.X_fit_.mean(axis=0)
-        return np.zeros(self.X_fit_.shape[1])
-
-    def _offset(self, alpha):
-        """What `offset_` takes off the value of the linear kernel; others do not see it."""
-        if self.kernel != "linear":
-            return 0.0
-        return self.offset_ @ ((self.X_fit_ - self.offset_).T @ alpha)
+        return self._fit_more(X, y, sample_weight)

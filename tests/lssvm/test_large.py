@@ -8,7 +8,7 @@ import pytest
 from scipy.linalg import LinAlgWarning
 
 from sklvalve.lssvm import LSSVMRegressor
-from sklvalve.lssvm.cells import Cells
+from sklvalve.lssvm.cells import Cells, gathered
 from sklvalve.lssvm.choice import SOLVERS, memory_to_use, solver_for
 from sklvalve.lssvm.conjugate import LowRankPreconditioner, conjugate_gradients
 from sklvalve.lssvm.kernels import kernel_between
@@ -71,16 +71,17 @@ def test_few_landmarks_are_as_good_as_the_equations_on_them():
 
 def test_more_rows_than_one_block_are_gathered_alike():
     X, y, weight = some(5000)
-    one, parts = Cells(1.0, 400), Cells(1.0, 400)
-    one.add(X, y, weight)
+    one, parts = Cells(0.15, 400), Cells(0.15, 400)
+    one.add(gathered(X, y, weight, 0.15))
     for start in range(0, 5000, 900):
-        parts.add(*(a[start : start + 900] for a in (X, y, weight)))
-    for found in (one.result(), parts.result()):
+        parts.add(gathered(*(a[start : start + 900] for a in (X, y, weight)), 0.15))
+    for found in (one.result(), parts.result(), parts.result(200)):
         means, targets, weights = found
         assert len(weights) <= 400
         assert weights.sum() == pytest.approx(weight.sum())
         np.testing.assert_allclose(weights @ means, weight @ X, rtol=1e-9)
         np.testing.assert_allclose(weights @ targets, weight @ y, rtol=1e-9)
+    assert len(weights) <= 200
 
 
 @pytest.mark.parametrize("n", [1, 2, 63, 64, 65, 200])

@@ -5,7 +5,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sklvalve.lssvm import solvers
-from sklvalve.lssvm.kernels import kernel_between, kernel_product, lower_gram, row_blocks
+from sklvalve.lssvm.kernels import kernel_between, lower_gram, row_blocks
+from sklvalve.lssvm.products import kernel_product
 
 
 def positive_definite(n, seed=0):

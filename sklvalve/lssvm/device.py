@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The same machine on arrays of another library, where they lie: on a GPU for one.
+
+Whatever follows the array API will do, scikit-learn's `array_api_dispatch` switched on. The equations are
+solved by one factorisation in the memory of the device, and once more for what is left of them.
+"""
+
+import warnings
+
+import numpy as np
+from scipy.linalg import LinAlgWarning
+from sklearn import get_config
+from sklearn.utils._array_api import get_namespace
+from sklearn.utils.validation import _check_sample_weight, validate_data
+
+from sklvalve.lssvm.kernels import SHIFT_INVARIANT, gamma_and_scale
+
+# numbers of one block of kernel values of a prediction
+_BLOCK = 2**25
+_REFINEMENTS = 3
+
+
+def is_elsewhere(X):
+    """Whether X is an array of another library, to be left where it is."""
+    if not get_config().get("array_api_dispatch") or isinstance(X, np.ndarray):
+        return False
+    if not (hasattr(X, "__array_namespace__") or type(X).__module__.startswith(("torch", "cupy"))):
+        return False
+    return get_namespace(X)[1]
+
+
+def fitted(estimator, X, y, sample_weight):
+    """`LSSVMRegressor.fit` on the device of X.
+
+    Returns
+    -------
+    estimator : LSSVMRegressor
+        Whose arrays lie where X does.
+
+    Raises
+    ------
+    ValueError
+        If the kernel is a callable, an option needs rows in numpy arrays, or the data are not finite.
+    """
+    xp, _ = get_namespace(X)
+    for name in ("robust_passes", "uncertainty"):
+        if getattr(estimator, name):
+            raise ValueError(f"{name} needs rows in numpy arrays; move X and y there, or leave it out.")
+    if callable(estimator.kernel):
+        raise ValueError(
+            "A callable kernel needs rows in numpy arrays; move X and y there, or name a kernel."
+        )
+    if estimator.solver not in ("auto", "cholesky"):
+        raise ValueError(
+            f"solver={estimator.solver!r} needs rows in numpy arrays; here only 'auto' and 'cholesky' work."
+        )
+    X, y = validate_data(estimator, X, y, dtype=(xp.float64, xp.float32), multi_output=True, y_numeric=True)
+    targets = xp.reshape(xp.astype(y, X.dtype), (y.shape[0], -1))
+    weight = _weight(xp, X, sample_weight)
+    kept = xp.nonzero(weight > 0)[0]
+    if kept.shape[0] == 0:
+        raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
+    all_rows = X
+    X, targets, weight = (xp.take(column, kept, axis=0) for column in (X, targets, weight))
+    gram = xp.take(X, kept, axis=1) if estimator.kernel == "precomputed" else _own_kernel(estimator, xp, X)
+    alpha, b, residual = _solved(xp, gram, targets, 1.0 / (estimator.C * weight), estimator)
+    if estimator.kernel == "precomputed":
+        here = xp.arange(all_rows.shape[0], device=X.device)[:, None] == kept[None, :]
+        alpha = xp.astype(here, alpha.dtype) @ alpha
+    estimator.dual_coef_ = alpha[:, 0] if y.ndim == 1 else alpha
+    estimator.intercept_ = float(b[0]) if y.ndim == 1 else b
+    estimator.solver_, estimator.n_iter_, estimator.residual_ = "cholesky", 1, residual
+    estimator._seen_ = estimator._spread_ = None
+    return estimator
+
+
+def predicted(estimator, X):
+    """`LSSVMRegressor.predict` on the device of X, in blocks."""
+    xp, _ = get_namespace(X)
+    X = validate_data(estimator, X, dtype=(xp.float64, xp.float32), reset=False)
+    alpha = xp.reshape(estimator.dual_coef_, (estimator.dual_coef_.shape[0], -1))
+    step, parts = max(1, _BLOCK // alpha.shape[0]), []
+    for start in range(0, X.shape[0], step):
+        values = X[start : start + step, :]
+        if estimator.kernel != "precomputed":
+            values = _kernel(estimator, xp, values - estimator.offset_, estimator.X_fit_ - estimator.offset_)
+        parts.append(values @ alpha + estimator.intercept_)
+    found = xp.concat(parts)
+    return found[:, 0] if estimator.dual_coef_.ndim == 1 else found
+
+
+def _own_kernel(estimator, xp, X):
+    estimator.X_fit_ = X
+    moved = isinstance(estimator.kernel, str) and estimator.kernel in SHIFT_INVARIANT
+    estimator.offset_ = xp.mean(X, axis=0) if moved else xp.zeros_like(X[0, :])
+    return _kernel(estimator, xp, X - estimator.offset_, X - estimator.offset_)
+
+
+def _kernel(estimator, xp, A, B):
+    gamma, scale = gamma_and_scale(estimator.kernel, estimator.gamma, A.shape[1])
+    gamma = 1.0 / A.shape[1] if gamma is None else gamma
+    if scale is not None:
+        scale = xp.asarray(scale, dtype=A.dtype, device=A.device)
+        A, B = A * scale, B * scale
+    if estimator.kernel == "laplacian":
+        total = 0.0
+        for k in range(A.shape[1]):
+            total = total + xp.abs(A[:, k, None] - B[None, :, k])
+        return xp.exp(-gamma * total)
+    product = A @ B.T
+    if estimator.kernel == "linear":
+        return product
+    if estimator.kernel == "rbf":
+        squares = xp.sum(A * A, axis=1)[:, None] + xp.sum(B * B, axis=1)[None, :] - 2.0 * product
+        # rounding leaves squared distances of equal rows a little below zero
+        return xp.exp(-gamma * xp.where(squares > 0.0, squares, xp.zeros_like(squares)))
+    return (gamma * product + estimator.coef0) ** estimator.degree
+
+
+def _solved(xp, gram, y, ridge, estimator):
+    """Dual weights, biases, and the worst residual relative to the target."""
+    n = y.shape[0]
+    diagonal = xp.eye(n, dtype=gram.dtype, device=gram.device) * ridge[:, None]
+    matrix, free = gram + diagonal, estimator.bias == "free"
+    shift = xp.mean(y, axis=0) if free else xp.zeros_like(y[0, :])
+    right = xp.concat([y - shift, xp.ones_like(y[:, :1])], axis=1)
+    solve = _solver_of(xp, matrix)
+    x = solve(right)
+    size = float(xp.max(xp.abs(right[:, :-1]))) or 1.0
+    worst = _worst(xp, right - matrix @ x, size)
+    for _ in range(_REFINEMENTS):
+        better = x + solve(right - matrix @ x)
+        now = _worst(xp, right - matrix @ better, size)
+        if not now < worst:
+            break
+        x, worst = better, now
+    if not np.isfinite(worst):
+        raise ValueError(
+            "The kernel matrix or its solution is not finite: X or y is too large for this kernel; scale it."
+        )
+    if worst > max(estimator.tol, float(xp.finfo(gram.dtype).eps) * n):
+        warnings.warn(
+            f"The LS-SVM equations are met only to {worst:.1e} of the target: lower C, or use double "
+            "precision.",
+            LinAlgWarning,
+            stacklevel=4,
+        )
+    alpha, ones = x[:, :-1], x[:, -1:]
+    if estimator.bias == "none":
+        return alpha, shift, worst
+    b = xp.sum(alpha, axis=0) / (xp.sum(ones) + (0.0 if free else 1.0))
+    return alpha - ones * b, b + shift, worst
+
+
+def _solver_of(xp, matrix):
+    if not hasattr(xp, "cholesky_solve"):
+        return lambda right: xp.linalg.solve(matrix, right)
+    try:
+        factor = xp.linalg.cholesky(matrix)
+    except RuntimeError as error:
+        raise ValueError(
+            "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C is "
+            "too large for it; lower C, or fit numpy arrays, which takes the least-squares solution."
+        ) from error
+    return lambda right: xp.cholesky_solve(right, factor)
+
+
+def _worst(xp, left, size):
+    return float(xp.max(xp.abs(left))) / size
+
+
+def _weight(xp, X, sample_weight):
+    if sample_weight is None:
+        return xp.ones(X.shape[0], dtype=X.dtype, device=X.device)
+    if not hasattr(sample_weight, "__array_namespace__") and not type(sample_weight).__module__.startswith(
+        ("torch", "cupy")
+    ):
+        sample_weight = xp.asarray(sample_weight, dtype=X.dtype, device=X.device)
+    weight = _check_sample_weight(sample_weight, X, dtype=X.dtype)
+    if bool(xp.any(weight < 0)):
+        raise ValueError("Negative values in data passed to `sample_weight`.")
+    return weight

@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a fitted LS-SVM tells: predictions, their spread, and the same function of fewer rows."""
+
+import numpy as np
+from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.utils.validation import check_is_fitted, validate_data
+
+from sklvalve.lssvm import device
+from sklvalve.lssvm.kernels import gamma_and_scale, kernel_between
+from sklvalve.lssvm.products import KernelBlocks, product
+from sklvalve.lssvm.rows import Coordinates
+from sklvalve.lssvm.spread import quantile, root_v
+from sklvalve.lssvm.threads import in_this_thread, own_threads
+
+# kernel values of a prediction from which on threads of one's own are worth their beginning
+_MANY = 2**22
+
+
+class Predicting:
+    """Methods of a fitted :class:`~sklvalve.lssvm.LSSVMRegressor` that change nothing of it."""
+
+    def predict(self, X, return_std=False):
+        r"""Predict the target.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+            Rows, or their kernel values against the rows of the fit, of shape (n_samples, n_fit).
+        return_std : bool, default=False
+            Tell the standard deviation too; the model must be fitted with `uncertainty`.
+
+        Returns
+        -------
+        y : ndarray of shape (n_samples,) or (n_samples, n_targets)
+            Predictions. Memory beyond them and X is bounded, whatever the number of rows.
+        std : ndarray of the same shape
+            Standard deviation of a new target of weight one about its prediction, noise included, as the
+            gaussian process has it whose mean the LS-SVM is; its noise is set by the errors on left-out rows.
+
+        Raises
+        ------
+        ValueError
+            If X has other columns than in `fit`, or is not finite, or the spread is not known.
+        """
+        check_is_fitted(self)
+        if device.is_elsewhere(X):
+            if return_std:
+                raise ValueError("return_std needs rows in numpy arrays; X is on a device.")
+            return device.predicted(self, X)
+        X = validate_data(self, X, dtype=(np.float64, np.float32), reset=False)
+        if self.kernel == "precomputed":
+            found = np.asarray(X, dtype=np.float64) @ self._alpha() + self.intercept_
+        else:
+            Z = self._coordinates()(X)
+            found = self._function(Z)
+        found = self._as_targets(found)
+        if not return_std:
+            return found
+        spread = self._spread()
+        std = root_v(spread, self._between(), Z, C=self.C, bias=self.bias)[:, None] * spread["sigma"]
+        return found, self._as_targets(std)
+
+    def predict_interval(self, X, coverage=0.95):
+        """Intervals that hold a new target as often as asked.
+
+        Parameters
+        ----------
+        X : array-like of shape (n_samples, n_features)
+        coverage : float, default=0.95
+            In (0, 1).
+
+        Returns
+        -------
+        low, high : ndarray of shape (n_samples,) or (n_samples, n_targets)
+            Infinite where there were too few rows for such a coverage.
+
+        Raises
+        ------
+        ValueError
+            If the model was not fitted with `uncertainty`, or the coverage is no share.
+
+        Notes
+        -----
+        Conformal: the quantile of the errors on rows left out, each over its own standard deviation, times
+        the standard deviation here. That holds where new rows are like those of the fit and independent. In
+        a time series neighbouring rows say the same: leaving out one of them tells too little, and the
+        intervals are too narrow.
+
+        References
+        ----------
+        .. [1] R. F. Barber et al., Predictive inference with the jackknife+, Annals of Statistics 49 (2021).
+        .. [2] V. Vovk, A. Gammerman, G. Shafer, Algorithmic learning in a random world, Springer, 2005.
+        """
+        if not 0.0 < coverage < 1.0:
+            raise ValueError(f"coverage must lie between 0 and 1, got {coverage!r}.")
+        middle, std = self.predict(X, return_std=True)
+        spread = self._spread()
+        wide = self._as_targets((quantile(spread, coverage) / spread["sigma"])[None])[0] * std
+        return middle - wide, middle + wide
+
+    def pruned(self, n_landmarks):
+        """The same function, nearly, of fewer rows: quicker, and smaller in a file.
+
+        Parameters
+        ----------
+        n_landmarks : int
+            Rows that are kept, chosen among those of the fit.
+
+        Returns
+        -------
+        pruned : LSSVMRegressor
+            A fitted one, that is as near as such a function can be to this one's predictions of the rows of
+            the fit. As these are without noise, it is fitted to them with a thousand times the C.
+        """
+        check_is_fitted(self)
+        if self.X_fit_ is None:
+            raise ValueError("A machine with a precomputed kernel has no rows that could be chosen from.")
+        fewer = clone(self).set_params(
+            solver="nystrom", n_landmarks=n_landmarks, uncertainty=False, robust_passes=0, C=1e3 * self.C
+        )
+        Z = self._coordinates()(self.X_fit_)
+        fewer.fit(self.X_fit_, self._as_targets(self._function(Z))).set_params(C=self.C)
+        for name in ("n_features_in_", "feature_names_in_"):
+            if hasattr(self, name):
+                setattr(fewer, name, getattr(self, name))
+        return fewer
+
+    def _function(self, Z):
+        """The fitted function of rows in the coordinates of the kernel, of shape (n, n_targets)."""
+        between, alpha = self._between(), self._alpha()
+        blocks, shape = KernelBlocks(between, Z, None, self._right_), (len(Z), len(alpha))
+        if len(Z) * len(alpha) < _MANY:
+            found = product(in_this_thread, blocks, shape, alpha)
+        else:
+            with own_threads(self.n_jobs) as run:
+                found = product(run, blocks, shape, alpha)
+        return found + (self.intercept_ + self._of_offset(alpha))
+
+    def _alpha(self):
+        return self.dual_coef_.reshape(len(self.dual_coef_), -1)
+
+    def _as_targets(self, values):
+        return values[:, 0] if self.dual_coef_.ndim == 1 else values
+
+    def _spread(self):
+        if getattr(self, "_spread_", None) is None:
+            raise NotFittedError(
+                "Standard deviations and intervals are not known: fit with uncertainty=True."
+            )
+        return self._spread_
+
+    def _coordinates(self):
+        return Coordinates(self.offset_, gamma_and_scale(self.kernel, self.gamma, len(self.offset_))[1])
+
+    def _between(self):
+        gamma, _ = gamma_and_scale(self.kernel, self.gamma, self.n_features_in_)
+        return kernel_between(
+            self.kernel,
+            gamma=gamma,
+            degree=self.degree,
+            coef0=self.coef0,
+            kernel_params=self.kernel_params,
+        )
+
+    def _of_offset(self, alpha):
+        """What `offset_` takes off the value of the linear kernel; others do not see it."""
+        if self.kernel != "linear":
+            return 0.0
+        return self.offset_ @ (self._right_.T @ alpha)
