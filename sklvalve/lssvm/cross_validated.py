@@ -7,22 +7,17 @@ from typing import ClassVar
 import numpy as np
 from sklearn.base import BaseEstimator, MultiOutputMixin, RegressorMixin, _fit_context
 from sklearn.model_selection import check_cv
-from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
-from sklvalve.lssvm.kernels import kernel_between
-from sklvalve.lssvm.left_out import LeftOut, score_of
+from sklvalve.lssvm.left_out import score_of
 from sklvalve.lssvm.regressor import LSSVMRegressor
+from sklvalve.lssvm.search import Search
 
-# rows on which values of gamma are compared, C is chosen on all
-_COMPARED = 2000
-# so many values of C are compared again on all of them
-_NEAR = 5
 # parameters of the final fit that are no choice
 _PASSED_ON = (
     "degree", "coef0", "kernel_params", "bias", "solver", "n_landmarks", "tol", "max_iter", "max_memory",
-    "n_jobs", "random_state",
+    "n_jobs", "random_state", "robust_passes", "uncertainty",
 )  # fmt: skip
 
 
@@ -40,18 +35,22 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
     gammas : array-like of shape (n_gammas,), default=None
         Values of gamma to choose from; None is one over the number of columns times 1/16 to 16, for the
         kernels that have one.
+    per_feature : bool, default=False
+        From the best of `gammas` on, find one for each column, on at most 600 rows.
     cv : int, splitter of scikit-learn or iterable of (train, test), default=None
         None leaves out one row at a time. A number leaves out as many contiguous blocks of rows: for a time
         series, whose neighbouring rows say the same.
     gap : int, default=0
         Rows on either side of each row of a block that are left out with it and do not count.
-    degree, coef0, kernel_params, bias, solver, n_landmarks, tol, max_iter, max_memory, n_jobs, random_state
+    degree, coef0, kernel_params, bias, solver, n_landmarks, tol, max_iter, max_memory, n_jobs, random_state,
+    robust_passes, uncertainty
         As in :class:`LSSVMRegressor`, of the final fit.
 
     Attributes
     ----------
     best_C_, best_gamma_ : float
-        Chosen values; `best_gamma_` is None for a kernel without gamma.
+        Chosen values; `best_gamma_` is an ndarray of shape (n_features,) with `per_feature`, and None for a
+        kernel without gamma.
     best_score_ : float
         Root of the mean square of the errors on left-out rows, weighted, over all targets.
     loo_residuals_ : ndarray of shape (n_samples,) or (n_samples, n_targets)
@@ -91,6 +90,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         "kernel": [StrOptions({"rbf", "linear", "polynomial", "poly", "laplacian"}), callable],
         "Cs": ["array-like", None],
         "gammas": ["array-like", None],
+        "per_feature": ["boolean"],
         "cv": ["cv_object"],
         "gap": [Interval(Integral, 0, None, closed="left")],
         **{name: LSSVMRegressor._parameter_constraints[name] for name in _PASSED_ON},
@@ -103,6 +103,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Cs=None,
         gammas=None,
         cv=None,
+        per_feature=False,
         gap=0,
         degree=3,
         coef0=1,
@@ -115,11 +116,14 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         max_memory=None,
         n_jobs=None,
         random_state=None,
+        robust_passes=0,
+        uncertainty=False,
     ):
         self.kernel = kernel
         self.Cs = Cs
         self.gammas = gammas
         self.cv = cv
+        self.per_feature = per_feature
         self.gap = gap
         self.degree = degree
         self.coef0 = coef0
@@ -132,6 +136,8 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.max_memory = max_memory
         self.n_jobs = n_jobs
         self.random_state = random_state
+        self.robust_passes = robust_passes
+        self.uncertainty = uncertainty
 
     @_fit_context(prefer_skip_nested_validation=True)
     def fit(self, X, y, sample_weight=None):
@@ -165,24 +171,39 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
             )
         Cs, gammas = self._paths(X.shape[1])
         targets = y.astype(np.float64).reshape(len(y), -1)
-        data = X[rows] - X[rows].mean(axis=0), targets[rows], weight[rows], self._blocks(X, y, rows)
-        self._choose(*data, Cs, gammas)
+        options = {name: getattr(self, name) for name in ("kernel", *_PASSED_ON)}
+        centred = X[rows] - X[rows].mean(axis=0)
+        search = Search(centred, targets[rows], weight[rows], self._blocks(X, y, rows), Cs, options)
+        self.scores_ = search.grid(gammas)
+        if not np.isfinite(self.scores_).any():
+            raise ValueError(
+                "No pair of C and gamma gives finite errors on left-out rows; scale X, or lower Cs."
+            )
+        i, j = np.unravel_index(np.nanargmin(self.scores_), self.scores_.shape)
+        self.best_gamma_, C = gammas[i], float(Cs[j])
+        if self.per_feature and self.best_gamma_ is not None and X.shape[1] > 1:
+            self.best_gamma_, C = search.by_column(self.best_gamma_)
         errors = np.full(targets.shape, np.nan)
-        errors[rows] = self._errors_of_the_chosen(*data, Cs)
+        errors[rows], self.best_C_ = search.errors(self.best_gamma_, C)
         known = np.isfinite(errors[:, 0])
         self.best_score_ = score_of(errors[known], weight[known])
         self.loo_residuals_ = errors[:, 0] if y.ndim == 1 else errors
-        more = {name: getattr(self, name) for name in ("kernel", *_PASSED_ON)}
-        self.estimator_ = LSSVMRegressor(C=self.best_C_, gamma=self.best_gamma_, **more)
+        self.estimator_ = LSSVMRegressor(C=self.best_C_, gamma=self.best_gamma_, **options)
         self.estimator_.fit(X, y, sample_weight)
         self.n_iter_ = self.estimator_.n_iter_
         return self
 
-    def predict(self, X):
+    def predict(self, X, return_std=False):
         """Predict the target, as :meth:`LSSVMRegressor.predict`."""
         check_is_fitted(self)
         X = validate_data(self, X, dtype=np.float64, reset=False)
-        return self.estimator_.predict(X)
+        return self.estimator_.predict(X, return_std=return_std)
+
+    def predict_interval(self, X, coverage=0.95):
+        """Intervals that hold a new target, as :meth:`LSSVMRegressor.predict_interval`."""
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=np.float64, reset=False)
+        return self.estimator_.predict_interval(X, coverage)
 
     @property
     def dual_coef_(self):
@@ -229,63 +250,3 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
             rows = np.asarray(test)[kept[test]]
             blocks.append((place[rows], place[out & kept]))
         return [block for block in blocks if len(block[0])]
-
-    def _left_out(self, X, weight, blocks, gamma, largest_C):
-        more = {"gamma": gamma, "degree": self.degree, "coef0": self.coef0}
-        return LeftOut(
-            kernel_between(self.kernel, kernel_params=self.kernel_params, **more),
-            X,
-            weight,
-            largest_C=largest_C,
-            bias=self.bias,
-            blocks=blocks,
-            random_state=check_random_state(self.random_state),
-            n_jobs=self.n_jobs,
-        )
-
-    def _choose(self, X, y, weight, blocks, Cs, gammas):
-        some = slice(None)
-        if len(gammas) > 1 and len(X) > _COMPARED:
-            some = np.sort(check_random_state(self.random_state).permutation(len(X))[:_COMPARED])
-            blocks = _thinned(blocks, some, len(X))
-        self.scores_ = np.full((len(gammas), len(Cs)), np.nan)
-        for i, gamma in enumerate(gammas):
-            left_out = self._left_out(X[some], weight[some], blocks, gamma, Cs.max())
-            for j, C in enumerate(Cs):
-                self.scores_[i, j] = _scored(left_out, C, y[some], weight[some])
-        if not np.isfinite(self.scores_).any():
-            raise ValueError(
-                "No pair of C and gamma gives finite errors on left-out rows; scale X, or lower Cs."
-            )
-        i, j = np.unravel_index(np.nanargmin(self.scores_), self.scores_.shape)
-        self.best_gamma_, self.best_C_ = gammas[i], float(Cs[j])
-
-    def _errors_of_the_chosen(self, X, y, weight, blocks, Cs):
-        """Errors on left-out rows among all, with C chosen among all as well."""
-        left_out = self._left_out(X, weight, blocks, self.best_gamma_, Cs.max())
-        if len(X) > _COMPARED:
-            # values next to the one that was best among some rows
-            near = np.argsort(np.abs(np.log(Cs / self.best_C_)))[:_NEAR]
-            scores = [_scored(left_out, C, y, weight) for C in Cs[near]]
-            if np.isfinite(scores).any():
-                self.best_C_ = float(Cs[near][int(np.nanargmin(scores))])
-        return left_out.errors(self.best_C_, y)
-
-
-def _thinned(blocks, some, n):
-    """Blocks of which only some rows are left, as places among these."""
-    if blocks is None:
-        return None
-    place = np.full(n, -1)
-    place[some] = np.arange(len(some))
-    thin = [tuple(place[rows][place[rows] >= 0] for rows in block) for block in blocks]
-    return [block for block in thin if len(block[0])]
-
-
-def _scored(left_out, C, y, weight):
-    try:
-        errors = left_out.errors(C, y)
-    except ValueError:
-        return np.nan
-    known = np.isfinite(errors[:, 0])
-    return score_of(errors[known], weight[known]) if known.any() else np.nan

@@ -10,7 +10,12 @@ import warnings
 import numpy as np
 from scipy.linalg import LinAlgWarning
 from sklearn import get_config
-from sklearn.utils._array_api import get_namespace
+from sklearn.utils._array_api import (
+    _max_precision_float_dtype,
+    check_same_namespace,
+    get_namespace,
+    move_to,
+)
 from sklearn.utils.validation import _check_sample_weight, validate_data
 
 from sklvalve.lssvm.kernels import SHIFT_INVARIANT, gamma_and_scale
@@ -18,6 +23,8 @@ from sklvalve.lssvm.kernels import SHIFT_INVARIANT, gamma_and_scale
 # numbers of one block of kernel values of a prediction
 _BLOCK = 2**25
 _REFINEMENTS = 3
+# parameters some of whose values only numpy arrays go with
+_WANTS_NUMPY = ("kernel", "solver", "robust_passes", "uncertainty")
 
 
 def is_elsewhere(X):
@@ -27,6 +34,18 @@ def is_elsewhere(X):
     if not (hasattr(X, "__array_namespace__") or type(X).__module__.startswith(("torch", "cupy"))):
         return False
     return get_namespace(X)[1]
+
+
+def can_fit(estimator):
+    """Whether a machine of such parameters can be fitted elsewhere than in numpy arrays."""
+    return all(_is_possible(estimator, name) for name in _WANTS_NUMPY)
+
+
+def _is_possible(estimator, name):
+    value = getattr(estimator, name)
+    if name == "kernel":
+        return not callable(value)
+    return value in ("auto", "cholesky") if name == "solver" else not value
 
 
 def fitted(estimator, X, y, sample_weight):
@@ -43,18 +62,15 @@ def fitted(estimator, X, y, sample_weight):
         If the kernel is a callable, an option needs rows in numpy arrays, or the data are not finite.
     """
     xp, _ = get_namespace(X)
-    for name in ("robust_passes", "uncertainty"):
-        if getattr(estimator, name):
-            raise ValueError(f"{name} needs rows in numpy arrays; move X and y there, or leave it out.")
-    if callable(estimator.kernel):
-        raise ValueError(
-            "A callable kernel needs rows in numpy arrays; move X and y there, or name a kernel."
-        )
-    if estimator.solver not in ("auto", "cholesky"):
-        raise ValueError(
-            f"solver={estimator.solver!r} needs rows in numpy arrays; here only 'auto' and 'cholesky' work."
-        )
+    for name in _WANTS_NUMPY:
+        if not _is_possible(estimator, name):
+            raise ValueError(
+                f"{name}={getattr(estimator, name)!r} needs rows in numpy arrays; move X and y there."
+            )
+    y, sample_weight = move_to(y, sample_weight, xp=xp, device=X.device)
     X, y = validate_data(estimator, X, y, dtype=(xp.float64, xp.float32), multi_output=True, y_numeric=True)
+    # in double, as with numpy arrays, wherever the device has it
+    X = xp.astype(X, _max_precision_float_dtype(xp, X.device), copy=False)
     targets = xp.reshape(xp.astype(y, X.dtype), (y.shape[0], -1))
     weight = _weight(xp, X, sample_weight)
     kept = xp.nonzero(weight > 0)[0]
@@ -76,14 +92,16 @@ def fitted(estimator, X, y, sample_weight):
 
 def predicted(estimator, X):
     """`LSSVMRegressor.predict` on the device of X, in blocks."""
+    check_same_namespace(X, estimator, attribute="dual_coef_", method="predict")
     xp, _ = get_namespace(X)
     X = validate_data(estimator, X, dtype=(xp.float64, xp.float32), reset=False)
-    alpha = xp.reshape(estimator.dual_coef_, (estimator.dual_coef_.shape[0], -1))
+    alpha = estimator.dual_coef_
+    X, alpha = xp.astype(X, alpha.dtype, copy=False), xp.reshape(alpha, (alpha.shape[0], -1))
     step, parts = max(1, _BLOCK // alpha.shape[0]), []
     for start in range(0, X.shape[0], step):
-        values = X[start : start + step, :]
+        values = X[start : min(start + step, X.shape[0]), :]
         if estimator.kernel != "precomputed":
-            values = _kernel(estimator, xp, values - estimator.offset_, estimator.X_fit_ - estimator.offset_)
+            values = _kernel(estimator, xp, values, estimator._right_)
         parts.append(values @ alpha + estimator.intercept_)
     found = xp.concat(parts)
     return found[:, 0] if estimator.dual_coef_.ndim == 1 else found
@@ -93,28 +111,40 @@ def _own_kernel(estimator, xp, X):
     estimator.X_fit_ = X
     moved = isinstance(estimator.kernel, str) and estimator.kernel in SHIFT_INVARIANT
     estimator.offset_ = xp.mean(X, axis=0) if moved else xp.zeros_like(X[0, :])
-    return _kernel(estimator, xp, X - estimator.offset_, X - estimator.offset_)
+    rows, gamma = _moved(estimator, xp, X)
+    if estimator.kernel == "rbf":
+        squares = xp.sum(rows * rows, axis=1)[:, None]
+        rows = xp.concat([rows, xp.ones_like(squares), -gamma * squares], axis=1)
+    estimator._right_ = rows
+    return _kernel(estimator, xp, X, rows)
 
 
-def _kernel(estimator, xp, A, B):
-    gamma, scale = gamma_and_scale(estimator.kernel, estimator.gamma, A.shape[1])
-    gamma = 1.0 / A.shape[1] if gamma is None else gamma
+def _moved(estimator, xp, X):
+    """Rows in the coordinates of the kernel, and the one gamma that is left."""
+    gamma, scale = gamma_and_scale(estimator.kernel, estimator.gamma, X.shape[1])
+    X = X - estimator.offset_
     if scale is not None:
-        scale = xp.asarray(scale, dtype=A.dtype, device=A.device)
-        A, B = A * scale, B * scale
+        X = X * xp.asarray(scale, dtype=X.dtype, device=X.device)
+    return X, 1.0 / X.shape[1] if gamma is None else gamma
+
+
+def _kernel(estimator, xp, X, right):
+    """Kernel values of rows with what `_own_kernel` keeps of those of the fit."""
+    A, gamma = _moved(estimator, xp, X)
     if estimator.kernel == "laplacian":
         total = 0.0
         for k in range(A.shape[1]):
-            total = total + xp.abs(A[:, k, None] - B[None, :, k])
+            total = total + xp.abs(A[:, k, None] - right[None, :, k])
         return xp.exp(-gamma * total)
-    product = A @ B.T
-    if estimator.kernel == "linear":
-        return product
     if estimator.kernel == "rbf":
-        squares = xp.sum(A * A, axis=1)[:, None] + xp.sum(B * B, axis=1)[None, :] - 2.0 * product
+        squares = -gamma * xp.sum(A * A, axis=1)[:, None]
+        exponent = xp.concat([2.0 * gamma * A, squares, xp.ones_like(squares)], axis=1) @ right.T
         # rounding leaves squared distances of equal rows a little below zero
-        return xp.exp(-gamma * xp.where(squares > 0.0, squares, xp.zeros_like(squares)))
-    return (gamma * product + estimator.coef0) ** estimator.degree
+        return xp.exp(xp.where(exponent < 0.0, exponent, xp.zeros_like(exponent)))
+    product = A @ right.T
+    return (
+        product if estimator.kernel == "linear" else (gamma * product + estimator.coef0) ** estimator.degree
+    )
 
 
 def _solved(xp, gram, y, ridge, estimator):
@@ -124,8 +154,14 @@ def _solved(xp, gram, y, ridge, estimator):
     matrix, free = gram + diagonal, estimator.bias == "free"
     shift = xp.mean(y, axis=0) if free else xp.zeros_like(y[0, :])
     right = xp.concat([y - shift, xp.ones_like(y[:, :1])], axis=1)
-    solve = _solver_of(xp, matrix)
-    x = solve(right)
+    try:
+        solve = _solver_of(xp, matrix)
+        x = solve(right)
+    except (RuntimeError, np.linalg.LinAlgError) as error:
+        raise ValueError(
+            "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C is "
+            "too large for it; lower C, or fit numpy arrays, which takes the least-squares solution."
+        ) from error
     size = float(xp.max(xp.abs(right[:, :-1]))) or 1.0
     worst = _worst(xp, right - matrix @ x, size)
     for _ in range(_REFINEMENTS):
@@ -153,16 +189,11 @@ def _solved(xp, gram, y, ridge, estimator):
 
 
 def _solver_of(xp, matrix):
-    if not hasattr(xp, "cholesky_solve"):
-        return lambda right: xp.linalg.solve(matrix, right)
-    try:
+    # the standard has no triangular solution; where the library has one it takes half the time
+    if hasattr(xp, "cholesky_solve"):
         factor = xp.linalg.cholesky(matrix)
-    except RuntimeError as error:
-        raise ValueError(
-            "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C is "
-            "too large for it; lower C, or fit numpy arrays, which takes the least-squares solution."
-        ) from error
-    return lambda right: xp.cholesky_solve(right, factor)
+        return lambda right: xp.cholesky_solve(right, factor)
+    return lambda right: xp.linalg.solve(matrix, right)
 
 
 def _worst(xp, left, size):
@@ -172,10 +203,6 @@ def _worst(xp, left, size):
 def _weight(xp, X, sample_weight):
     if sample_weight is None:
         return xp.ones(X.shape[0], dtype=X.dtype, device=X.device)
-    if not hasattr(sample_weight, "__array_namespace__") and not type(sample_weight).__module__.startswith(
-        ("torch", "cupy")
-    ):
-        sample_weight = xp.asarray(sample_weight, dtype=X.dtype, device=X.device)
     weight = _check_sample_weight(sample_weight, X, dtype=X.dtype)
     if bool(xp.any(weight < 0)):
         raise ValueError("Negative values in data passed to `sample_weight`.")

@@ -35,6 +35,28 @@ _LACKING = 1e-4
 class Fitting:
     """The ways of `fit`, `fit_blocks` and `partial_fit` of :class:`~sklvalve.lssvm.LSSVMRegressor`."""
 
+    def with_solution(self, X_fit, dual_coef, intercept):
+        """Take a solution that is known already, from plain data for example, in place of a fit.
+
+        Parameters
+        ----------
+        X_fit : array-like of shape (n_fit, n_features)
+        dual_coef : array-like of shape (n_fit,) or (n_fit, n_targets)
+        intercept : float or array-like of shape (n_targets,)
+            `X_fit_`, `dual_coef_` and `intercept_` of a machine of the same kernel and bias.
+
+        Returns
+        -------
+        self : LSSVMRegressor
+        """
+        X_fit, dual_coef = np.asarray(X_fit, dtype=np.float64), np.asarray(dual_coef, dtype=np.float64)
+        self.n_features_in_, self.offset_ = X_fit.shape[1], middle_of(X_fit, self.kernel, self.bias)
+        alpha = dual_coef.reshape(len(dual_coef), -1)
+        self._store(alpha, np.zeros(alpha.shape[1]), self._coordinates()(X_fit), dual_coef.ndim == 1)
+        self.X_fit_ = X_fit
+        self.intercept_ = float(intercept) if dual_coef.ndim == 1 else np.asarray(intercept, dtype=np.float64)
+        return self
+
     def _fit_arrays(self, X, y, sample_weight):
         weight = weight_of(self.C, sample_weight, X)
         targets, single = y.astype(np.float64).reshape(len(y), -1), y.ndim == 1

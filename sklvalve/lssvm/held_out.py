@@ -1,15 +1,130 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Errors of an LS-SVM on blocks that it is not fitted to, all from one inverse."""
+"""Errors of an LS-SVM on rows that it is not fitted to, all from one inverse."""
 
 import numpy as np
-from scipy.linalg import cholesky, lu_factor, lu_solve
+from scipy.linalg import lu_factor, lu_solve
 from scipy.linalg.lapack import dpotri
 
-from sklvalve.lssvm.kernels import kernel_between
+from sklvalve.lssvm.kernels import kernel_between, lower_gram
+from sklvalve.lssvm.solvers import cholesky
 
 
-class BlockedErrors:
-    r"""Errors that an LS-SVM with a free bias makes on rows that are left out, block by block.
+class HeldOutErrors:
+    r"""Errors on rows that are held out.
+
+    Parameters
+    ----------
+    inverse : object
+        Of :math:`H = K + \mathrm{diag}(1 / (C w))`: ``inverse @ right``, ``inverse.diagonal()`` and
+        ``inverse.block(rows)``, as `DenseInverse` has them.
+    n : int
+        Rows.
+    bias : {"free", "regularized", "none"}, default="free"
+    blocks : sequence of (ndarray of int, ndarray of int), default=None
+        Rows to err on, and the rows that are held out with them, the former among these; each row by itself
+        unless given.
+
+    Notes
+    -----
+    With
+
+    .. math:: P = H^{-1} - \frac{H^{-1} 1 1^T H^{-1}}{q + 1^T H^{-1} 1}, \quad \alpha = P y
+
+    with q = 0 for a free bias and 1 for a regularized one (and without the second term for none), a machine
+    that is fitted without the rows B errs there by :math:`P_{BB}^{-1} \alpha_B`, exactly. P does not depend
+    on the targets, so further targets cost next to nothing.
+
+    References
+    ----------
+    .. [1] G. C. Cawley, N. L. C. Talbot, Fast exact leave-one-out cross-validation of sparse least-squares
+       support vector machines, Neural Networks 17 (2004) 1467.
+    """
+
+    def __init__(self, inverse, n, *, bias="free", blocks=None):
+        self._inverse, self._free = inverse, bias == "free"
+        self._ones = inverse @ np.ones((n, 1))
+        self._size = self._ones.sum() + {"free": 0.0, "regularized": 1.0, "none": np.inf}[bias]
+        self._diagonal, self._blocks = None, None
+        if blocks is None:
+            self._diagonal = inverse.diagonal() - self._ones[:, 0] ** 2 / self._size
+        else:
+            self._blocks = [self._factored(*block, n) for block in checked_blocks(blocks, n)]
+
+    def __call__(self, y):
+        """Errors, target less prediction.
+
+        Parameters
+        ----------
+        y : ndarray of shape (n,) or (n, n_targets)
+
+        Returns
+        -------
+        errors : ndarray of the shape of y
+            NaN in rows that belong to no block.
+        """
+        targets = y.reshape(len(y), -1)
+        # digits of an offset that the bias takes up are digits lost
+        targets = targets - targets.mean(axis=0) if self._free else targets
+        alpha = self._inverse @ targets
+        alpha -= self._ones * (alpha.sum(axis=0) / self._size)
+        if self._blocks is None:
+            return (alpha / self._diagonal[:, None]).reshape(y.shape)
+        errors = np.full(alpha.shape, np.nan)
+        for rows, out, own, factor in self._blocks:
+            errors[rows] = lu_solve(factor, alpha[out], check_finite=False)[own]
+        return errors.reshape(y.shape)
+
+    def _factored(self, rows, out, n):
+        place = np.full(n, -1)
+        place[out] = np.arange(len(out))
+        part = self._inverse.block(out) - self._ones[out] @ self._ones[out].T / self._size
+        return rows, out, place[rows], lu_factor(part, check_finite=False)
+
+
+def checked_blocks(blocks, n):
+    """Blocks as they came; a ValueError where one leaves nothing at all to fit."""
+    for _, out in blocks or ():
+        # such a block's matrix has a rank of one less than its size
+        if len(out) >= n - 1:
+            raise ValueError("a block that is left out with its gap leaves no row to fit; use more blocks")
+    return blocks
+
+
+class DenseInverse:
+    """Inverse of a symmetric positive definite matrix.
+
+    Parameters
+    ----------
+    matrix : ndarray of shape (n, n), Fortran order
+        Its lower triangle is read; it is spoilt.
+
+    Raises
+    ------
+    ValueError
+        If it is not positive definite.
+    """
+
+    def __init__(self, matrix):
+        if not cholesky(matrix):
+            raise ValueError("the matrix is not positive definite")
+        # a third of what solving for every column of the unit matrix costs; one triangle comes back
+        self.values = np.tril(dpotri(matrix, lower=1, overwrite_c=1)[0])
+        self.values += np.tril(self.values, -1).T
+
+    def __matmul__(self, right):
+        return self.values @ right
+
+    def diagonal(self):
+        """Diagonal, of shape (n,)."""
+        return self.values.diagonal()
+
+    def block(self, rows):
+        """Its part between some rows."""
+        return self.values[np.ix_(rows, rows)]
+
+
+def blocked_errors(X, *, C, gamma, blocks, gap=0, kernel="rbf"):
+    """Errors on blocks of neighbouring rows, of a machine with a free bias.
 
     Parameters
     ----------
@@ -18,62 +133,29 @@ class BlockedErrors:
     C, gamma : float
         As in :class:`~sklvalve.lssvm.LSSVMRegressor`.
     blocks : sequence of slice
-        Rows that count as held out together; they must not overlap.
+        Rows that count as held out together.
     gap : int, default=0
         Rows on either side of a block that are left out with it and do not count.
     kernel : str or callable, default="rbf"
 
-    Notes
-    -----
-    With :math:`H = K + I/C` and the bias eliminated,
-    :math:`P = H^{-1} - H^{-1} 1 1^T H^{-1} / (1^T H^{-1} 1)` gives the dual weights
-    :math:`\alpha = P y` of all rows, and the error of the machine fitted without the rows B is
-    :math:`e_B = P_{BB}^{-1} \alpha_B`, exactly (Cawley and Talbot, Neural Networks 17, 2004). P does not
-    depend on the targets, so further targets cost next to nothing.
+    Returns
+    -------
+    errors : HeldOutErrors
 
     Examples
     --------
     >>> import numpy as np
-    >>> from sklvalve.lssvm.held_out import BlockedErrors
+    >>> from sklvalve.lssvm.held_out import blocked_errors
     >>> X = np.linspace(0.0, 3.0, 40)[:, None]
-    >>> errors = BlockedErrors(X, C=100.0, gamma=1.0, blocks=[slice(0, 20), slice(20, 40)])
+    >>> errors = blocked_errors(X, C=100.0, gamma=1.0, blocks=[slice(0, 20), slice(20, 40)])
     >>> errors(np.sin(X[:, 0])).shape
     (40,)
     """
-
-    def __init__(self, X, *, C, gamma, blocks, gap=0, kernel="rbf"):
-        n = len(X)
-        gram = kernel_between(kernel, gamma=gamma)(X, X)
-        gram[np.diag_indices(n)] += 1.0 / C
-        factor = cholesky(gram, lower=True, overwrite_a=True, check_finite=False)
-        # a third of what solving for every column of the unit matrix costs; one triangle comes back
-        inverse = np.tril(dpotri(factor, lower=1, overwrite_c=1)[0])
-        inverse += np.tril(inverse, -1).T
-        ones = inverse.sum(axis=1)
-        self._weights = inverse - np.outer(ones, ones) / ones.sum()
-        self._blocks = []
-        for block in blocks:
-            out = slice(max(block.start - gap, 0), min(block.stop + gap, n))
-            own = slice(block.start - out.start, block.stop - out.start)
-            # a matrix of rank one less than its size where nothing at all would be left to fit
-            if out.stop - out.start >= n - 1:
-                raise ValueError("a held-out block with its gap leaves no row to fit; use more blocks")
-            self._blocks.append((block, out, own, lu_factor(self._weights[out, out], check_finite=False)))
-
-    def __call__(self, y):
-        """Held-out errors, target less prediction.
-
-        Parameters
-        ----------
-        y : ndarray of shape (n,) or (n, m)
-
-        Returns
-        -------
-        errors : ndarray of the shape of y
-            NaN in rows that belong to no block.
-        """
-        alpha = self._weights @ y
-        errors = np.full(alpha.shape, np.nan)
-        for block, out, own, factor in self._blocks:
-            errors[block] = lu_solve(factor, alpha[out], check_finite=False)[own]
-        return errors
+    n = len(X)
+    gram = lower_gram(kernel_between(kernel, gamma=gamma), X)
+    gram[np.diag_indices(n)] += 1.0 / C
+    rows = [
+        (np.arange(block.start, block.stop), np.arange(max(block.start - gap, 0), min(block.stop + gap, n)))
+        for block in blocks
+    ]
+    return HeldOutErrors(DenseInverse(gram), n, blocks=rows)

@@ -2,12 +2,12 @@
 """Errors of an LS-SVM on rows that it is not fitted to, for a whole path of C, from one decomposition."""
 
 import numpy as np
-from scipy.linalg import eigh, lu_factor, lu_solve
-from scipy.linalg.lapack import dpotri
+from scipy.linalg import eigh
 
+from sklvalve.lssvm.held_out import DenseInverse, HeldOutErrors, checked_blocks
 from sklvalve.lssvm.kernels import kernel_diagonal, lower_gram
 from sklvalve.lssvm.pivoted import pivoted_cholesky
-from sklvalve.lssvm.solvers import cholesky, raise_unless_finite
+from sklvalve.lssvm.solvers import raise_unless_finite
 
 # up to so many rows the whole matrix is decomposed; beyond, a low rank of it, where that is good enough
 _WHOLE, _RANK = 1000, 2000
@@ -16,7 +16,7 @@ _GOOD_ENOUGH = 3e-4
 
 
 class LeftOut:
-    r"""Errors on rows that are left out, for any C.
+    """Errors on rows that are left out, for any C.
 
     Parameters
     ----------
@@ -38,26 +38,11 @@ class LeftOut:
     Attributes
     ----------
     method : {"eigenvalues", "low rank"}
-
-    Notes
-    -----
-    With :math:`H = K + \mathrm{diag}(1 / (C w))` and
-
-    .. math:: P = H^{-1} - \frac{H^{-1} 1 1^T H^{-1}}{q + 1^T H^{-1} 1}, \quad \alpha = P y
-
-    with q = 0 for a free bias and 1 for a regularized one (and without the second term for none), a machine
-    that is fitted without the rows B errs there by :math:`P_{BB}^{-1} \alpha_B`, exactly.
-
-    References
-    ----------
-    .. [1] G. C. Cawley, N. L. C. Talbot, Fast exact leave-one-out cross-validation of sparse least-squares
-       support vector machines, Neural Networks 17 (2004) 1467.
     """
 
     def __init__(self, between, X, weight, *, largest_C, bias="free", blocks=None, random_state, n_jobs=None):
         self._root, self._bias = np.sqrt(weight), bias
-        self._blocks = None if blocks is None else [_placed(*block, len(X)) for block in blocks]
-        self._between, self._X = between, X
+        self._between, self._X, self._blocks = between, X, checked_blocks(blocks, len(X))
         n = len(X)
         if n <= _WHOLE:
             self.method = "eigenvalues"
@@ -94,23 +79,10 @@ class LeftOut:
             NaN in rows that belong to no block.
         """
         if self._largest < C:
-            return self._by_inverse(C, y)
-        return self._errors(_Spectral(self._vectors, self._values, C, self._root), y)
-
-    def _errors(self, inverse, y):
-        # digits of an offset that the bias takes up are digits lost
-        y = y - y.mean(axis=0) if self._bias == "free" else y
-        of_y, of_ones = inverse @ y, inverse @ np.ones((len(y), 1))
-        size = of_ones.sum() + {"free": 0.0, "regularized": 1.0, "none": np.inf}[self._bias]
-        alpha = of_y - of_ones * (of_y.sum(axis=0) / size)
-        if self._blocks is None:
-            return alpha / (inverse.diagonal() - of_ones[:, 0] ** 2 / size)[:, None]
-        errors = np.full(y.shape, np.nan)
-        for block, out, own in self._blocks:
-            ones = of_ones[out]
-            part = inverse.block(out) - ones @ ones.T / size
-            errors[block] = lu_solve(lu_factor(part, check_finite=False), alpha[out], check_finite=False)[own]
-        return errors
+            inverse = self._inverse(C)
+        else:
+            inverse = _Spectral(self._vectors, self._values, C, self._root)
+        return HeldOutErrors(inverse, len(y), bias=self._bias, blocks=self._blocks)(y)
 
     def _whole(self):
         gram = self._weighted_gram()
@@ -123,20 +95,20 @@ class LeftOut:
         gram *= self._root
         return gram
 
-    def _by_inverse(self, C, y):
+    def _inverse(self, C):
         """By a factorisation for this C alone."""
         gram = self._weighted_gram()
         gram[np.diag_indices_from(gram)] += 1.0 / C
-        if not cholesky(gram):
+        try:
+            inverse = DenseInverse(gram)
+        except ValueError as error:
             raise ValueError(
                 f"The kernel matrix plus 1/C on its diagonal is not positive definite for C = {C:g}: it is "
                 "no kernel, or C is too large for it; leave out the largest values of C."
-            )
-        inverse = np.tril(dpotri(gram, lower=1, overwrite_c=1)[0])
-        inverse += np.tril(inverse, -1).T
-        inverse *= self._root[:, None]
-        inverse *= self._root
-        return self._errors(_Dense(inverse), y)
+            ) from error
+        inverse.values *= self._root[:, None]
+        inverse.values *= self._root
+        return inverse
 
 
 class _Weighted:
@@ -181,20 +153,6 @@ class _Spectral:
         return self._root[rows, None] * made * self._root[rows]
 
 
-class _Dense:
-    def __init__(self, inverse):
-        self._inverse = inverse
-
-    def __matmul__(self, right):
-        return self._inverse @ right
-
-    def diagonal(self):
-        return self._inverse.diagonal()
-
-    def block(self, rows):
-        return self._inverse[np.ix_(rows, rows)]
-
-
 def _of_low_rank(F):
     """Eigenvalues and eigenvectors of F F^T, those that are not lost in rounding."""
     if F.shape[1] == 0:
@@ -203,15 +161,6 @@ def _of_low_rank(F):
     kept = values > len(values) * np.finfo(float).eps * values.max()
     values, inner = values[kept], inner[:, kept]
     return values, F @ (inner / np.sqrt(values))
-
-
-def _placed(rows, out, n):
-    """Rows, the rows left out with them, and where they stand among those."""
-    if len(out) >= n - 1:
-        raise ValueError("a block that is left out with its gap leaves no row to fit; use more blocks")
-    place = np.full(n, -1)
-    place[out] = np.arange(len(out))
-    return rows, out, place[rows]
 
 
 def score_of(errors, weight):

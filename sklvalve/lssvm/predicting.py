@@ -44,7 +44,7 @@ class Predicting:
             If X has other columns than in `fit`, or is not finite, or the spread is not known.
         """
         check_is_fitted(self)
-        if device.is_elsewhere(X):
+        if device.is_elsewhere(X) or device.is_elsewhere(self.dual_coef_):
             if return_std:
                 raise ValueError("return_std needs rows in numpy arrays; X is on a device.")
             return device.predicted(self, X)

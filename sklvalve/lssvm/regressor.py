@@ -202,7 +202,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
     def __sklearn_tags__(self):
         tags = super().__sklearn_tags__()
         tags.input_tags.pairwise = self.kernel == "precomputed"
-        tags.array_api_support = True
+        tags.array_api_support = device.can_fit(self)
         return tags
 
     @_fit_context(prefer_skip_nested_validation=True)

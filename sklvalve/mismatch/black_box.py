@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
-from sklvalve.lssvm.held_out import BlockedErrors
+from sklvalve.lssvm.held_out import blocked_errors
 
 LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
 _MOST_ROWS = 1500
@@ -40,7 +40,7 @@ def black_box_prediction(recording, channel, train):
     best, least = None, np.inf
     for gamma in (0.01, 0.05, 0.2):
         for C in (10.0, 1000.0):
-            held_out = BlockedErrors(Z[few], C=C, gamma=gamma, blocks=_quarters(len(few)))
+            held_out = blocked_errors(Z[few], C=C, gamma=gamma, blocks=_quarters(len(few)))
             error = float(np.sum(held_out(y[few] / size) ** 2))
             if error < least:
                 best, least = (gamma, C), error

@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
-from sklvalve.lssvm.held_out import BlockedErrors
+from sklvalve.lssvm.held_out import HeldOutErrors, blocked_errors
 from sklvalve.simulation.rest import rest_inputs
 
 _BLOCKS, _GAP = 8, 3
@@ -107,7 +107,7 @@ class TunedRest:
     Z: np.ndarray
     slow: SlowRest
     regressor: LSSVMRegressor
-    held_out: BlockedErrors
+    held_out: HeldOutErrors
     skill: float
     predicted: np.ndarray
 
@@ -168,7 +168,7 @@ def _trials(slow):
 def held_out_errors(regressor, Z, slow):
     edges = np.linspace(0, len(Z), _BLOCKS + 1).astype(int)
     blocks = [slice(low, high) for low, high in pairwise(edges)]
-    return BlockedErrors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=slow.gap)
+    return blocked_errors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=slow.gap)
 
 
 def skills(held_out, Y):

@@ -79,9 +79,6 @@ def learnt_at(correction, Z):
 def _lssvm_of(correction):
     """The fitted estimator whose numbers a model file holds: plain data in, nothing executed."""
     regressor = LSSVMRegressor(gamma=float(correction["gamma"]))
-    regressor.X_fit_ = np.asarray(correction["support"], dtype=float)
-    regressor.dual_coef_ = np.asarray(correction["coefficients"], dtype=float)
-    regressor.intercept_ = float(correction["intercept"])
-    regressor.n_features_in_ = regressor.X_fit_.shape[1]
-    regressor.offset_ = regressor.X_fit_.mean(axis=0)
-    return regressor
+    return regressor.with_solution(
+        correction["support"], correction["coefficients"], float(correction["intercept"])
+    )

@@ -138,3 +138,32 @@ def test_one_row_cannot_be_left_out():
     weight[1:] = 0.0
     with pytest.raises(ValueError, match="at least two"):
         LSSVMRegressorCV().fit(X, y, weight)
+
+
+def test_a_gamma_for_each_column_tells_which_matter():
+    rng = np.random.default_rng(3)
+    X = rng.normal(size=(300, 3))
+    y = np.sin(2.0 * X[:, 0]) + 0.3 * X[:, 1] + 0.02 * rng.normal(size=300)
+    one = LSSVMRegressorCV(random_state=0).fit(X, y)
+    each = LSSVMRegressorCV(per_feature=True, random_state=0).fit(X, y)
+    assert each.best_gamma_.shape == (3,)
+    # the last says nothing, the second hardly bends
+    assert each.best_gamma_[0] > 10.0 * each.best_gamma_[1]
+    assert each.best_gamma_[0] > 100.0 * each.best_gamma_[2]
+    assert each.best_score_ < 0.8 * one.best_score_
+    fresh = rng.normal(size=(500, 3))
+    flow = np.sin(2.0 * fresh[:, 0]) + 0.3 * fresh[:, 1]
+    far = [np.sqrt(np.mean((model.predict(fresh) - flow) ** 2)) for model in (one, each)]
+    assert far[1] < 0.5 * far[0]
+
+
+def test_what_is_known_of_the_spread_is_passed_on():
+    rng = np.random.default_rng(4)
+    X = rng.uniform(-2.0, 2.0, size=(200, 1))
+    y = np.sin(X[:, 0]) + 0.1 * rng.normal(size=200)
+    model = LSSVMRegressorCV(uncertainty=True, random_state=0).fit(X, y)
+    fresh = rng.uniform(-2.0, 2.0, size=(2000, 1))
+    target = np.sin(fresh[:, 0]) + 0.1 * rng.normal(size=2000)
+    low, high = model.predict_interval(fresh, coverage=0.9)
+    assert np.mean((low <= target) & (target <= high)) == pytest.approx(0.9, abs=0.05)
+    np.testing.assert_allclose(model.estimator_.loo_residuals_, model.loo_residuals_, atol=1e-8)

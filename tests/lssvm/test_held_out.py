@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sklvalve.lssvm import LSSVMRegressor
-from sklvalve.lssvm.held_out import BlockedErrors
+from sklvalve.lssvm.held_out import blocked_errors
 
 
 @pytest.mark.parametrize("gap", [0, 3])
@@ -15,7 +15,7 @@ def test_errors_are_those_of_fits_without_the_rows(gap, C):
     X = rng.normal(size=(90, 2))
     Y = np.column_stack([np.sin(X[:, 0]) + 3.0, X[:, 1] ** 2 + 0.1 * rng.normal(size=90)])
     blocks = [slice(0, 30), slice(30, 50), slice(50, 90)]
-    found = BlockedErrors(X, C=C, gamma=0.7, blocks=blocks, gap=gap)(Y)
+    found = blocked_errors(X, C=C, gamma=0.7, blocks=blocks, gap=gap)(Y)
     for block in blocks:
         rest = np.ones(90, dtype=bool)
         rest[max(block.start - gap, 0) : block.stop + gap] = False
@@ -25,7 +25,7 @@ def test_errors_are_those_of_fits_without_the_rows(gap, C):
 
 def test_rows_of_no_block_have_no_error():
     X = np.linspace(0.0, 1.0, 20)[:, None]
-    errors = BlockedErrors(X, C=10.0, gamma=1.0, blocks=[slice(0, 5)])(X[:, 0])
+    errors = blocked_errors(X, C=10.0, gamma=1.0, blocks=[slice(0, 5)])(X[:, 0])
     assert np.isfinite(errors[:5]).all()
     assert np.isnan(errors[5:]).all()
 
@@ -33,4 +33,4 @@ def test_rows_of_no_block_have_no_error():
 def test_a_block_of_everything_is_refused():
     X = np.linspace(0.0, 1.0, 20)[:, None]
     with pytest.raises(ValueError, match="leaves no row to fit"):
-        BlockedErrors(X, C=10.0, gamma=1.0, blocks=[slice(0, 20)])
+        blocked_errors(X, C=10.0, gamma=1.0, blocks=[slice(0, 20)])

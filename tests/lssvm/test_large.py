@@ -241,3 +241,12 @@ def test_what_overflows_is_an_error(solver):
     X, y, _ = some(60)
     with pytest.raises(ValueError, match="not finite"):
         LSSVMRegressor("poly", degree=9, solver=solver, random_state=0).fit(1e60 * X, y)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+def test_a_solution_that_is_known_already_predicts_alike(kernel):
+    X, y, _ = some(100)
+    for targets in (y, y[:, 0]):
+        known = LSSVMRegressor(kernel).fit(X, targets)
+        found = LSSVMRegressor(kernel).with_solution(known.X_fit_, known.dual_coef_, known.intercept_)
+        np.testing.assert_allclose(found.predict(X + 0.1), known.predict(X + 0.1), atol=1e-9)
