@@ -12,6 +12,8 @@ EXTRAS = (
     "polars",
     "matplotlib",
     "jinja2",
+    "onnx",
+    "dask",
     "rich",
     "skops",
     "dask",

@@ -108,7 +108,7 @@ def predicted(estimator, X):
 
 
 def _own_kernel(estimator, xp, X):
-    estimator.X_fit_ = X
+    estimator.X_fit_, estimator._gamma_ = X, estimator.gamma
     moved = isinstance(estimator.kernel, str) and estimator.kernel in SHIFT_INVARIANT
     estimator.offset_ = xp.mean(X, axis=0) if moved else xp.zeros_like(X[0, :])
     rows, gamma = _moved(estimator, xp, X)
@@ -121,7 +121,7 @@ def _own_kernel(estimator, xp, X):
 
 def _moved(estimator, xp, X):
     """Rows in the coordinates of the kernel, and the one gamma that is left."""
-    gamma, scale = gamma_and_scale(estimator.kernel, estimator.gamma, X.shape[1])
+    gamma, scale = gamma_and_scale(estimator.kernel, estimator._gamma_, X.shape[1])
     X = X - estimator.offset_
     if scale is not None:
         X = X * xp.asarray(scale, dtype=X.dtype, device=X.device)

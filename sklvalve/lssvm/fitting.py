@@ -50,7 +50,8 @@ class Fitting:
         self : LSSVMRegressor
         """
         X_fit, dual_coef = np.asarray(X_fit, dtype=np.float64), np.asarray(dual_coef, dtype=np.float64)
-        self.n_features_in_, self.offset_ = X_fit.shape[1], middle_of(X_fit, self.kernel, self.bias)
+        self._gamma_, self.n_features_in_ = self.gamma, X_fit.shape[1]
+        self.offset_ = middle_of(X_fit, self.kernel, self.bias)
         alpha = dual_coef.reshape(len(dual_coef), -1)
         self._store(alpha, np.zeros(alpha.shape[1]), self._coordinates()(X_fit), dual_coef.ndim == 1)
         self.X_fit_ = X_fit
@@ -58,6 +59,8 @@ class Fitting:
         return self
 
     def _fit_arrays(self, X, y, sample_weight):
+        # what is changed afterwards is for the next fit
+        self._gamma_ = self.gamma
         weight = weight_of(self.C, sample_weight, X)
         targets, single = y.astype(np.float64).reshape(len(y), -1), y.ndim == 1
         self._fit_weighted(X, targets, weight, single)
@@ -72,6 +75,7 @@ class Fitting:
 
     def _fit_given(self, blocks):
         self._refuse("fit_blocks", robust_passes=self.robust_passes)
+        self._gamma_ = self.gamma
         given = GivenBlocks(blocks, self)
         X, y, _ = given.first()
         first = self._blocks_begin(X, y)
@@ -83,6 +87,7 @@ class Fitting:
     def _fit_dask(self, X, y, sample_weight):
         refused = {name: getattr(self, name) for name in ("robust_passes", "uncertainty")}
         self._refuse("A Dask collection", precomputed=self.kernel == "precomputed", **refused)
+        self._gamma_ = self.gamma
         parts, lengths = parts_of(X, y, sample_weight)
         head = X.get_partition(0) if hasattr(X, "get_partition") else X.blocks[0]
         validate_data(self, head.compute(), dtype=np.float64)
@@ -100,6 +105,7 @@ class Fitting:
         weight = weight_of(self.C, sample_weight, X)
         targets = y.astype(np.float64).reshape(len(y), -1)
         if seen is None:
+            self._gamma_ = self.gamma
             _, shift = self._blocks_begin(X, targets)
             seen = nothing_seen(X.shape[1], targets.shape[1]) | {"shift": shift}
         elif targets.shape[1] != len(seen["shift"]):
@@ -161,7 +167,7 @@ class Fitting:
 
     def _by_landmarks(self, passes, shift, single):
         n_features, options = len(self.offset_), ("C", "bias", "max_iter", "n_jobs", "n_landmarks")
-        gamma, _ = gamma_and_scale(self.kernel, self.gamma, n_features)
+        gamma, _ = gamma_and_scale(self.kernel, self._gamma_, n_features)
         tol = _NYSTROM_TOLERANCE * self.tol
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             found = fit_nystrom(

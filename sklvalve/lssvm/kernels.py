@@ -70,6 +70,7 @@ def gamma_and_scale(kernel, gamma, n_features):
     Returns
     -------
     gamma : float or None
+        None for a kernel that has none, too.
     scale : ndarray of shape (n_features,) or None
 
     Raises
@@ -77,6 +78,8 @@ def gamma_and_scale(kernel, gamma, n_features):
     ValueError
         If there are several, and not one for each column, or not all positive and finite.
     """
+    if kernel == "linear" or callable(kernel):
+        return None, None
     if gamma is None or np.ndim(gamma) == 0:
         return gamma, None
     gammas = np.asarray(gamma, dtype=np.float64)

@@ -109,7 +109,8 @@ def fit_nystrom(passes, *, C, bias, n_landmarks, length, tol, max_iter, random_s
 def factor_of(own, jitters=_JITTERS):
     """Lower factor of a matrix of the landmarks, which is semidefinite but for rounding."""
     diagonal = np.einsum("ii->i", own)
-    plain, size = diagonal.copy(), float(diagonal.mean())
+    # of a kernel that is zero everywhere any size will do
+    plain, size = diagonal.copy(), float(diagonal.mean()) or 1.0
     for jitter in jitters:
         diagonal[:] = plain + jitter * size
         factor, failed = dpotrf(own, lower=1, clean=1)
@@ -129,7 +130,8 @@ def chosen_landmarks(between, X, many, random_state, n_jobs=None):
     _, pivots, _ = pivoted_cholesky(
         between, X, diagonal, rank=many, left=0.0, random_state=random_state, n_jobs=n_jobs
     )
-    return X[pivots]
+    # one at least, also where the kernel is zero
+    return X[pivots] if len(pivots) else X[:1]
 
 
 def normal_equations(run, between, landmarks, L, X, y, weight):
@@ -168,7 +170,7 @@ def normal_equations(run, between, landmarks, L, X, y, weight):
 
 def row_spans(n, m):
     """Slices of n rows that are worth one product with so many landmarks."""
-    step = max(32, 4 * _BLOCK // m)
+    step = max(32, 4 * _BLOCK // max(1, m))
     return [slice(start, min(start + step, n)) for start in range(0, n, step)]
 
 

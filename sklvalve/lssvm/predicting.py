@@ -129,6 +129,9 @@ class Predicting:
     def _function(self, Z):
         """The fitted function of rows in the coordinates of the kernel, of shape (n, n_targets)."""
         between, alpha = self._between(), self._alpha()
+        if self.kernel == "linear":
+            # the slope first: no digits are lost in products of rows, and few are needed
+            return Z @ (self._right_.T @ alpha) + (self.intercept_ + self._of_offset(alpha))
         blocks, shape = KernelBlocks(between, Z, None, self._right_), (len(Z), len(alpha))
         if len(Z) * len(alpha) < _MANY:
             found = product(in_this_thread, blocks, shape, alpha)
@@ -151,10 +154,10 @@ class Predicting:
         return self._spread_
 
     def _coordinates(self):
-        return Coordinates(self.offset_, gamma_and_scale(self.kernel, self.gamma, len(self.offset_))[1])
+        return Coordinates(self.offset_, gamma_and_scale(self.kernel, self._gamma_, len(self.offset_))[1])
 
     def _between(self):
-        gamma, _ = gamma_and_scale(self.kernel, self.gamma, self.n_features_in_)
+        gamma, _ = gamma_and_scale(self.kernel, self._gamma_, self.n_features_in_)
         return kernel_between(
             self.kernel,
             gamma=gamma,

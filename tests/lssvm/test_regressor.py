@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-import io
-import pickle
 
-import joblib
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -256,29 +253,6 @@ def test_bad_input_gets_one_plain_sentence():
             LSSVMRegressor(C=C).fit(X, y, sample_weight=weight)
     with pytest.raises(ValueError, match="The 'bias' parameter"):
         LSSVMRegressor(bias="maybe").fit(X, y)
-
-
-@pytest.mark.parametrize("kernel", ["rbf", "precomputed", row_kernel])
-def test_saved_and_loaded_models_predict_the_same(kernel):
-    X, y, _ = make_data(n=30, targets=2)
-    X = rbf_kernel(X) if kernel == "precomputed" else X
-    model = LSSVMRegressor(kernel).fit(X, y)
-    expected = model.predict(X)
-    file = io.BytesIO()
-    joblib.dump(model, file)
-    file.seek(0)
-    np.testing.assert_array_equal(joblib.load(file).predict(X), expected)
-    np.testing.assert_array_equal(pickle.loads(pickle.dumps(model)).predict(X), expected)
-
-
-def test_skops_round_trip_trusts_this_class_only():
-    sio = pytest.importorskip("skops.io")
-    X, y, _ = make_data(n=30)
-    model = LSSVMRegressor(C=5.0).fit(X, y)
-    saved = sio.dumps(model)
-    untrusted = sio.get_untrusted_types(data=saved)
-    assert untrusted == ["sklvalve.lssvm.regressor.LSSVMRegressor"]
-    np.testing.assert_array_equal(sio.loads(saved, trusted=untrusted).predict(X), model.predict(X))
 
 
 def test_grid_search_slices_a_precomputed_kernel():
