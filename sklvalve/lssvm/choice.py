@@ -3,6 +3,7 @@
 
 import os
 import warnings
+from contextlib import nullcontext
 
 import numpy as np
 from scipy.linalg import LinAlgWarning
@@ -12,11 +13,14 @@ from sklvalve.lssvm.kernels import kernel_diagonal, lower_gram
 from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
 from sklvalve.lssvm.products import KernelBlocks, kernel_product
 from sklvalve.lssvm.solvers import LAPACK_ROWS, solve_lssvm
+from sklvalve.lssvm.threads import one_blas_thread
 
 #: Solvers, "auto" aside.
 SOLVERS = ("cholesky", "tiled", "pcg", "nystrom")
 # beyond so many rows no exact solution is tried unless it is asked for
 _EXACT_ROWS = 100_000
+# so few rows are done before two threads have agreed on who does what, and much earlier on a busy machine
+_ALONE = 1200
 # of the memory that is free
 _OF_FREE = 0.6
 # rows whose equations are looked at after a factorisation that gave no reason to doubt it
@@ -121,7 +125,8 @@ class Machine:
         dual : Dual
         solver : str
         """
-        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+        few = one_blas_thread() if self._n <= _ALONE else nullcontext()
+        with few, np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             if solver != "auto":
                 return getattr(self, f"_{solver}")(y, ridge)
             solver = solver_for(self._n, self._memory, matrix_given=self._matrix is not None)

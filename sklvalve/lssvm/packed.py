@@ -9,10 +9,9 @@ from threading import Event
 
 import numpy as np
 from scipy.linalg.blas import dtrsm
-from threadpoolctl import threadpool_limits
 
 from sklvalve.lssvm.blas import divide_by, factor, take_off, take_off_square
-from sklvalve.lssvm.threads import Turns, own_threads
+from sklvalve.lssvm.threads import Turns, one_blas_thread, own_threads
 
 TILE = 512
 
@@ -116,7 +115,7 @@ class PackedCholesky:
         x = np.array(right, dtype=np.float64)
         many = len(self._spans)
         # a few columns are bound by memory: threads of BLAS would only wait for each other
-        with threadpool_limits(1, user_api="blas"):
+        with one_blas_thread():
             for j in range(many):
                 own = x[self._spans[j]] = dtrsm(1.0, self._tiles[j, j], x[self._spans[j]], lower=1)
                 for i in range(j + 1, many):

@@ -7,19 +7,33 @@ core. Threads that take blocks of their own wait for nothing.
 
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import cache
 from itertools import count
 from threading import Lock
 
 import numpy as np
 from joblib import effective_n_jobs
-from threadpoolctl import threadpool_info, threadpool_limits
+from threadpoolctl import ThreadpoolController
+
+
+@cache
+def _controller():
+    # looking for libraries takes milliseconds, and those of numpy and scipy are there by now
+    return ThreadpoolController()
+
+
+def one_blas_thread():
+    """Context in which BLAS keeps to the thread that calls it."""
+    return _controller().limit(limits=1, user_api="blas")
 
 
 def threads_to_use(n_jobs=None):
     """Number of threads: `n_jobs` as scikit-learn has it; None is what BLAS would use by itself."""
     if n_jobs is not None:
         return effective_n_jobs(n_jobs)
-    return max((pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"), default=1)
+    return max(
+        (pool["num_threads"] for pool in _controller().info() if pool["user_api"] == "blas"), default=1
+    )
 
 
 @contextmanager
@@ -33,7 +47,7 @@ def own_threads(n_jobs=None):
         first error.
     """
     many = threads_to_use(n_jobs)
-    with threadpool_limits(1, user_api="blas"), ThreadPoolExecutor(many) as pool:
+    with one_blas_thread(), ThreadPoolExecutor(many) as pool:
 
         def quietly(task, k):
             # what overflows is seen by whoever asks whether the result is finite; threads inherit no errstate
