@@ -13,7 +13,8 @@ from benchmarks.concealed.draw import draw, only_of
 from benchmarks.concealed.judging import line_of
 from benchmarks.concealed.scoring.lines import read_lines
 
-# a worker is replaced after so many records, so that its peak of memory is that of few
+# workers are replaced after so many records each, so that their peak of memory is that of few; a pool that
+# replaces them by itself comes to a stand in some versions of Python
 _RECORDS_A_WORKER = 40
 GIVEN = "valve_given.toml"
 
@@ -73,19 +74,23 @@ def judge_all(folder, names, jobs, *, given=False, report=print):
     work.sort(key=lambda item: item[0].name)
     began = time.perf_counter()
     log(folder, f"{len(work)} diagnoses of {', '.join(names)}, code {commit}, {jobs} processes")
-    own = {"mp_context": multiprocessing.get_context("spawn"), "max_tasks_per_child": _RECORDS_A_WORKER}
-    with ProcessPoolExecutor(jobs, **own) as pool:
-        # a worker that the system ends raises here, instead of being waited for
-        for many, done in enumerate(as_completed([pool.submit(_judged, item) for item in work]), start=1):
-            file, line = done.result()
-            with file.open("a", encoding="utf-8") as stream:
-                stream.write(json.dumps(line | {"code": commit}, default=float) + "\n")
-            if many % 20 == 0 or many == len(work):
-                report(
-                    f"{many} of {len(work)} after {(time.perf_counter() - began) / 60.0:.0f} min", flush=True
-                )
+    for many, (file, line) in enumerate(_all_judged(work, jobs), start=1):
+        with file.open("a", encoding="utf-8") as stream:
+            stream.write(json.dumps(line | {"code": commit}, default=float) + "\n")
+        if many % 20 == 0 or many == len(work):
+            report(f"{many} of {len(work)} after {(time.perf_counter() - began) / 60.0:.0f} min", flush=True)
     log(folder, f"done after {(time.perf_counter() - began) / 60.0:.1f} min")
     return files
+
+
+def _all_judged(work, jobs):
+    """Files and lines of all work, as they are done."""
+    step = jobs * _RECORDS_A_WORKER
+    for first in range(0, len(work), step):
+        with ProcessPoolExecutor(jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
+            # a worker that the system ends raises here, instead of being waited for
+            for done in as_completed([pool.submit(_judged, item) for item in work[first : first + step]]):
+                yield done.result()
 
 
 def whole_lines(file):

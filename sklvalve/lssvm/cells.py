@@ -68,6 +68,8 @@ def _numbered(places):
     """One number for each place; columns are folded together before their product is too large for one."""
     key, size = np.zeros(len(places), dtype=np.int64), 1
     for column in places.T:
+        if column.max() >= _MOST:
+            _, column = np.unique(column, return_inverse=True)
         many = int(column.max()) + 1
         if size * many >= _MOST:
             _, key = np.unique(key, return_inverse=True)

@@ -7,12 +7,14 @@ from contextlib import nullcontext
 
 import numpy as np
 from scipy.linalg import LinAlgWarning
+from scipy.linalg.blas import dsymm
 from sklearn.utils.validation import _check_sample_weight
 
+from sklvalve.lssvm.dense import solve_lssvm
 from sklvalve.lssvm.kernels import kernel_diagonal, lower_gram
 from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
 from sklvalve.lssvm.products import KernelBlocks, kernel_product
-from sklvalve.lssvm.solvers import LAPACK_ROWS, solve_lssvm
+from sklvalve.lssvm.solvers import LAPACK_ROWS, right_sides
 from sklvalve.lssvm.threads import one_blas_thread
 
 #: Solvers, "auto" aside.
@@ -70,7 +72,7 @@ def _of_tiles(n):
 
 
 def weight_of(C, sample_weight, X):
-    """Weights of the rows, of shape (n,); at least one is positive, and 1 / (C w) is finite.
+    """Weights of the rows, of shape (n,); one that is so small that 1 / (C w) is infinite counts as nothing.
 
     Raises
     ------
@@ -83,11 +85,8 @@ def weight_of(C, sample_weight, X):
     if sample_weight is None:
         return np.ones(len(X))
     weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True, copy=True)
-    # what is so small that its ridge overflows counts as nothing
     with np.errstate(divide="ignore", over="ignore"):
         weight[~np.isfinite(1.0 / (C * weight))] = 0.0
-    if not weight.any():
-        raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
     return weight
 
 
@@ -127,17 +126,24 @@ class Machine:
         """
         few = one_blas_thread() if self._n <= _ALONE else nullcontext()
         with few, np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            if solver != "auto":
-                return getattr(self, f"_{solver}")(y, ridge)
-            solver = solver_for(self._n, self._memory, matrix_given=self._matrix is not None)
-            return self._pcg_or_else(y, ridge) if solver == "pcg" else getattr(self, f"_{solver}")(y, ridge)
+            ways = {"cholesky": self._cholesky, "tiled": self._tiled, "pcg": self._pcg}
+            if solver == "auto":
+                solver = solver_for(self._n, self._memory, matrix_given=self._matrix is not None)
+                ways["pcg"] = self._pcg_or_else
+            return ways[solver](y, ridge)
 
     def _cholesky(self, y, ridge):
-        alpha, b = solve_lssvm(self._gram, self._product, y, ridge, bias=self._options["bias"])
-        some = np.unique(np.linspace(0, self._n - 1, _LOOKED_AT).astype(int))
-        left = self._product_of(some, alpha) + ridge[some, None] * alpha[some] + b - y[some]
-        size = np.maximum(np.abs(y - b).max(axis=0), np.finfo(float).tiny)
-        return Dual(alpha, b, float((np.abs(left) / size).max())), "cholesky"
+        found = solve_lssvm(self._gram, self._product, y, ridge, bias=self._options["bias"])
+        residual = found.residual
+        if residual is None:
+            some = np.unique(np.linspace(0, self._n - 1, _LOOKED_AT).astype(int))
+            alpha, (shift, _) = found.alpha, right_sides(y, ridge, self._options["bias"])
+            left = self._product_of(some, alpha) + ridge[some, None] * alpha[some] + found.b - y[some]
+            size = np.maximum(np.abs(y - shift).max(axis=0), np.finfo(float).tiny)
+            residual = float((np.abs(left) / size).max())
+        if residual > self._options["tol"] and not found.told:
+            warn_of_residual(residual)
+        return Dual(found.alpha, found.b, residual), "cholesky"
 
     def _tiled(self, y, ridge):
         more = {k: self._options[k] for k in ("bias", "tol", "n_jobs")}
@@ -163,12 +169,16 @@ class Machine:
         dual = self._by_gradients(y, ridge)
         if dual.residual <= self._options["tol"]:
             return dual, "pcg"
-        if _of_tiles(self._n) <= self._memory:
-            return self._tiled(y, ridge)
+        if _of_tiles(self._n) > self._memory:
+            why = f"a factorisation needs {_of_tiles(self._n) / 1e9:.1f} GB: raise max_memory"
+        else:
+            try:
+                return self._tiled(y, ridge)
+            except ValueError:
+                why = "the matrix has no factor: merge repeated rows into one with their weight"
         warnings.warn(
             f"The LS-SVM equations are met only to {dual.residual:.1e} of the target after {dual.n_iter} "
-            f"steps, and a factorisation needs {_of_tiles(self._n) / 1e9:.1f} GB: raise max_memory, lower C, "
-            "make the kernel smoother, or use solver='nystrom'.",
+            f"steps, and {why}, lower C, make the kernel smoother, or use solver='nystrom'.",
             LinAlgWarning,
             stacklevel=4,
         )
@@ -196,7 +206,8 @@ class Machine:
 
     def _product(self, v):
         if self._matrix is not None:
-            return self._matrix @ v
+            # of a given matrix only the lower triangle counts, which is the upper one of its transpose
+            return dsymm(1.0, self._matrix.T, np.asfortranarray(v), lower=0)
         return kernel_product(self._between, self._X, self._X, v)
 
     def _product_of(self, rows, v):
@@ -210,4 +221,11 @@ class Machine:
     def _blocks(self):
         if self._matrix is None:
             return KernelBlocks(self._between, self._X, self._X)
-        return lambda rows, columns: self._matrix[rows, columns].copy()
+        return self._block_given
+
+    def _block_given(self, rows, columns):
+        block = self._matrix[rows, columns].copy()
+        if rows == columns:
+            block = np.tril(block)
+            block += np.tril(block, -1).T
+        return block

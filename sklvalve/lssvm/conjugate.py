@@ -4,7 +4,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_solve
+
+from sklvalve.lssvm.solvers import factor_of
 
 # steps after which it is asked whether the rest is worth waiting for
 _LOOK_AFTER = 8
@@ -25,7 +27,7 @@ class LowRankPreconditioner:
         F *= self._scale[:, None]
         inner = F.T @ F
         inner[np.diag_indices_from(inner)] += 1.0
-        self._scaled, self._inner = F, cho_factor(inner, lower=True, overwrite_a=True, check_finite=False)
+        self._scaled, self._inner = F, (factor_of(inner), True)
 
     def __call__(self, v):
         v = self._scale[:, None] * v
@@ -99,7 +101,8 @@ def conjugate_gradients(apply, precondition, right, *, tol, max_iter):
     """
     size = np.maximum(np.abs(right).max(axis=0), np.finfo(float).tiny)
     start = precondition(right)
-    best, begun, lowest = start, None, np.inf
+    # nothing at all is a solution to be bettered
+    best, begun, lowest = np.zeros_like(right), None, 1.0
     for n_iter, (x, residual, slope) in enumerate(
         gradient_steps(apply, precondition, start, right - apply(start))
     ):

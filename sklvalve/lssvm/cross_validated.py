@@ -12,6 +12,7 @@ from sklearn.utils.validation import _check_sample_weight, check_is_fitted, vali
 
 from sklvalve.lssvm.left_out import score_of
 from sklvalve.lssvm.regressor import LSSVMRegressor
+from sklvalve.lssvm.rows import middle_of, unit_of
 from sklvalve.lssvm.search import Search
 
 # parameters of the final fit that are no choice
@@ -172,8 +173,9 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Cs, gammas = self._paths(X.shape[1])
         targets = y.astype(np.float64).reshape(len(y), -1)
         options = {name: getattr(self, name) for name in ("kernel", *_PASSED_ON)}
-        centred = X[rows] - X[rows].mean(axis=0)
-        search = Search(centred, targets[rows], weight[rows], self._blocks(X, y, rows), Cs, options)
+        centred = X[rows] - middle_of(X[rows], self.kernel, self.bias)
+        unit = unit_of(targets[rows])
+        search = Search(centred, targets[rows] / unit, weight[rows], self._blocks(X, y, rows), Cs, options)
         self.scores_ = search.grid(gammas)
         if not np.isfinite(self.scores_).any():
             raise ValueError(
@@ -185,6 +187,8 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
             self.best_gamma_, C = search.by_column(self.best_gamma_)
         errors = np.full(targets.shape, np.nan)
         errors[rows], self.best_C_ = search.errors(self.best_gamma_, C)
+        errors *= unit
+        self.scores_ *= unit
         known = np.isfinite(errors[:, 0])
         self.best_score_ = score_of(errors[known], weight[known])
         self.loo_residuals_ = errors[:, 0] if y.ndim == 1 else errors
@@ -221,19 +225,11 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         return self.estimator_.X_fit_
 
     def _paths(self, n_features):
-        Cs = np.logspace(-1.0, 6.0, 15) if self.Cs is None else np.asarray(self.Cs, dtype=np.float64).ravel()
+        Cs = _path("Cs", np.logspace(-1.0, 6.0, 15) if self.Cs is None else self.Cs)
         if callable(self.kernel) or self.kernel == "linear":
-            gammas = [None]
-        elif self.gammas is None:
-            gammas = list(4.0 ** np.arange(-2, 3) / n_features)
-        else:
-            gammas = [float(g) for g in np.asarray(self.gammas, dtype=np.float64).ravel()]
-        for name, values in (("Cs", Cs), ("gammas", gammas)):
-            if len(values) == 0 or any(v is not None and not (v > 0.0 and np.isfinite(v)) for v in values):
-                raise ValueError(
-                    f"{name} must hold positive finite numbers, one at least; got {list(values)}."
-                )
-        return Cs, gammas
+            return Cs, [None]
+        gammas = 4.0 ** np.arange(-2, 3) / n_features if self.gammas is None else self.gammas
+        return Cs, [float(g) for g in _path("gammas", gammas)]
 
     def _blocks(self, X, y, kept):
         """Rows of each block and those left out with them, by place among the kept; None for single rows."""
@@ -250,3 +246,10 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
             rows = np.asarray(test)[kept[test]]
             blocks.append((place[rows], place[out & kept]))
         return [block for block in blocks if len(block[0])]
+
+
+def _path(name, values):
+    values = np.asarray(values, dtype=np.float64)
+    if values.ndim != 1 or not len(values) or not (np.isfinite(values) & (values > 0.0)).all():
+        raise ValueError(f"{name} must hold positive finite numbers in one row, got {values.tolist()}.")
+    return values

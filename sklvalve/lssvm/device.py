@@ -18,7 +18,8 @@ from sklearn.utils._array_api import (
 )
 from sklearn.utils.validation import _check_sample_weight, validate_data
 
-from sklvalve.lssvm.kernels import SHIFT_INVARIANT, gamma_and_scale
+from sklvalve.lssvm.choice import weight_of
+from sklvalve.lssvm.kernels import SHIFT_INVARIANT
 
 # numbers of one block of kernel values of a prediction
 _BLOCK = 2**25
@@ -62,6 +63,7 @@ def fitted(estimator, X, y, sample_weight):
         If the kernel is a callable, an option needs rows in numpy arrays, or the data are not finite.
     """
     xp, _ = get_namespace(X)
+    weight_of(estimator.C, None, ())
     for name in _WANTS_NUMPY:
         if not _is_possible(estimator, name):
             raise ValueError(
@@ -69,6 +71,8 @@ def fitted(estimator, X, y, sample_weight):
             )
     y, sample_weight = move_to(y, sample_weight, xp=xp, device=X.device)
     X, y = validate_data(estimator, X, y, dtype=(xp.float64, xp.float32), multi_output=True, y_numeric=True)
+    estimator._begin_anew()
+    estimator._seen_ = estimator._spread_ = estimator.X_fit_ = None
     # in double, as with numpy arrays, wherever the device has it
     X = xp.astype(X, _max_precision_float_dtype(xp, X.device), copy=False)
     targets = xp.reshape(xp.astype(y, X.dtype), (y.shape[0], -1))
@@ -86,7 +90,6 @@ def fitted(estimator, X, y, sample_weight):
     estimator.dual_coef_ = alpha[:, 0] if y.ndim == 1 else alpha
     estimator.intercept_ = float(b[0]) if y.ndim == 1 else b
     estimator.solver_, estimator.n_iter_, estimator.residual_ = "cholesky", 1, residual
-    estimator._seen_ = estimator._spread_ = None
     return estimator
 
 
@@ -108,7 +111,7 @@ def predicted(estimator, X):
 
 
 def _own_kernel(estimator, xp, X):
-    estimator.X_fit_, estimator._gamma_ = X, estimator.gamma
+    estimator.X_fit_ = X
     moved = isinstance(estimator.kernel, str) and estimator.kernel in SHIFT_INVARIANT
     estimator.offset_ = xp.mean(X, axis=0) if moved else xp.zeros_like(X[0, :])
     rows, gamma = _moved(estimator, xp, X)
@@ -121,7 +124,7 @@ def _own_kernel(estimator, xp, X):
 
 def _moved(estimator, xp, X):
     """Rows in the coordinates of the kernel, and the one gamma that is left."""
-    gamma, scale = gamma_and_scale(estimator.kernel, estimator._gamma_, X.shape[1])
+    gamma, scale = estimator._gamma_and_scale()
     X = X - estimator.offset_
     if scale is not None:
         X = X * xp.asarray(scale, dtype=X.dtype, device=X.device)
@@ -162,7 +165,8 @@ def _solved(xp, gram, y, ridge, estimator):
             "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C is "
             "too large for it; lower C, or fit numpy arrays, which takes the least-squares solution."
         ) from error
-    size = float(xp.max(xp.abs(right[:, :-1]))) or 1.0
+    size = xp.max(xp.abs(right), axis=0)
+    size = xp.where(size > 0.0, size, xp.ones_like(size))
     worst = _worst(xp, right - matrix @ x, size)
     for _ in range(_REFINEMENTS):
         better = x + solve(right - matrix @ x)
@@ -197,7 +201,7 @@ def _solver_of(xp, matrix):
 
 
 def _worst(xp, left, size):
-    return float(xp.max(xp.abs(left))) / size
+    return float(xp.max(xp.abs(left) / size))
 
 
 def _weight(xp, X, sample_weight):

@@ -7,6 +7,7 @@ Every pass is one graph of sums, so a worker that is lost costs its part once mo
 import numpy as np
 
 from sklvalve.lssvm.passes import Look, look_at, sums_of_block
+from sklvalve.lssvm.rows import as_columns
 from sklvalve.lssvm.threads import own_threads
 
 # parts that are looked at before what they told is put together
@@ -116,7 +117,7 @@ def _block(X, y, weight):
         )
     if not all(np.isfinite(column).all() for column in (X, y, weight)) or (weight < 0.0).any():
         raise ValueError("Every number of X, y and sample_weight must be finite, and no weight negative.")
-    return X, y.reshape(len(y), -1), weight
+    return X, as_columns(y), weight
 
 
 def _length(block):

@@ -17,19 +17,29 @@ from sklvalve.lssvm.passes import Passes
 from sklvalve.lssvm.products import as_right
 from sklvalve.lssvm.robust import trust
 from sklvalve.lssvm.rows import (
-    HEAD,
     ArrayBlocks,
     GivenBlocks,
     Move,
     MovedBlocks,
+    as_columns,
+    begin,
+    merged,
     middle_of,
+    unit_of,
 )
+from sklvalve.lssvm.solvers import raise_unless_finite
 from sklvalve.lssvm.spread import fit_spread
 
 # the approximation's own error is far above this, whatever the tolerance of an exact solution
 _NYSTROM_TOLERANCE = 100.0
 # of what there is to be spanned; less than this is no loss
 _LACKING = 1e-4
+# weights that span more than this hide the light rows from the norm in which landmarks are fitted
+_UNEVEN = 1e5
+# where C is larger, rows that repeat each other spoil the equations and are made one
+_MERGED = 1e8
+# parameters that say which function was fitted, and how far it may be from new targets
+_OF_THE_FUNCTION = ("kernel", "gamma", "degree", "coef0", "kernel_params", "bias", "C")
 
 
 class Fitting:
@@ -48,73 +58,83 @@ class Fitting:
         Returns
         -------
         self : LSSVMRegressor
+
+        Raises
+        ------
+        ValueError
+            If there are not as many weights as rows.
         """
         X_fit, dual_coef = np.asarray(X_fit, dtype=np.float64), np.asarray(dual_coef, dtype=np.float64)
-        self._gamma_, self.n_features_in_ = self.gamma, X_fit.shape[1]
-        self.offset_ = middle_of(X_fit, self.kernel, self.bias)
-        alpha = dual_coef.reshape(len(dual_coef), -1)
+        if X_fit.ndim != 2 or len(X_fit) != len(dual_coef):
+            raise ValueError(
+                f"X_fit and dual_coef must have as many rows, got {X_fit.shape} and {dual_coef.shape}."
+            )
+        self._begin_anew()
+        self.n_features_in_, self.offset_ = X_fit.shape[1], middle_of(X_fit, self.kernel, self.bias)
+        alpha = as_columns(dual_coef)
         self._store(alpha, np.zeros(alpha.shape[1]), self._coordinates()(X_fit), dual_coef.ndim == 1)
         self.X_fit_ = X_fit
         self.intercept_ = float(intercept) if dual_coef.ndim == 1 else np.asarray(intercept, dtype=np.float64)
         return self
 
     def _fit_arrays(self, X, y, sample_weight):
-        # what is changed afterwards is for the next fit
-        self._gamma_ = self.gamma
+        self._refuse("A precomputed kernel", self.kernel == "precomputed", "uncertainty")
         weight = weight_of(self.C, sample_weight, X)
-        targets, single = y.astype(np.float64).reshape(len(y), -1), y.ndim == 1
-        self._fit_weighted(X, targets, weight, single)
-        counts = weight
+        if not weight.any():
+            raise ValueError("The sample weights of all rows are zero; give one at least a positive one.")
+        self._begin_anew()
+        targets, single, counts = as_columns(y), y.ndim == 1, weight
+        self._fit_weighted(X, targets, counts, single)
         for _ in range(self.robust_passes):
-            self.robust_weight_ = self._trusted(X, targets, counts)
-            counts = weight * self.robust_weight_
+            trusted = self._trusted(X, targets, counts)
+            counts = weight * trusted
             self._fit_weighted(X, targets, counts, single)
+            self.robust_weight_ = trusted
         if self.uncertainty:
             self._learn_spread(ArrayBlocks(X, targets, counts), single)
         return self
 
     def _fit_given(self, blocks):
-        self._refuse("fit_blocks", robust_passes=self.robust_passes)
-        self._gamma_ = self.gamma
+        self._refuse("fit_blocks", True, "robust_passes")
+        weight_of(self.C, None, ())
+        self._begin_anew()
         given = GivenBlocks(blocks, self)
-        X, y, _ = given.first()
-        first = self._blocks_begin(X, y)
-        self._by_landmarks(Passes(self._between(), MovedBlocks(given, *first)), first[1], given.single)
+        move = self._move_by(given)
+        self._by_landmarks(Passes(self._between(), MovedBlocks(given, move)), move, given.single)
         if self.uncertainty:
             self._learn_spread(given, given.single)
         return self
 
     def _fit_dask(self, X, y, sample_weight):
-        refused = {name: getattr(self, name) for name in ("robust_passes", "uncertainty")}
-        self._refuse("A Dask collection", precomputed=self.kernel == "precomputed", **refused)
-        self._gamma_ = self.gamma
+        self._refuse("A Dask collection", True, "robust_passes", "uncertainty")
+        weight_of(self.C, None, ())
+        self._begin_anew()
         parts, lengths = parts_of(X, y, sample_weight)
         head = X.get_partition(0) if hasattr(X, "get_partition") else X.blocks[0]
-        validate_data(self, head.compute(), dtype=np.float64)
-        rows, targets, _ = parts[0].compute()
-        coordinates, shift = self._blocks_begin(rows, targets)
-        passes = DaskPasses(self._between(), parts, lengths, Move(coordinates, shift))
-        return self._by_landmarks(passes, shift, y.ndim == 1)
+        validate_data(self, head.compute(), dtype=np.float64, ensure_min_samples=0)
+        move = self._move_by(part.compute() for part in parts)
+        return self._by_landmarks(DaskPasses(self._between(), parts, lengths, move), move, y.ndim == 1)
 
     def _fit_more(self, X, y, sample_weight):
-        self._refuse("partial_fit", robust_passes=self.robust_passes, uncertainty=self.uncertainty)
+        self._refuse("partial_fit", True, "robust_passes", "uncertainty")
         seen = getattr(self, "_seen_", None)
         X, y = validate_data(
             self, X, y, dtype=np.float64, multi_output=True, y_numeric=True, reset=seen is None
         )
-        weight = weight_of(self.C, sample_weight, X)
-        targets = y.astype(np.float64).reshape(len(y), -1)
+        weight, single = weight_of(self.C, sample_weight, X), y.ndim == 1
         if seen is None:
-            self._gamma_ = self.gamma
-            _, shift = self._blocks_begin(X, targets)
-            seen = nothing_seen(X.shape[1], targets.shape[1]) | {"shift": shift}
-        elif targets.shape[1] != len(seen["shift"]):
-            raise ValueError(f"y has {targets.shape[1]} targets, the rows before had {len(seen['shift'])}.")
+            self._begin_anew()
+            move = self._move_by([(X, as_columns(y), weight)])
+            seen = nothing_seen(X.shape[1], len(move.shift)) | {"shift": move.shift, "unit": move.unit}
+        elif (y.ndim == 1) != (self.dual_coef_.ndim == 1) or as_columns(y).shape[1] != len(seen["shift"]):
+            raise ValueError(
+                f"y has the shape {y.shape}, before it had {len(seen['shift'])} target(s) a row."
+            )
+        move = Move(self._coordinates(), seen["shift"], seen["unit"])
         more = {name: getattr(self, name) for name in ("C", "n_landmarks", "n_jobs")}
         more["random_state"] = check_random_state(self.random_state)
-        Z = self._coordinates()(X)
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
-            seen, lacking = with_rows(seen, self._between(), Z, targets - seen["shift"], weight, **more)
+            seen, lacking = with_rows(seen, self._between(), *move((X, as_columns(y), weight)), **more)
         if lacking > _LACKING:
             warnings.warn(
                 f"The {len(seen['landmarks'])} landmarks leave {lacking:.1e} of the kernel of the new rows "
@@ -123,51 +143,63 @@ class Fitting:
                 stacklevel=4,
             )
         alpha, b, residual = solution_of(seen, C=self.C, bias=self.bias)
-        self._store(alpha, b + seen["shift"], seen["landmarks"], y.ndim == 1)
+        self._store(move.unit * alpha, move.unit * b + move.shift, seen["landmarks"], single)
         self.solver_, self.n_iter_, self.residual_, self._seen_ = "online", 1, residual, seen
         return self
 
     def _fit_weighted(self, X, targets, weight, single):
         rows, memory = weight > 0.0, memory_to_use(self.max_memory)
-        matrix_given = self.kernel == "precomputed"
-        if matrix_given and self.solver in ("pcg", "nystrom"):
+        if self.kernel == "precomputed":
+            return self._fit_matrix(X, targets, weight, single, memory)
+        solver = self.solver
+        if solver == "auto" and solver_for(rows.sum(), memory, matrix_given=False) == "nystrom":
+            solver = "nystrom"
+        if solver == "nystrom":
+            blocks = ArrayBlocks(X, targets, weight)
+            move = self._move_by(blocks)
+            return self._by_landmarks(Passes(self._between(), MovedBlocks(blocks, move)), move, single)
+        kept, targets, weight = (column if rows.all() else column[rows] for column in (X, targets, weight))
+        if self.C * weight.max() > _MERGED:
+            kept, targets, weight = merged(kept, targets, weight)
+        self.offset_ = middle_of(kept, self.kernel, self.bias)
+        Z = self._coordinates()(kept)
+        alpha, b = self._solved(Machine(self._between(), Z, None, **self._limits(memory)), targets, weight)
+        self._store(alpha, b, Z, single)
+        self.X_fit_ = kept.astype(np.float64)
+        return self
+
+    def _fit_matrix(self, X, targets, weight, single, memory):
+        if self.solver in ("pcg", "nystrom"):
             raise ValueError(
                 f"solver={self.solver!r} needs rows, and a precomputed kernel has none; use 'auto', "
                 "'cholesky' or 'tiled'."
             )
-        solver = self.solver
-        if solver == "auto" and solver_for(rows.sum(), memory, matrix_given=matrix_given) == "nystrom":
-            solver = "nystrom"
-        if solver == "nystrom":
-            first = self._blocks_begin(X, targets)
-            blocks = MovedBlocks(ArrayBlocks(X, targets, weight), *first)
-            return self._by_landmarks(Passes(self._between(), blocks), first[1], single)
-        options = {name: getattr(self, name) for name in ("bias", "tol", "max_iter", "n_jobs")}
-        options["random_state"] = check_random_state(self.random_state)
-        Z, given = None, None
-        if matrix_given:
-            if X.shape[0] != X.shape[1]:
-                raise ValueError(f"A precomputed kernel matrix must be square, got shape {X.shape}.")
-            given = np.asarray(X if rows.all() else X[np.ix_(rows, rows)], dtype=np.float64)
-        else:
-            kept = X[rows]
-            self.offset_ = middle_of(kept, self.kernel, self.bias)
-            Z = self._coordinates()(kept)
-        machine = Machine(None if matrix_given else self._between(), Z, given, memory=memory, options=options)
-        dual, self.solver_ = machine.solved(solver, targets[rows], 1.0 / (self.C * weight[rows]))
-        self.n_iter_, self.residual_ = dual.n_iter + 1, dual.residual
-        alpha = dual.alpha
-        if matrix_given:
-            alpha = np.zeros((len(rows), alpha.shape[1]))
-            alpha[rows] = dual.alpha
-        self._store(alpha, dual.b, Z, single)
-        if not matrix_given:
-            self.X_fit_ = kept.astype(np.float64)
+        if X.shape[0] != X.shape[1]:
+            raise ValueError(f"A precomputed kernel matrix must be square, got shape {X.shape}.")
+        rows = weight > 0.0
+        matrix = np.asarray(X if rows.all() else X[np.ix_(rows, rows)], dtype=np.float64)
+        alpha = np.zeros(targets.shape)
+        machine = Machine(None, None, matrix, **self._limits(memory))
+        alpha[rows], b = self._solved(machine, targets[rows], weight[rows])
+        self._store(alpha, b, None, single)
         return self
 
-    def _by_landmarks(self, passes, shift, single):
+    def _solved(self, machine, targets, weight):
+        unit = unit_of(targets)
+        dual, self.solver_ = machine.solved(self.solver, targets / unit, 1.0 / (self.C * weight))
+        self.n_iter_, self.residual_ = dual.n_iter + 1, dual.residual
+        return unit * dual.alpha, unit * dual.b
+
+    def _limits(self, memory):
+        options = {name: getattr(self, name) for name in ("bias", "tol", "max_iter", "n_jobs")}
+        return {
+            "memory": memory,
+            "options": options | {"random_state": check_random_state(self.random_state)},
+        }
+
+    def _by_landmarks(self, passes, move, single):
         n_features, options = len(self.offset_), ("C", "bias", "max_iter", "n_jobs", "n_landmarks")
-        gamma, _ = gamma_and_scale(self.kernel, self._gamma_, n_features)
+        gamma, _ = gamma_and_scale(self.kernel, self.gamma, n_features)
         tol = _NYSTROM_TOLERANCE * self.tol
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             found = fit_nystrom(
@@ -177,17 +209,30 @@ class Fitting:
                 random_state=check_random_state(self.random_state),
                 **{name: getattr(self, name) for name in options},
             )
-        if found.residual > tol:
+        raise_unless_finite(found.alpha, found.b)
+        if not found.residual <= tol:
             warn_of_residual(found.residual)
-        self._store(found.alpha, found.b + shift, found.landmarks, single)
+        if found.uneven > _UNEVEN:
+            warnings.warn(
+                f"The heaviest row weighs {found.uneven:.1e} times the lightest: on landmarks the light ones "
+                "are met less well than residual_ says; use an exact solver.",
+                UserWarning,
+                stacklevel=5,
+            )
+        self._store(move.unit * found.alpha, move.unit * found.b + move.shift, found.landmarks, single)
         self.solver_, self.n_iter_, self.residual_ = "nystrom", found.n_iter + 1, found.residual
         return self
 
-    def _blocks_begin(self, X, targets):
-        """Coordinates of the kernel, and what is taken off the targets, by the first rows alone."""
-        self.offset_ = middle_of(X[:HEAD], self.kernel, self.bias)
-        shift = targets[:HEAD].mean(axis=0) if self.bias == "free" else np.zeros(targets.shape[1])
-        return self._coordinates(), shift
+    def _begin_anew(self):
+        """Forget what was fitted; what is changed afterwards is for the next fit."""
+        self._kernel_ = {name: getattr(self, name) for name in _OF_THE_FUNCTION}
+        for name in ("robust_weight_", "loo_residuals_"):
+            if hasattr(self, name):
+                delattr(self, name)
+
+    def _move_by(self, blocks):
+        self.offset_, shift, unit = begin(blocks, self.kernel, self.bias)
+        return Move(self._coordinates(), shift, unit)
 
     def _store(self, alpha, b, Z, single):
         self._seen_ = self._spread_ = None
@@ -201,22 +246,20 @@ class Fitting:
 
     def _trusted(self, X, targets, weight):
         known, trusted = weight > 0.0, np.ones(len(weight))
-        if self.solver_ == "nystrom":
+        if self.kernel != "precomputed":
             errors = targets[known] - self._function(self._coordinates()(X[known]))
         else:
-            alpha = self._alpha() if self.kernel != "precomputed" else self._alpha()[known]
-            errors = alpha / (self.C * weight[known])[:, None]
+            errors = self._alpha()[known] / (self.C * weight[known])[:, None]
         trusted[known] = trust(errors)
         return trusted
 
     def _learn_spread(self, blocks, single):
-        self._refuse("uncertainty", precomputed=self.kernel == "precomputed")
         between, Z = self._between(), self._coordinates()(self.X_fit_)
         landmarks = chosen_landmarks(
             between, Z, self.n_landmarks, check_random_state(self.random_state), self.n_jobs
         )
         self._spread_, errors = fit_spread(
-            MovedBlocks(blocks, self._coordinates(), 0.0),
+            MovedBlocks(blocks, Move(self._coordinates(), 0.0, 1.0)),
             between,
             landmarks,
             self._function,
@@ -226,8 +269,9 @@ class Fitting:
         )
         self.loo_residuals_ = errors[:, 0] if single else errors
 
-    def _refuse(self, what, **asked):
-        for name, is_asked in asked.items():
-            if is_asked:
-                told = "a precomputed kernel" if name == "precomputed" else f"{name}={getattr(self, name)!r}"
-                raise ValueError(f"{what} does not go with {told}; use fit with rows in arrays.")
+    def _refuse(self, what, is_so, *names):
+        for name in names:
+            if is_so and getattr(self, name):
+                raise ValueError(
+                    f"{what} does not go with {name}={getattr(self, name)!r}; use fit with rows in arrays."
+                )

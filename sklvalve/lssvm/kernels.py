@@ -7,11 +7,15 @@ import numpy as np
 from scipy.spatial.distance import cdist
 from sklearn.metrics.pairwise import pairwise_kernels
 
+from sklvalve.lssvm.solvers import raise_unless_finite
+
 # Kernels that see differences of rows only, so that a common offset may be taken off for accuracy.
 SHIFT_INVARIANT = frozenset({"rbf", "laplacian"})
 
 # Numbers in one block of kernel values: 8 MiB, small enough to stay near the processor.
 BLOCK = 2**20
+# of an exponent; beyond it less than eleven digits of a kernel value are left
+_FAR = 1e5
 
 
 def kernel_between(kernel, *, gamma=None, degree=3, coef0=1, kernel_params=None):
@@ -107,6 +111,16 @@ def gaussian_gamma(between, n_features):
     return 1.0 / n_features if gamma is None else gamma
 
 
+def loses_digits(exponents):
+    """Whether squared distances must be taken from differences, by gamma times the squares of the rows.
+
+    As a sum of squares and a product they are quick, and lose as many digits as rows are far from the middle
+    in lengths of the kernel: one row that is far off would do that to all. A ValueError where they overflow.
+    """
+    raise_unless_finite(exponents)
+    return len(exponents) > 0 and exponents.max() > _FAR
+
+
 def kernel_diagonal(between, X):
     """Diagonal of the kernel matrix of the rows of X, of shape (n,)."""
     # small blocks: most of each is thrown away
@@ -137,12 +151,16 @@ def _linear(A, B):
 
 
 def _rbf(A, B, *, gamma):
-    values = A @ B.T
-    values *= -2.0
-    values += np.einsum("ij,ij->i", A, A)[:, None]
-    values += np.einsum("ij,ij->i", B, B)
-    # Rounding leaves squared distances of equal rows a little below zero.
-    np.maximum(values, 0.0, out=values)
+    of_B = np.einsum("ij,ij->i", B, B)
+    if loses_digits(_scale(gamma, A) * of_B):
+        values = cdist(A, B, metric="sqeuclidean")
+    else:
+        values = A @ B.T
+        values *= -2.0
+        values += np.einsum("ij,ij->i", A, A)[:, None]
+        values += of_B
+        # Rounding leaves squared distances of equal rows a little below zero.
+        np.maximum(values, 0.0, out=values)
     values *= -_scale(gamma, A)
     return np.exp(values, out=values)
 

@@ -11,11 +11,11 @@ from sklvalve.lssvm.conjugate import LowRankPreconditioner, conjugate_gradients
 from sklvalve.lssvm.packed import PackedCholesky
 from sklvalve.lssvm.pivoted import pivoted_cholesky
 from sklvalve.lssvm.products import symmetric_product
-from sklvalve.lssvm.solvers import POORLY_MET, raise_unless_finite, right_sides, with_bias
+from sklvalve.lssvm.solvers import raise_unless_finite, right_sides, with_bias
 from sklvalve.lssvm.threads import own_threads
 
 # columns of the preconditioner: beyond them they cost more than they save
-_RANK, _ROWS_A_COLUMN = 2000, 8
+_RANK, _ROWS_A_COLUMN, _LEAST_RANK = 2000, 8, 256
 _REFINEMENTS = 3
 
 
@@ -81,7 +81,7 @@ def solve_tiled(blocks, y, ridge, *, bias, tol, n_jobs=None):
         left = right - symmetric_product(run, blocks, n, x) - ridge[:, None] * x
         dual = _dual(x, left, right, shift, bias)
         for _ in range(_REFINEMENTS):
-            if dual.residual <= min(tol, POORLY_MET):
+            if dual.residual <= tol:
                 break
             x = x + factor.solve(left)
             left = right - symmetric_product(run, blocks, n, x) - ridge[:, None] * x
@@ -89,7 +89,7 @@ def solve_tiled(blocks, y, ridge, *, bias, tol, n_jobs=None):
             if not better.residual < dual.residual:
                 break
             dual = better
-    if dual.residual > max(tol, POORLY_MET):
+    if dual.residual > tol:
         warn_of_residual(dual.residual)
     return dual
 
@@ -138,7 +138,7 @@ def solve_pcg(
 
 def rank_for(n):
     """Columns of a preconditioner for n rows, where memory does not bound them."""
-    return max(1, min(_RANK, n // _ROWS_A_COLUMN))
+    return min(n, max(_LEAST_RANK, min(_RANK, n // _ROWS_A_COLUMN)))
 
 
 def warn_of_residual(residual):

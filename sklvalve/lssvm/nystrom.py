@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import cho_solve, solve_triangular
-from scipy.linalg.lapack import dpotrf
 
 from sklvalve.lssvm.cells import SIDE
 from sklvalve.lssvm.conjugate import gradient_steps
 from sklvalve.lssvm.kernels import kernel_diagonal
 from sklvalve.lssvm.pivoted import pivoted_cholesky
+from sklvalve.lssvm.solvers import JITTERS, factor_of
 from sklvalve.lssvm.threads import Turns, own_threads
 
 # landmarks are sought among so many rows for each, and no more than that
@@ -23,8 +23,6 @@ _PER_LANDMARK, _MOST_SEARCHED = 20, 40_000
 _MOST_CELLS, _FEWEST_PER_LANDMARK, _PASSES = 60_000, 5, 150
 _DRAWN_PER_LANDMARK = 30
 _BLOCK = 2**17
-# what is added to the diagonal of a matrix of the landmarks, of its mean: the least that lets it be factored
-_JITTERS = (1e-14, 1e-12, 1e-10, 1e-8)
 
 
 @dataclass
@@ -40,6 +38,8 @@ class Nystrom:
         Passes over the rows, beyond the first.
     residual : float
         What is left of the equations in the norm that the coarse copy gives, relative to the targets.
+    uneven : float
+        The heaviest weight over the lightest.
     """
 
     landmarks: np.ndarray
@@ -47,6 +47,7 @@ class Nystrom:
     b: np.ndarray
     n_iter: int
     residual: float
+    uneven: float
 
 
 def fit_nystrom(passes, *, C, bias, n_landmarks, length, tol, max_iter, random_state, n_jobs=None):
@@ -87,7 +88,7 @@ def fit_nystrom(passes, *, C, bias, n_landmarks, length, tol, max_iter, random_s
     .. [1] A. Rudi, L. Carratino, L. Rosasco, FALKON: an optimal large scale kernel method, NIPS 2017.
     """
     look = passes.look(
-        most=min(max(_PER_LANDMARK, _DRAWN_PER_LANDMARK) * n_landmarks, _MOST_SEARCHED),
+        most=min(_DRAWN_PER_LANDMARK * n_landmarks, _MOST_SEARCHED),
         side=None if length is None else SIDE * length,
         most_cells=_MOST_CELLS,
         seed=random_state.randint(2**31 - 1),
@@ -103,23 +104,7 @@ def fit_nystrom(passes, *, C, bias, n_landmarks, length, tol, max_iter, random_s
         system = _System(run, passes, landmarks, L, C, bias)
         precondition, theta = system.solved_for(*coarse[:2], scale * coarse[2])
         theta, n_iter, left = _iterated(system, precondition, theta, tol, max_iter)
-    return Nystrom(landmarks, *outward(L, theta), n_iter, left)
-
-
-def factor_of(own, jitters=_JITTERS):
-    """Lower factor of a matrix of the landmarks, which is semidefinite but for rounding."""
-    diagonal = np.einsum("ii->i", own)
-    # of a kernel that is zero everywhere any size will do
-    plain, size = diagonal.copy(), float(diagonal.mean()) or 1.0
-    for jitter in jitters:
-        diagonal[:] = plain + jitter * size
-        factor, failed = dpotrf(own, lower=1, clean=1)
-        if not failed and np.isfinite(factor).all():
-            return factor
-    raise ValueError(
-        "The kernel matrix of the landmarks is not positive semidefinite: it is no kernel; use a kernel that "
-        "is one, or solver='cholesky'."
-    )
+    return Nystrom(landmarks, *outward(L, theta), n_iter, left, look.heaviest / look.lightest)
 
 
 def chosen_landmarks(between, X, many, random_state, n_jobs=None):
@@ -197,7 +182,7 @@ def penalized(matrix, right, penalty, bias):
         matrix[-1], matrix[:, -1], right[-1] = 0.0, 0.0, 0.0
         matrix[-1, -1] = 1.0
     # with a ridge below rounding the factor is one of a matrix nearby, good enough to lead the way
-    return factor_of(matrix, (0.0, *_JITTERS)), True
+    return factor_of(matrix, (0.0, *JITTERS)), True
 
 
 class _System:
@@ -244,7 +229,10 @@ def _iterated(system, precondition, theta, tol, max_iter):
     residual = system.residual(theta)
     # of the whole: the norm of the solution itself
     whole = np.maximum(np.einsum("ij,ij->j", theta, system.apply(theta)), np.finfo(float).tiny)
+    best, least = theta, np.inf
     for n_iter, (found, _, slope) in enumerate(gradient_steps(system.apply, precondition, theta, residual)):
         left = float(np.sqrt((slope / whole).max()))
+        if left < least:
+            best, least = found, left
         if not left > tol or n_iter == max_iter:
-            return found, n_iter, left
+            return best, n_iter, least

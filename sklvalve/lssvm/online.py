@@ -10,12 +10,14 @@ import numpy as np
 from scipy.linalg import cho_solve
 
 from sklvalve.lssvm.kernels import kernel_diagonal
-from sklvalve.lssvm.nystrom import factor_of, inward, normal_equations, outward, penalized, penalty_of
+from sklvalve.lssvm.nystrom import inward, normal_equations, outward, penalized, penalty_of
 from sklvalve.lssvm.pivoted import pivoted_cholesky
+from sklvalve.lssvm.solvers import factor_of
 from sklvalve.lssvm.threads import own_threads
 
-# of the ridge 1 / C: what may lack of a row that counts as spanned
-_SPANNED = 0.01
+# of the ridge 1 / (C w): what may lack of a row that counts as spanned, and as well spanned; for the latter
+# not more than half of the landmarks that are left are given away, for rows that are yet to come
+_SPANNED, _WELL_SPANNED = 1e-2, 1e-4
 
 
 def nothing_seen(n_features, n_targets):
@@ -62,7 +64,8 @@ def with_rows(state, between, X, y, weight, *, C, n_landmarks, random_state, n_j
     X, y, weight = X[known], y[known], weight[known]
     if not len(X):
         return state, 0.0
-    state, lacking = _with_landmarks(state, between, X, C, n_landmarks, random_state, n_jobs)
+    ridge = len(X) / (C * weight.max())
+    state, lacking = _with_landmarks(state, between, X, ridge, n_landmarks, random_state, n_jobs)
     with own_threads(n_jobs) as run:
         matrix, right = normal_equations(run, between, state["landmarks"], state["L"], X, y, weight)
     return state | {"matrix": state["matrix"] + matrix, "right": state["right"] + right}, lacking
@@ -84,7 +87,7 @@ def solution_of(state, *, C, bias):
     return *outward(state["L"], theta), float(left / max(np.abs(right).max(), np.finfo(float).tiny))
 
 
-def _with_landmarks(state, between, X, C, n_landmarks, random_state, n_jobs):
+def _with_landmarks(state, between, X, ridge, n_landmarks, random_state, n_jobs):
     """State with landmarks among the rows of X where those that are there do not span them."""
     landmarks, L = state["landmarks"], state["L"]
     many, whole = len(landmarks), kernel_diagonal(between, X)
@@ -98,16 +101,16 @@ def _with_landmarks(state, between, X, C, n_landmarks, random_state, n_jobs):
     lacks = whole.copy()
     if many:
         lacks -= np.square(inward(between, landmarks, L, X)[:-1]).sum(axis=0)
-    left = _SPANNED / C * len(X)
-    _, pivots, rest = pivoted_cholesky(
-        rest_between,
-        X,
-        np.maximum(lacks, 0.0),
-        rank=n_landmarks - many,
-        left=left,
-        random_state=random_state,
-        n_jobs=n_jobs,
-    )
+    lacks, free = np.maximum(lacks, 0.0), n_landmarks - many
+    for rank, share in (((free + 1) // 2, _WELL_SPANNED), (free, _SPANNED)):
+        left = share * ridge
+        more = {"random_state": random_state, "n_jobs": n_jobs}
+        _, pivots, rest = pivoted_cholesky(rest_between, X, lacks, rank=rank, left=left, **more)
+        if rest <= _SPANNED * ridge:
+            break
+    if not many and not len(pivots):
+        # one at least, however little it is worth
+        pivots = np.argmax(lacks)[None]
     if len(pivots):
         new = X[pivots]
         corner = np.zeros((many + len(new),) * 2)
@@ -121,7 +124,7 @@ def _with_landmarks(state, between, X, C, n_landmarks, random_state, n_jobs):
             "matrix": _padded(state["matrix"], many, len(new)),
             "right": np.insert(state["right"], many, np.zeros((len(new), 1)), axis=0),
         }
-    return state, float(rest / whole.sum()) if rest > left else 0.0
+    return state, float(rest / whole.sum()) if rest > _SPANNED * ridge else 0.0
 
 
 def _padded(matrix, at, many):

@@ -106,10 +106,6 @@ class PackedCholesky:
         for event in self._ready.values():
             event.set()
 
-    def diagonal(self):
-        """Diagonal of the factor, of shape (n,)."""
-        return np.concatenate([self._tiles[k, k].diagonal() for k in range(len(self._spans))])
-
     def solve(self, right):
         """Solution x of L L^T x = right, of the shape (n, m) of `right`."""
         x = np.array(right, dtype=np.float64)

@@ -50,6 +50,10 @@ def pivoted_cholesky(between, X, diagonal, *, rank, left, random_state, n_jobs=N
        accelerated randomly pivoted Cholesky, arXiv 2410.03969.
     """
     raise_unless_finite(diagonal)
+    if (diagonal < 0.0).any():
+        raise ValueError(
+            "The kernel of a row with itself is negative: it is no kernel; use solver='cholesky'."
+        )
     n = len(X)
     rank = min(rank, n)
     F = np.empty((n, rank), order="F")
@@ -61,6 +65,10 @@ def pivoted_cholesky(between, X, diagonal, *, rank, left, random_state, n_jobs=N
             drawn = random_state.choice(n, size=min(_BLOCK, n), p=lacks / lacks.sum())
             chosen, triangle = _kept(between, X, F[:, :k], lacks, drawn, random_state)
             chosen, triangle = chosen[: rank - k], triangle[: rank - k, : rank - k]
+            if not len(chosen):
+                # what these rows lack is rounding
+                lacks[drawn] = 0.0
+                continue
             new = slice(k, k + len(chosen))
             _fill(run, between, X, F, new, chosen, triangle)
             lacks -= np.einsum("ij,ij->i", F[:, new], F[:, new])

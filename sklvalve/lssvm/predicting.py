@@ -49,17 +49,13 @@ class Predicting:
                 raise ValueError("return_std needs rows in numpy arrays; X is on a device.")
             return device.predicted(self, X)
         X = validate_data(self, X, dtype=(np.float64, np.float32), reset=False)
-        if self.kernel == "precomputed":
-            found = np.asarray(X, dtype=np.float64) @ self._alpha() + self.intercept_
-        else:
-            Z = self._coordinates()(X)
-            found = self._function(Z)
-        found = self._as_targets(found)
+        if self._kernel_["kernel"] == "precomputed":
+            return self._as_targets(np.asarray(X, dtype=np.float64) @ self._alpha() + self.intercept_)
+        Z = self._coordinates()(X)
+        found = self._as_targets(self._function(Z))
         if not return_std:
             return found
-        spread = self._spread()
-        std = root_v(spread, self._between(), Z, C=self.C, bias=self.bias)[:, None] * spread["sigma"]
-        return found, self._as_targets(std)
+        return found, self._as_targets(self._root_v(Z) * self._spread_["sigma"])
 
     def predict_interval(self, X, coverage=0.95):
         """Intervals that hold a new target as often as asked.
@@ -94,10 +90,11 @@ class Predicting:
         """
         if not 0.0 < coverage < 1.0:
             raise ValueError(f"coverage must lie between 0 and 1, got {coverage!r}.")
-        middle, std = self.predict(X, return_std=True)
-        spread = self._spread()
-        wide = self._as_targets((quantile(spread, coverage) / spread["sigma"])[None])[0] * std
-        return middle - wide, middle + wide
+        check_is_fitted(self)
+        X = validate_data(self, X, dtype=(np.float64, np.float32), reset=False)
+        Z = self._coordinates()(X)
+        middle, wide = self._function(Z), self._root_v(Z) * quantile(self._spread_, coverage)
+        return self._as_targets(middle - wide), self._as_targets(middle + wide)
 
     def pruned(self, n_landmarks):
         """The same function, nearly, of fewer rows: quicker, and smaller in a file.
@@ -114,11 +111,13 @@ class Predicting:
             the fit. As these are without noise, it is fitted to them with a thousand times the C.
         """
         check_is_fitted(self)
-        if self.X_fit_ is None:
-            raise ValueError("A machine with a precomputed kernel has no rows that could be chosen from.")
-        fewer = clone(self).set_params(
-            solver="nystrom", n_landmarks=n_landmarks, uncertainty=False, robust_passes=0, C=1e3 * self.C
-        )
+        if not isinstance(self.X_fit_, np.ndarray):
+            raise ValueError(
+                "There are no rows to choose from: the kernel is precomputed, or the rows lie elsewhere than "
+                "in numpy arrays."
+            )
+        more = {"solver": "nystrom", "uncertainty": False, "robust_passes": 0, "C": min(1e3 * self.C, 1e300)}
+        fewer = clone(self).set_params(n_landmarks=int(n_landmarks), **more)
         Z = self._coordinates()(self.X_fit_)
         fewer.fit(self.X_fit_, self._as_targets(self._function(Z))).set_params(C=self.C)
         for name in ("n_features_in_", "feature_names_in_"):
@@ -128,17 +127,15 @@ class Predicting:
 
     def _function(self, Z):
         """The fitted function of rows in the coordinates of the kernel, of shape (n, n_targets)."""
-        between, alpha = self._between(), self._alpha()
-        if self.kernel == "linear":
-            # the slope first: no digits are lost in products of rows, and few are needed
+        alpha = self._alpha()
+        if self._kernel_["kernel"] == "linear":
+            # the slope first: so no digits are lost in products of rows, and few are needed
             return Z @ (self._right_.T @ alpha) + (self.intercept_ + self._of_offset(alpha))
-        blocks, shape = KernelBlocks(between, Z, None, self._right_), (len(Z), len(alpha))
+        blocks, shape = KernelBlocks(self._between(), Z, None, self._right_), (len(Z), len(alpha))
         if len(Z) * len(alpha) < _MANY:
-            found = product(in_this_thread, blocks, shape, alpha)
-        else:
-            with own_threads(self.n_jobs) as run:
-                found = product(run, blocks, shape, alpha)
-        return found + (self.intercept_ + self._of_offset(alpha))
+            return product(in_this_thread, blocks, shape, alpha) + self.intercept_
+        with own_threads(self.n_jobs) as run:
+            return product(run, blocks, shape, alpha) + self.intercept_
 
     def _alpha(self):
         return self.dual_coef_.reshape(len(self.dual_coef_), -1)
@@ -146,28 +143,26 @@ class Predicting:
     def _as_targets(self, values):
         return values[:, 0] if self.dual_coef_.ndim == 1 else values
 
-    def _spread(self):
+    def _root_v(self, Z):
         if getattr(self, "_spread_", None) is None:
             raise NotFittedError(
                 "Standard deviations and intervals are not known: fit with uncertainty=True."
             )
-        return self._spread_
+        fitted = {name: self._kernel_[name] for name in ("C", "bias")}
+        return root_v(self._spread_, self._between(), Z, **fitted)[:, None]
 
     def _coordinates(self):
-        return Coordinates(self.offset_, gamma_and_scale(self.kernel, self._gamma_, len(self.offset_))[1])
+        return Coordinates(self.offset_, self._gamma_and_scale()[1])
 
     def _between(self):
-        gamma, _ = gamma_and_scale(self.kernel, self._gamma_, self.n_features_in_)
-        return kernel_between(
-            self.kernel,
-            gamma=gamma,
-            degree=self.degree,
-            coef0=self.coef0,
-            kernel_params=self.kernel_params,
-        )
+        more = {name: self._kernel_[name] for name in ("degree", "coef0", "kernel_params")}
+        return kernel_between(self._kernel_["kernel"], gamma=self._gamma_and_scale()[0], **more)
+
+    def _gamma_and_scale(self):
+        return gamma_and_scale(self._kernel_["kernel"], self._kernel_["gamma"], self.n_features_in_)
 
     def _of_offset(self, alpha):
         """What `offset_` takes off the value of the linear kernel; others do not see it."""
-        if self.kernel != "linear":
+        if self._kernel_["kernel"] != "linear":
             return 0.0
         return self.offset_ @ (self._right_.T @ alpha)

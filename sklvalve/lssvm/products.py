@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from sklvalve.lssvm.kernels import gaussian_gamma
+from sklvalve.lssvm.kernels import gaussian_gamma, loses_digits
 from sklvalve.lssvm.threads import Turns, in_this_thread
 
 # numbers of one block: they stay within the processor's own memory from one step to the next
@@ -27,9 +27,9 @@ class KernelBlocks:
     def __init__(self, between, A, B, right=None):
         self._between = between
         self._right = as_right(between, B) if right is None else right
-        gamma = gaussian_gamma(between, A.shape[1])
-        self._gaussian = gamma is not None
+        self._gaussian = self._right.shape[1] > A.shape[1]
         if self._gaussian:
+            gamma = gaussian_gamma(between, A.shape[1])
             A = _beside(2.0 * gamma * A, -gamma * np.einsum("ij,ij->i", A, A), 1.0)
         self._left = A
 
@@ -45,13 +45,16 @@ class KernelBlocks:
 def as_right(between, B):
     """Rows as `KernelBlocks` wants them on its right; those of a gaussian with the squares behind them.
 
-    So the exponent of a gaussian is one product of matrices.
+    So the exponent of a gaussian is one product of matrices, as long as that keeps its digits.
     """
     gamma = gaussian_gamma(between, B.shape[1])
     if gamma is None:
         return B
+    exponents = gamma * np.einsum("ij,ij->i", B, B)
+    if loses_digits(exponents):
+        return B
     # column by column, so that a single row on the left reads them in one go
-    return np.asfortranarray(_beside(B, 1.0, -gamma * np.einsum("ij,ij->i", B, B)))
+    return np.asfortranarray(_beside(B, 1.0, -exponents))
 
 
 def _beside(X, *columns):

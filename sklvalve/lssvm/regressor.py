@@ -85,13 +85,14 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
     intercept_ : float or ndarray of shape (n_targets,)
         Bias :math:`b`.
     X_fit_ : ndarray of shape (n_fit, n_features) or None
-        Rows whose weight is not zero, or the landmarks; None with a precomputed kernel.
+        Rows whose weight is not zero, or the landmarks; rows that repeat each other are one where C is above
+        1e8. None with a precomputed kernel.
     offset_ : ndarray of shape (n_features,)
         Taken off all rows, so that small differences keep their digits; none with a precomputed kernel.
     solver_ : str
-        The solver that gave the solution.
+        The solver that gave the solution; "online" after `partial_fit`.
     n_iter_ : int
-        Solutions that it made one after the other: 1 of a factorisation.
+        Solutions that it made one after the other, with the one to begin with: 1 of a factorisation.
     robust_weight_ : ndarray of shape (n_samples,)
         What `robust_passes` leave of the weight of each row.
     loo_residuals_ : ndarray of shape (n_samples,) or (n_samples, n_targets)
@@ -99,6 +100,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         without weight.
     residual_ : float
         Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative as under `tol`; of "cholesky" of some.
+        Of "nystrom" and "online" what is left of their own equations.
     n_features_in_ : int
         Number of columns seen in `fit`.
     feature_names_in_ : ndarray of shape (n_features_in_,)
@@ -275,8 +277,8 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         Returns
         -------
         self : LSSVMRegressor
-            Fitted to the rows of all calls since the first or since `fit`, which begins anew. The function is
-            spanned by at most `n_landmarks` of them, chosen as they come.
+            Fitted to the rows of all calls since the first, or since the last `fit`, whose rows it does not
+            know. The function is spanned by at most `n_landmarks` of them, chosen as they come.
 
         Raises
         ------
@@ -288,4 +290,6 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         UserWarning
             If there are `n_landmarks` already and they do not span the new rows.
         """
+        if device.is_elsewhere(X):
+            raise ValueError("partial_fit needs rows in numpy arrays; move X and y there.")
         return self._fit_more(X, y, sample_weight)

@@ -8,9 +8,11 @@ blocks may come from anywhere.
 from dataclasses import dataclass
 
 import numpy as np
-from sklearn.utils.validation import _check_sample_weight, validate_data
+from sklearn.utils.validation import validate_data
 
+from sklvalve.lssvm.choice import weight_of
 from sklvalve.lssvm.kernels import SHIFT_INVARIANT
+from sklvalve.lssvm.solvers import raise_unless_finite
 
 # numbers of one block
 _NUMBERS = 2**20
@@ -44,6 +46,28 @@ class Coordinates:
         return (moved if self.scale is None else moved / self.scale) + self.offset
 
 
+def as_columns(y):
+    """Targets in double, of shape (n, n_targets), also where n is zero."""
+    y = np.asarray(y, dtype=np.float64)
+    return y[:, None] if y.ndim == 1 else y
+
+
+def merged(X, y, weight):
+    """Rows that repeat each other made one, with the mean of their targets and the sum of their weights.
+
+    That changes nothing of the function that is fitted.
+    """
+    rows, first, of = np.unique(X, axis=0, return_index=True, return_inverse=True)
+    if len(rows) == len(X):
+        return X, y, weight
+    total = np.bincount(of, weights=weight)
+    means = [
+        y[first, k] + np.bincount(of, weights=weight * (v - y[first, k][of])) / total
+        for k, v in enumerate(y.T)
+    ]
+    return rows, np.column_stack(means), total
+
+
 def middle_of(X, kernel, bias):
     """What may be taken off all rows without a change of the function that is fitted; zero where nothing."""
     if kernel_moves_along(kernel, bias):
@@ -54,6 +78,43 @@ def middle_of(X, kernel, bias):
 def kernel_moves_along(kernel, bias):
     """Whether the function that is fitted follows where all rows are moved alike."""
     return isinstance(kernel, str) and (kernel in SHIFT_INVARIANT or (kernel == "linear" and bias == "free"))
+
+
+def unit_of(targets):
+    """A power of two near the largest target, by which they are divided; that costs no digit."""
+    largest = float(np.abs(targets).max(initial=0.0))
+    return float(2.0 ** np.floor(np.log2(largest))) if np.isfinite(largest) and largest > 0.0 else 1.0
+
+
+def begin(blocks, kernel, bias):
+    """Middle of the rows, of the targets, and a unit of these, by the first rows that have a weight.
+
+    Parameters
+    ----------
+    blocks : iterable
+        Of X, y and weight; no more are read than are needed.
+    kernel : str or callable
+    bias : {"free", "regularized", "none"}
+
+    Returns
+    -------
+    offset : ndarray of shape (n_features,)
+    shift : ndarray of shape (n_targets,)
+        Zero unless the bias is free.
+    unit : float
+
+    Raises
+    ------
+    ValueError
+        If there are no blocks, or no row has a weight.
+    """
+    for X, y, weight in blocks:
+        rows = np.flatnonzero(weight > 0.0)[:HEAD]
+        if len(rows):
+            targets = y[rows]
+            shift = targets.mean(axis=0) if bias == "free" else np.zeros(y.shape[1])
+            return middle_of(X[rows], kernel, bias), shift, unit_of(targets - shift)
+    raise ValueError("There are no blocks, or none of their rows has a positive weight; give at least one.")
 
 
 class ArrayBlocks:
@@ -102,21 +163,25 @@ class GivenBlocks:
                 "The blocks are read several times, and these can be read only once: give a list, or a "
                 "function that returns a new generator each time."
             )
-        self._blocks, self._estimator, self._targets = blocks, estimator, None
+        self._blocks, self._estimator = blocks, estimator
+        self._targets = self._rows = None
 
     def __iter__(self):
+        rows = 0
         for number, block in enumerate(self._blocks() if callable(self._blocks) else self._blocks):
             if not isinstance(block, tuple | list) or len(block) not in (2, 3):
                 raise ValueError(
                     f"Block {number} must be (X, y) or (X, y, sample_weight), got {type(block).__name__}."
                 )
-            yield self._checked(*block)
-
-    def first(self):
-        """The first block."""
-        for block in self:
-            return block
-        raise ValueError("There are no blocks; give at least one.")
+            X, y, weight = self._checked(*block)
+            rows += len(X)
+            yield X, y, weight
+        if self._rows is not None and rows != self._rows:
+            raise ValueError(
+                f"The blocks had {self._rows} rows when they were first read and {rows} now: they must be "
+                "the same each time; a function must return a new generator."
+            )
+        self._rows = rows
 
     @property
     def single(self):
@@ -129,23 +194,25 @@ class GivenBlocks:
         if reset:
             self._targets = y.shape[1:]
         if y.shape[1:] != self._targets:
-            raise ValueError(f"y has the shape {y.shape} in a block, (n, *{self._targets}) in the first.")
-        weight = np.ones(len(X))
-        if sample_weight is not None:
-            weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True)
-        return X, y.astype(np.float64).reshape(len(y), -1), weight
+            raise ValueError(
+                f"y has the shape {y.shape} in a block, and {('n', *self._targets)} in the first."
+            )
+        return X, as_columns(y), weight_of(self._estimator.C, sample_weight, X)
 
 
 @dataclass(frozen=True)
 class Move:
-    """A block in the coordinates of the kernel, with a shift taken off its targets."""
+    """A block in the coordinates of the kernel, its targets less a shift in a unit of their own."""
 
     coordinates: Coordinates
     shift: np.ndarray | float
+    unit: float
 
     def __call__(self, block):
         X, y, weight = block
-        return self.coordinates(X), y - self.shift, weight
+        X, known = self.coordinates(X), weight > 0.0
+        raise_unless_finite(X[known])
+        return X, (y - self.shift) / self.unit, weight
 
 
 class MovedBlocks:
@@ -155,12 +222,11 @@ class MovedBlocks:
     ----------
     blocks : iterable
         Of X, y and weight, of any type of number.
-    coordinates, shift
-        Of `Move`.
+    move : Move
     """
 
-    def __init__(self, blocks, coordinates, shift):
-        self._blocks, self._move = blocks, Move(coordinates, shift)
+    def __init__(self, blocks, move):
+        self._blocks, self._move = blocks, move
 
     def __iter__(self):
         return map(self._move, self._blocks)

@@ -14,7 +14,8 @@ import numpy as np
 from scipy.linalg import solve_triangular
 
 from sklvalve.lssvm.kernels import kernel_diagonal
-from sklvalve.lssvm.nystrom import factor_of, inward, normal_equations, penalized, penalty_of, row_spans
+from sklvalve.lssvm.nystrom import inward, normal_equations, penalized, penalty_of, row_spans
+from sklvalve.lssvm.solvers import factor_of
 from sklvalve.lssvm.threads import own_threads
 
 # a row whose own equation says all leaves no error to be told
@@ -47,7 +48,8 @@ def fit_spread(blocks, between, landmarks, function, *, C, bias, n_jobs=None):
     Notes
     -----
     With the leverage :math:`h_i = w_i \tilde z_i^T B^{-1} \tilde z_i` a machine without row i errs by
-    :math:`e_i / (1 - h_i)` there, and its variance there is
+    :math:`e_i / (1 - h_i)` there, as far as C leaves digits of :math:`1 - h_i` (to 1e-8 at C = 1e6, and not
+    at all at 1e12), and its variance there is
     :math:`\sigma^2 (1 / (w_i (1 - h_i)) + C (k(x_i, x_i) - |z_i|^2))`; :math:`\sigma^2` is the mean of the
     squared errors over these.
     """
@@ -64,14 +66,17 @@ def fit_spread(blocks, between, landmarks, function, *, C, bias, n_jobs=None):
         left, size = np.full(y.shape, np.nan), np.full(len(y), np.nan)
         known = weight > 0.0
         reach, lack = _reach(spread, between, X[known], bias)
-        rest = np.maximum(1.0 - weight[known] * reach, _LEAST)
+        rest = 1.0 - weight[known] * reach
+        # a row that alone says all about itself leaves nothing to compare with
+        rest[rest <= _LEAST] = np.nan
         left[known] = (y[known] - function(X[known])) / rest[:, None]
         size[known] = 1.0 / (weight[known] * rest) + C * lack
         errors.append(left)
         scaled.append(left / np.sqrt(size)[:, None])
     scaled = np.concatenate(scaled)
     scaled = np.sort(np.abs(scaled[np.isfinite(scaled[:, 0])]), axis=0)
-    spread |= {"sigma": np.sqrt(np.mean(scaled**2, axis=0)), "scaled": scaled}
+    sigma = np.sqrt(np.mean(scaled**2, axis=0)) if len(scaled) else np.full(scaled.shape[1], np.inf)
+    spread |= {"sigma": sigma, "scaled": scaled}
     return spread, np.concatenate(errors)
 
 

@@ -22,9 +22,35 @@ def _controller():
     return ThreadpoolController()
 
 
+class _OneBlasThread:
+    """Context in which BLAS keeps to the thread that calls it.
+
+    The limit holds for the whole process, so of threads that ask for it at the same time the first sets it
+    and the last takes it away.
+    """
+
+    def __init__(self):
+        self._lock, self._inside, self._limit = Lock(), 0, None
+
+    def __enter__(self):
+        with self._lock:
+            if not self._inside:
+                self._limit = _controller().limit(limits=1, user_api="blas")
+            self._inside += 1
+
+    def __exit__(self, *_):
+        with self._lock:
+            self._inside -= 1
+            if not self._inside:
+                self._limit.restore_original_limits()
+
+
+_one_blas_thread = _OneBlasThread()
+
+
 def one_blas_thread():
-    """Context in which BLAS keeps to the thread that calls it."""
-    return _controller().limit(limits=1, user_api="blas")
+    """Context in which BLAS keeps to the thread that calls it; it may be entered from several at once."""
+    return _one_blas_thread
 
 
 def threads_to_use(n_jobs=None):

