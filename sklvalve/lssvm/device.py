@@ -10,12 +10,7 @@ import warnings
 import numpy as np
 from scipy.linalg import LinAlgWarning
 from sklearn import get_config
-from sklearn.utils._array_api import (
-    _max_precision_float_dtype,
-    check_same_namespace,
-    get_namespace,
-    move_to,
-)
+from sklearn.utils._array_api import get_namespace
 from sklearn.utils.validation import _check_sample_weight, validate_data
 
 from sklvalve.lssvm.choice import weight_of
@@ -62,6 +57,9 @@ def fitted(estimator, X, y, sample_weight):
     ValueError
         If the kernel is a callable, an option needs rows in numpy arrays, or the data are not finite.
     """
+    # only newer releases of scikit-learn have these, and numpy arrays do not need them
+    from sklearn.utils._array_api import _max_precision_float_dtype, move_to
+
     xp, _ = get_namespace(X)
     weight_of(estimator.C, None, ())
     for name in _WANTS_NUMPY:
@@ -95,6 +93,8 @@ def fitted(estimator, X, y, sample_weight):
 
 def predicted(estimator, X):
     """`LSSVMRegressor.predict` on the device of X, in blocks."""
+    from sklearn.utils._array_api import check_same_namespace
+
     check_same_namespace(X, estimator, attribute="dual_coef_", method="predict")
     xp, _ = get_namespace(X)
     X = validate_data(estimator, X, dtype=(xp.float64, xp.float32), reset=False)
