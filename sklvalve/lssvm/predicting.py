@@ -15,6 +15,8 @@ from sklvalve.lssvm.threads import in_this_thread, own_threads
 
 # kernel values of a prediction from which on threads of one's own are worth their beginning
 _MANY = 2**22
+# and up to which one block is all there is
+_FEW = 2**17
 
 
 class Predicting:
@@ -43,7 +45,7 @@ class Predicting:
         ValueError
             If X has other columns than in `fit`, or is not finite, or the spread is not known.
         """
-        check_is_fitted(self)
+        check_is_fitted(self, "dual_coef_")
         if device.is_elsewhere(X) or device.is_elsewhere(self.dual_coef_):
             if return_std:
                 raise ValueError("return_std needs rows in numpy arrays; X is on a device.")
@@ -132,6 +134,8 @@ class Predicting:
             # the slope first: so no digits are lost in products of rows, and few are needed
             return Z @ (self._right_.T @ alpha) + (self.intercept_ + self._of_offset(alpha))
         blocks, shape = KernelBlocks(self._between(), Z, None, self._right_), (len(Z), len(alpha))
+        if len(Z) * len(alpha) < _FEW:
+            return blocks(slice(None), slice(None)) @ alpha + self.intercept_
         if len(Z) * len(alpha) < _MANY:
             return product(in_this_thread, blocks, shape, alpha) + self.intercept_
         with own_threads(self.n_jobs) as run:
