@@ -214,7 +214,7 @@ class Fitting:
             warn_of_residual(found.residual)
         if found.uneven > _UNEVEN:
             warnings.warn(
-                f"The heaviest row weighs {found.uneven:.1e} times the lightest: on landmarks the light ones "
+                f"The heaviest row weighs {found.uneven:.1e} times the middle one: on landmarks light ones "
                 "are met less well than residual_ says; use an exact solver.",
                 UserWarning,
                 stacklevel=5,

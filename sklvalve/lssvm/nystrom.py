@@ -39,7 +39,7 @@ class Nystrom:
     residual : float
         What is left of the equations in the norm that the coarse copy gives, relative to the targets.
     uneven : float
-        The heaviest weight over the lightest.
+        The heaviest weight over the middle one.
     """
 
     landmarks: np.ndarray
@@ -104,7 +104,7 @@ def fit_nystrom(passes, *, C, bias, n_landmarks, length, tol, max_iter, random_s
         system = _System(run, passes, landmarks, L, C, bias)
         precondition, theta = system.solved_for(*coarse[:2], scale * coarse[2])
         theta, n_iter, left = _iterated(system, precondition, theta, tol, max_iter)
-    return Nystrom(landmarks, *outward(L, theta), n_iter, left, look.heaviest / look.lightest)
+    return Nystrom(landmarks, *outward(L, theta), n_iter, left, look.heaviest / np.median(sample[2]))
 
 
 def chosen_landmarks(between, X, many, random_state, n_jobs=None):

@@ -84,7 +84,7 @@ def look_at(block, start, seed, most, side):
     kept = block[2] > 0.0
     X, y, weight = block if kept.all() else (column[kept] for column in block)
     cells = gathered(X, y, weight, side) if side is not None and len(X) else None
-    weights = weight.sum(), weight.min(initial=np.inf), weight.max(initial=0.0)
+    weights = weight.sum(), weight.max(initial=0.0)
     return many, weights, _thinned(X, y, weight, chance[kept], most), cells
 
 
@@ -96,12 +96,12 @@ class Look:
     rows : int
     weight : float
         Sum of the weights.
-    lightest, heaviest : float
-        Of the weights that are not zero.
+    heaviest : float
+        Of the weights.
     """
 
     def __init__(self, most, side, most_cells):
-        self.rows, self.weight, self.lightest, self.heaviest = 0, 0.0, np.inf, 0.0
+        self.rows, self.weight, self.heaviest = 0, 0.0, 0.0
         self._most, self._drawn = most, []
         self._cells = None if side is None else Cells(side, most_cells)
 
@@ -110,7 +110,7 @@ class Look:
         many, weights, drawn, cells = part
         self.rows += many
         self.weight += weights[0]
-        self.lightest, self.heaviest = min(self.lightest, weights[1]), max(self.heaviest, weights[2])
+        self.heaviest = max(self.heaviest, weights[1])
         self._drawn.append(drawn)
         if len(self._drawn) > _PARTS:
             self._drawn = [_lowest(self._drawn, self._most)]

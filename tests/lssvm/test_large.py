@@ -255,7 +255,7 @@ def test_a_solution_that_is_known_already_predicts_alike(kernel):
 def test_weights_that_hide_light_rows_from_the_landmarks_are_told():
     X, y, _ = some(200)
     weight = np.where(np.arange(200) % 3 == 0, 1e6, 1.0)
-    with pytest.warns(UserWarning, match="the light ones are met less well"):
+    with pytest.warns(UserWarning, match="light ones are met less well"):
         LSSVMRegressor(solver="nystrom", random_state=0).fit(X, y, weight)
 
 
