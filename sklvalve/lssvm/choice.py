@@ -8,13 +8,12 @@ from contextlib import nullcontext
 import numpy as np
 from scipy.linalg import LinAlgWarning
 from scipy.linalg.blas import dsymm
-from sklearn.utils.validation import _check_sample_weight
 
 from sklvalve.lssvm.dense import solve_lssvm
 from sklvalve.lssvm.kernels import kernel_diagonal, lower_gram
-from sklvalve.lssvm.large import Dual, rank_for, solve_pcg, solve_tiled, warn_of_residual
+from sklvalve.lssvm.large import rank_for, solve_pcg, solve_tiled, warn_of_residual
 from sklvalve.lssvm.products import KernelBlocks, kernel_product
-from sklvalve.lssvm.solvers import LAPACK_ROWS, right_sides
+from sklvalve.lssvm.solvers import LAPACK_ROWS, relative, right_sides
 from sklvalve.lssvm.threads import one_blas_thread
 
 #: Solvers, "auto" aside.
@@ -71,25 +70,6 @@ def _of_tiles(n):
     return 4.4 * n**2
 
 
-def weight_of(C, sample_weight, X):
-    """Weights of the rows, of shape (n,); one that is so small that 1 / (C w) is infinite counts as nothing.
-
-    Raises
-    ------
-    ValueError
-        If weights are negative, not finite or all zero, or if 1 / C is infinite.
-    """
-    with np.errstate(divide="ignore", over="ignore"):
-        if not np.isfinite(np.divide(1.0, C)):
-            raise ValueError(f"C = {C:g} is so small that 1 / C is infinite; give C = 1e-300 or more.")
-    if sample_weight is None:
-        return np.ones(len(X))
-    weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True, copy=True)
-    with np.errstate(divide="ignore", over="ignore"):
-        weight[~np.isfinite(1.0 / (C * weight))] = 0.0
-    return weight
-
-
 class Machine:
     """One LS-SVM to be solved exactly: rows, kernel and what the equations are to meet.
 
@@ -134,16 +114,14 @@ class Machine:
 
     def _cholesky(self, y, ridge):
         found = solve_lssvm(self._gram, self._product, y, ridge, bias=self._options["bias"])
-        residual = found.residual
-        if residual is None:
+        if found.residual is None:
             some = np.unique(np.linspace(0, self._n - 1, _LOOKED_AT).astype(int))
             alpha, (shift, _) = found.alpha, right_sides(y, ridge, self._options["bias"])
             left = self._product_of(some, alpha) + ridge[some, None] * alpha[some] + found.b - y[some]
-            size = np.maximum(np.abs(y - shift).max(axis=0), np.finfo(float).tiny)
-            residual = float((np.abs(left) / size).max())
-        if residual > self._options["tol"] and not found.told:
-            warn_of_residual(residual)
-        return Dual(found.alpha, found.b, residual), "cholesky"
+            found.residual = relative(left, y - shift)
+        if found.residual > self._options["tol"] and not found.told:
+            warn_of_residual(found.residual)
+        return found, "cholesky"
 
     def _tiled(self, y, ridge):
         more = {k: self._options[k] for k in ("bias", "tol", "n_jobs")}
@@ -166,10 +144,11 @@ class Machine:
 
     def _pcg_or_else(self, y, ridge):
         """Conjugate gradients, and a factorisation where they stall and there is room for it."""
-        dual = self._by_gradients(y, ridge)
+        too_many = _of_tiles(self._n) > self._memory
+        dual = self._by_gradients(y, ridge, patient=too_many)
         if dual.residual <= self._options["tol"]:
             return dual, "pcg"
-        if _of_tiles(self._n) > self._memory:
+        if too_many:
             why = f"a factorisation needs {_of_tiles(self._n) / 1e9:.1f} GB: raise max_memory"
         else:
             try:
@@ -184,7 +163,7 @@ class Machine:
         )
         return dual, "pcg"
 
-    def _by_gradients(self, y, ridge):
+    def _by_gradients(self, y, ridge, *, patient=True):
         names = ("bias", "tol", "max_iter", "random_state", "n_jobs")
         more = {k: self._options[k] for k in names}
         rank = max(1, int(self._memory / (8.0 * self._n)) - 40)
@@ -196,6 +175,7 @@ class Machine:
             y,
             ridge,
             rank=rank,
+            patient=patient,
             **more,
         )
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_solve
 
-from sklvalve.lssvm.solvers import factor_of
+from sklvalve.lssvm.solvers import factor_of, relative
 
 # steps after which it is asked whether the rest is worth waiting for
 _LOOK_AFTER = 8
@@ -82,7 +82,7 @@ def gradient_steps(apply, precondition, x, residual):
         step = better + slope / np.maximum(before, np.finfo(float).tiny) * step
 
 
-def conjugate_gradients(apply, precondition, right, *, tol, max_iter):
+def conjugate_gradients(apply, precondition, right, *, tol, max_iter, patient=True):
     """Solve a symmetric positive definite system for some right sides at once.
 
     Parameters
@@ -93,37 +93,27 @@ def conjugate_gradients(apply, precondition, right, *, tol, max_iter):
     tol : float
         Largest residual of any equation, relative to the largest entry of its right side.
     max_iter : int
-        Given up earlier where the first steps say that so many will not do.
+    patient : bool, default=True
+        Otherwise it is given up where the first steps say that so many will not do.
 
     Returns
     -------
     solved : Solved
     """
-    size = np.maximum(np.abs(right).max(axis=0), np.finfo(float).tiny)
-    start = precondition(right)
-    # nothing at all is a solution to be bettered
-    best, begun, lowest = np.zeros_like(right), None, 1.0
-    for n_iter, (x, residual, slope) in enumerate(
-        gradient_steps(apply, precondition, start, right - apply(start))
-    ):
-        now = _worst(residual, size)
-        begun = now if begun is None else begun
+    start = np.zeros_like(right)
+    best, lowest = start, np.inf
+    for n_iter, (x, residual, slope) in enumerate(gradient_steps(apply, precondition, start, right)):
+        now = relative(residual, right)
         if now < lowest:
             best, lowest = x, now
         if lowest <= tol or n_iter == max_iter or not np.isfinite(slope).all():
             break
-        if n_iter == _LOOK_AFTER and _hopeless(begun, lowest, tol, n_iter, max_iter):
+        if n_iter == _LOOK_AFTER and not patient and _hopeless(lowest, tol, n_iter, max_iter):
             break
     # what was added up step by step drifts from the truth
     return Solved(best, right - apply(best), n_iter)
 
 
-def _worst(residual, size):
-    worst = float((np.abs(residual) / size).max())
-    return worst if np.isfinite(worst) else np.inf
-
-
-def _hopeless(begun, now, tol, steps, most):
-    """Whether at the pace so far, and thrice that, the tolerance is out of reach."""
-    gained = np.log(begun / now) / steps if now > 0.0 else np.inf
-    return now > tol and 3.0 * gained * (most - steps) < np.log(now / tol)
+def _hopeless(lowest, tol, steps, most):
+    """Whether at the pace so far, from a residual of one on, the tolerance is out of reach."""
+    return -np.log(lowest) * (most - steps) < steps * np.log(lowest / tol)

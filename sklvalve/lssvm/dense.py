@@ -2,12 +2,19 @@
 """An LS-SVM by one factorisation of its whole matrix, and what to do where that does not solve it."""
 
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgWarning, eigh
 
-from sklvalve.lssvm.solvers import cholesky, cholesky_solve, raise_unless_finite, right_sides, with_bias
+from sklvalve.lssvm.solvers import (
+    Dual,
+    cholesky,
+    cholesky_solve,
+    raise_unless_finite,
+    relative,
+    right_sides,
+    with_bias,
+)
 
 # Beyond this ratio the solution is checked against the equations and refined.
 ILL_CONDITIONED = 1e10
@@ -15,26 +22,6 @@ ILL_CONDITIONED = 1e10
 # times as long as the factorisation.
 NOT_MET = 1e-3
 _MEND = "lower C, or merge repeated rows into one with their weight"
-
-
-@dataclass
-class DenseSolution:
-    """Solution of the equations of an LS-SVM.
-
-    Attributes
-    ----------
-    alpha : ndarray of shape (n, n_targets)
-    b : ndarray of shape (n_targets,)
-    residual : float or None
-        Worst residual relative to the largest target less its mean; None where nothing gave reason to look.
-    told : bool
-        Whether a warning has said that the equations are not met.
-    """
-
-    alpha: np.ndarray
-    b: np.ndarray
-    residual: float | None = None
-    told: bool = False
 
 
 def solve_lssvm(gram, product, y, ridge, *, bias="free"):
@@ -56,7 +43,7 @@ def solve_lssvm(gram, product, y, ridge, *, bias="free"):
 
     Returns
     -------
-    solution : DenseSolution
+    dual : Dual
 
     Raises
     ------
@@ -88,14 +75,14 @@ def solve_lssvm(gram, product, y, ridge, *, bias="free"):
 
     def told_of(alpha, b):
         left = right[:, :-1] - apply(alpha) - b
-        return DenseSolution(alpha, b + shift, _relative(left, right[:, :-1]))
+        return Dual(alpha, b + shift, relative(left, right[:, :-1]))
 
     solution, conditioned = _by_cholesky(gram, right, ridge, apply)
     if solution is not None:
         alpha, b = with_bias(solution[:, :-1], solution[:, -1:], bias)
         raise_unless_finite(alpha, b)
         if conditioned:
-            return DenseSolution(alpha, b + shift)
+            return Dual(alpha, b + shift)
         found = told_of(alpha, b)
         if found.residual <= NOT_MET:
             return found
@@ -178,11 +165,11 @@ def _by_cholesky(gram, right, ridge, apply):
 def _refined(solution, right, factor, apply):
     """Solution after a few steps of iterative refinement, and its worst residual relative to the target."""
     residual = right - apply(solution)
-    worst = _relative(residual, right)
+    worst = relative(residual, right)
     for _ in range(3):
         better = solution + cholesky_solve(factor, residual)
         residual = right - apply(better)
-        now = _relative(residual, right)
+        now = relative(residual, right)
         if not now < worst:
             break
         solution, worst = better, now
@@ -193,8 +180,3 @@ def _with_ridge(gram, ridge):
     matrix = gram()
     np.einsum("ii->i", matrix)[:] += ridge
     return matrix
-
-
-def _relative(left, right):
-    """Largest entry against the largest of its right side."""
-    return float((np.abs(left) / np.maximum(np.abs(right).max(axis=0), np.finfo(float).tiny)).max())

@@ -13,8 +13,7 @@ from sklearn import get_config
 from sklearn.utils._array_api import get_namespace
 from sklearn.utils.validation import _check_sample_weight, validate_data
 
-from sklvalve.lssvm.choice import weight_of
-from sklvalve.lssvm.kernels import SHIFT_INVARIANT
+from sklvalve.lssvm.rows import kernel_moves_along, raise_unless_usable, raise_unless_weighed
 
 # numbers of one block of kernel values of a prediction
 _BLOCK = 2**25
@@ -61,7 +60,7 @@ def fitted(estimator, X, y, sample_weight):
     from sklearn.utils._array_api import _max_precision_float_dtype, move_to
 
     xp, _ = get_namespace(X)
-    weight_of(estimator.C, None, ())
+    raise_unless_usable(estimator.C)
     for name in _WANTS_NUMPY:
         if not _is_possible(estimator, name):
             raise ValueError(
@@ -76,8 +75,7 @@ def fitted(estimator, X, y, sample_weight):
     targets = xp.reshape(xp.astype(y, X.dtype), (y.shape[0], -1))
     weight = _weight(xp, X, sample_weight)
     kept = xp.nonzero(weight > 0)[0]
-    if kept.shape[0] == 0:
-        raise ValueError("The sample weights of all rows are zero; give at least one row a positive one.")
+    raise_unless_weighed(kept.shape[0] > 0)
     all_rows = X
     X, targets, weight = (xp.take(column, kept, axis=0) for column in (X, targets, weight))
     gram = xp.take(X, kept, axis=1) if estimator.kernel == "precomputed" else _own_kernel(estimator, xp, X)
@@ -112,7 +110,7 @@ def predicted(estimator, X):
 
 def _own_kernel(estimator, xp, X):
     estimator.X_fit_ = X
-    moved = isinstance(estimator.kernel, str) and estimator.kernel in SHIFT_INVARIANT
+    moved = kernel_moves_along(estimator.kernel, estimator.bias)
     estimator.offset_ = xp.mean(X, axis=0) if moved else xp.zeros_like(X[0, :])
     rows, gamma = _moved(estimator, xp, X)
     if estimator.kernel == "rbf":

@@ -7,9 +7,9 @@ import numpy as np
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import validate_data
 
-from sklvalve.lssvm.choice import Machine, memory_to_use, solver_for, weight_of
+from sklvalve.lssvm.choice import Machine, memory_to_use, solver_for
 from sklvalve.lssvm.distributed import DaskPasses, parts_of
-from sklvalve.lssvm.kernels import gamma_and_scale, kernel_length
+from sklvalve.lssvm.kernels import kernel_length
 from sklvalve.lssvm.large import warn_of_residual
 from sklvalve.lssvm.nystrom import chosen_landmarks, fit_nystrom
 from sklvalve.lssvm.online import nothing_seen, solution_of, with_rows
@@ -25,7 +25,10 @@ from sklvalve.lssvm.rows import (
     begin,
     merged,
     middle_of,
+    raise_unless_usable,
+    raise_unless_weighed,
     unit_of,
+    weight_of,
 )
 from sklvalve.lssvm.solvers import raise_unless_finite
 from sklvalve.lssvm.spread import fit_spread
@@ -78,10 +81,10 @@ class Fitting:
         return self
 
     def _fit_arrays(self, X, y, sample_weight):
-        self._refuse("A precomputed kernel", self.kernel == "precomputed", "uncertainty")
+        if self.kernel == "precomputed":
+            self._refuse("A precomputed kernel", "uncertainty")
         weight = weight_of(self.C, sample_weight, X)
-        if not weight.any():
-            raise ValueError("The sample weights of all rows are zero; give one at least a positive one.")
+        raise_unless_weighed(weight.any())
         self._begin_anew()
         targets, single, counts = as_columns(y), y.ndim == 1, weight
         self._fit_weighted(X, targets, counts, single)
@@ -95,8 +98,8 @@ class Fitting:
         return self
 
     def _fit_given(self, blocks):
-        self._refuse("fit_blocks", True, "robust_passes")
-        weight_of(self.C, None, ())
+        self._refuse("fit_blocks", "robust_passes")
+        raise_unless_usable(self.C)
         self._begin_anew()
         given = GivenBlocks(blocks, self)
         move = self._move_by(given)
@@ -106,8 +109,8 @@ class Fitting:
         return self
 
     def _fit_dask(self, X, y, sample_weight):
-        self._refuse("A Dask collection", True, "robust_passes", "uncertainty")
-        weight_of(self.C, None, ())
+        self._refuse("A Dask collection", "robust_passes", "uncertainty")
+        raise_unless_usable(self.C)
         self._begin_anew()
         parts, lengths = parts_of(X, y, sample_weight)
         head = X.get_partition(0) if hasattr(X, "get_partition") else X.blocks[0]
@@ -116,7 +119,7 @@ class Fitting:
         return self._by_landmarks(DaskPasses(self._between(), parts, lengths, move), move, y.ndim == 1)
 
     def _fit_more(self, X, y, sample_weight):
-        self._refuse("partial_fit", True, "robust_passes", "uncertainty")
+        self._refuse("partial_fit", "robust_passes", "uncertainty")
         seen = getattr(self, "_seen_", None)
         X, y = validate_data(
             self, X, y, dtype=np.float64, multi_output=True, y_numeric=True, reset=seen is None
@@ -199,7 +202,7 @@ class Fitting:
 
     def _by_landmarks(self, passes, move, single):
         n_features, options = len(self.offset_), ("C", "bias", "max_iter", "n_jobs", "n_landmarks")
-        gamma, _ = gamma_and_scale(self.kernel, self.gamma, n_features)
+        gamma, _ = self._gamma_and_scale()
         tol = _NYSTROM_TOLERANCE * self.tol
         with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
             found = fit_nystrom(
@@ -269,9 +272,10 @@ class Fitting:
         )
         self.loo_residuals_ = errors[:, 0] if single else errors
 
-    def _refuse(self, what, is_so, *names):
+    def _refuse(self, what, *names):
+        """Refuse parameters that a way of fitting knows nothing of."""
         for name in names:
-            if is_so and getattr(self, name):
+            if getattr(self, name):
                 raise ValueError(
                     f"{what} does not go with {name}={getattr(self, name)!r}; use fit with rows in arrays."
                 )

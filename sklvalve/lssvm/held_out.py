@@ -3,10 +3,10 @@
 
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
-from scipy.linalg.lapack import dpotri
+from scipy.linalg.lapack import dpotri, dtrtri
 
 from sklvalve.lssvm.kernels import kernel_between, lower_gram
-from sklvalve.lssvm.solvers import cholesky
+from sklvalve.lssvm.solvers import cholesky, cholesky_solve
 
 
 class HeldOutErrors:
@@ -91,12 +91,14 @@ def checked_blocks(blocks, n):
 
 
 class DenseInverse:
-    """Inverse of a symmetric positive definite matrix.
+    """Inverse of a symmetric positive definite matrix, by its factor; no more is made than is asked for.
 
     Parameters
     ----------
     matrix : ndarray of shape (n, n), Fortran order
         Its lower triangle is read; it is spoilt.
+    scale : ndarray of shape (n,), default=None
+        What rows and columns of the inverse are multiplied by.
 
     Raises
     ------
@@ -104,23 +106,29 @@ class DenseInverse:
         If it is not positive definite.
     """
 
-    def __init__(self, matrix):
+    def __init__(self, matrix, scale=None):
         if not cholesky(matrix):
             raise ValueError("the matrix is not positive definite")
-        # a third of what solving for every column of the unit matrix costs; one triangle comes back
-        self.values = np.tril(dpotri(matrix, lower=1, overwrite_c=1)[0])
-        self.values += np.tril(self.values, -1).T
+        self._factor, self._values = matrix, None
+        self._scale = np.ones(len(matrix)) if scale is None else scale
 
     def __matmul__(self, right):
-        return self.values @ right
+        scale = self._scale[:, None]
+        return scale * cholesky_solve(self._factor, scale * right)
 
     def diagonal(self):
         """Diagonal, of shape (n,)."""
-        return self.values.diagonal()
+        # half of what the whole inverse costs; above its diagonal the factor holds anything
+        inner, _ = dtrtri(self._factor, lower=1)
+        squares = [inner[j:, j] @ inner[j:, j] for j in range(len(inner))]
+        return self._scale**2 * np.array(squares)
 
     def block(self, rows):
         """Its part between some rows."""
-        return self.values[np.ix_(rows, rows)]
+        if self._values is None:
+            self._values = np.tril(dpotri(self._factor, lower=1)[0])
+            self._values += np.tril(self._values, -1).T
+        return self._scale[rows, None] * self._values[np.ix_(rows, rows)] * self._scale[rows]
 
 
 def blocked_errors(X, *, C, gamma, blocks, gap=0, kernel="rbf"):

@@ -159,8 +159,8 @@ def _rbf(A, B, *, gamma):
         values *= -2.0
         values += np.einsum("ij,ij->i", A, A)[:, None]
         values += of_B
-        # Rounding leaves squared distances of equal rows a little below zero.
-        np.maximum(values, 0.0, out=values)
+        # rounding leaves squared distances of equal rows a little below zero; a row is quicker than a 0
+        np.maximum(values, np.zeros(len(B)), out=values)
     values *= -_scale(gamma, A)
     return np.exp(values, out=values)
 

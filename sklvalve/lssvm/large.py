@@ -2,7 +2,6 @@
 """The equations of an LS-SVM with more rows than one call of LAPACK is good for."""
 
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import LinAlgWarning
@@ -11,32 +10,14 @@ from sklvalve.lssvm.conjugate import LowRankPreconditioner, conjugate_gradients
 from sklvalve.lssvm.packed import PackedCholesky
 from sklvalve.lssvm.pivoted import pivoted_cholesky
 from sklvalve.lssvm.products import symmetric_product
-from sklvalve.lssvm.solvers import raise_unless_finite, right_sides, with_bias
+from sklvalve.lssvm.solvers import Dual, raise_unless_finite, relative, right_sides, with_bias
 from sklvalve.lssvm.threads import own_threads
 
 # columns of the preconditioner: beyond them they cost more than they save
 _RANK, _ROWS_A_COLUMN, _LEAST_RANK = 2000, 8, 256
 _REFINEMENTS = 3
-
-
-@dataclass
-class Dual:
-    """Solution of the equations of an LS-SVM.
-
-    Attributes
-    ----------
-    alpha : ndarray of shape (n, n_targets)
-    b : ndarray of shape (n_targets,)
-    residual : float
-        Largest :math:`|f(x_i) + \\alpha_i / (C w_i) - y_i|`, relative to the largest target less its mean.
-    n_iter : int
-        Steps; 0 of a factorisation.
-    """
-
-    alpha: np.ndarray
-    b: np.ndarray
-    residual: float
-    n_iter: int = 0
+# of the tolerance, at which conjugate gradients stop: the rest is for what their sums drift, and the bias
+_OF_TOL = 0.8
 
 
 def solve_tiled(blocks, y, ridge, *, bias, tol, n_jobs=None):
@@ -95,7 +76,20 @@ def solve_tiled(blocks, y, ridge, *, bias, tol, n_jobs=None):
 
 
 def solve_pcg(
-    between, blocks, X, diagonal, y, ridge, *, bias, tol, max_iter, rank, random_state, n_jobs=None
+    between,
+    blocks,
+    X,
+    diagonal,
+    y,
+    ridge,
+    *,
+    bias,
+    tol,
+    max_iter,
+    rank,
+    random_state,
+    n_jobs=None,
+    patient=True,
 ):
     """By conjugate gradients on the whole kernel matrix, helped by a low rank of it.
 
@@ -112,6 +106,8 @@ def solve_pcg(
     rank : int
         Most columns of the low rank.
     random_state : RandomState
+    patient : bool, default=True
+        Of `conjugate_gradients`.
 
     Returns
     -------
@@ -129,7 +125,9 @@ def solve_pcg(
         def apply(v):
             return symmetric_product(run, blocks, n, v) + ridge[:, None] * v
 
-        solved = conjugate_gradients(apply, precondition, right, tol=0.5 * tol, max_iter=max_iter)
+        solved = conjugate_gradients(
+            apply, precondition, right, tol=_OF_TOL * tol, max_iter=max_iter, patient=patient
+        )
     raise_unless_finite(solved.x)
     dual = _dual(solved.x, solved.residual, right, shift, bias)
     dual.n_iter = solved.n_iter
@@ -155,5 +153,4 @@ def _dual(x, left, right, shift, bias):
     alpha, b = with_bias(x[:, :-1], x[:, -1:], bias)
     # the bias is a combination of both solutions, and so is what is left of the equations
     of_all = left[:, :-1] - b * left[:, -1:]
-    size = np.maximum(np.abs(right[:, :-1]).max(axis=0), np.finfo(float).tiny)
-    return Dual(alpha, b + shift, float((np.abs(of_all) / size).max()))
+    return Dual(alpha, b + shift, relative(of_all, right[:, :-1]))

@@ -11,7 +11,7 @@ from sklearn.utils.validation import check_is_fitted
 
 from sklvalve import __version__
 from sklvalve.lssvm.cross_validated import LSSVMRegressorCV
-from sklvalve.lssvm.kernels import SHIFT_INVARIANT, gamma_and_scale
+from sklvalve.lssvm.kernels import SHIFT_INVARIANT
 from sklvalve.lssvm.regressor import LSSVMRegressor
 
 # the oldest that have all operators of the graph in double
@@ -189,7 +189,7 @@ def _function(graph, estimator):
     d, alpha, kernel = estimator.n_features_in_, estimator._alpha(), estimator.kernel
     coordinates = estimator._coordinates()
     Z = graph.node("Sub", ["X", graph.constant("offset", coordinates.offset)], "from_offset")
-    gamma, _ = gamma_and_scale(kernel, estimator.gamma, d)
+    gamma, _ = estimator._gamma_and_scale()
     gamma = 1.0 / d if gamma is None else float(gamma)
     # the very numbers of `predict`: X_fit_ less the offset is these but for rounding
     rows = estimator._right_[:, :d]

@@ -8,6 +8,7 @@ import numpy as np
 
 from sklvalve.lssvm.cells import Cells, gathered
 from sklvalve.lssvm.products import KernelBlocks
+from sklvalve.lssvm.rows import raise_unless_weighed
 from sklvalve.lssvm.threads import Turns
 
 _BLOCK = 2**17
@@ -119,8 +120,7 @@ class Look:
 
     def sample(self):
         """X, y and weight of the rows drawn."""
-        if not self.weight > 0.0:
-            raise ValueError("There are no rows with a positive weight; give at least one.")
+        raise_unless_weighed(self.weight > 0.0)
         return _lowest(self._drawn, self._most)[:3]
 
     def copy(self, most):

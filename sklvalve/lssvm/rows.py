@@ -8,9 +8,8 @@ blocks may come from anywhere.
 from dataclasses import dataclass
 
 import numpy as np
-from sklearn.utils.validation import validate_data
+from sklearn.utils.validation import _check_sample_weight, validate_data
 
-from sklvalve.lssvm.choice import weight_of
 from sklvalve.lssvm.kernels import SHIFT_INVARIANT
 from sklvalve.lssvm.solvers import raise_unless_finite
 
@@ -86,6 +85,36 @@ def unit_of(targets):
     return float(2.0 ** np.floor(np.log2(largest))) if np.isfinite(largest) and largest > 0.0 else 1.0
 
 
+def raise_unless_usable(C):
+    """Refuse a C whose inverse overflows."""
+    with np.errstate(divide="ignore", over="ignore"):
+        if not np.isfinite(np.divide(1.0, C)):
+            raise ValueError(f"C = {C:g} is so small that 1 / C is infinite; give C = 1e-300 or more.")
+
+
+def weight_of(C, sample_weight, X):
+    """Weights of the rows, of shape (n,); one that is so small that 1 / (C w) is infinite counts as nothing.
+
+    Raises
+    ------
+    ValueError
+        If weights are negative or not finite, or if 1 / C is infinite.
+    """
+    raise_unless_usable(C)
+    if sample_weight is None:
+        return np.ones(len(X))
+    weight = _check_sample_weight(sample_weight, X, dtype=np.float64, ensure_non_negative=True, copy=True)
+    with np.errstate(divide="ignore", over="ignore"):
+        weight[~np.isfinite(1.0 / (C * weight))] = 0.0
+    return weight
+
+
+def raise_unless_weighed(weighed):
+    """Refuse rows of which none counts."""
+    if not weighed:
+        raise ValueError("There are no rows with a positive weight; give at least one.")
+
+
 def begin(blocks, kernel, bias):
     """Middle of the rows, of the targets, and a unit of these, by the first rows that have a weight.
 
@@ -108,13 +137,13 @@ def begin(blocks, kernel, bias):
     ValueError
         If there are no blocks, or no row has a weight.
     """
-    for X, y, weight in blocks:
-        rows = np.flatnonzero(weight > 0.0)[:HEAD]
-        if len(rows):
-            targets = y[rows]
-            shift = targets.mean(axis=0) if bias == "free" else np.zeros(y.shape[1])
-            return middle_of(X[rows], kernel, bias), shift, unit_of(targets - shift)
-    raise ValueError("There are no blocks, or none of their rows has a positive weight; give at least one.")
+    first = next((block for block in blocks if (block[2] > 0.0).any()), None)
+    raise_unless_weighed(first is not None)
+    X, y, weight = first
+    rows = np.flatnonzero(weight > 0.0)[:HEAD]
+    targets = y[rows]
+    shift = targets.mean(axis=0) if bias == "free" else np.zeros(y.shape[1])
+    return middle_of(X[rows], kernel, bias), shift, unit_of(targets - shift)
 
 
 class ArrayBlocks:

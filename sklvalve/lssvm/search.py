@@ -35,7 +35,7 @@ class Search:
 
     def __init__(self, X, y, weight, blocks, Cs, options):
         self._data, self._blocks, self._Cs, self._options = (X, y, weight), blocks, Cs, options
-        self._last = None, None
+        self._last, self._known = (None, None), {}
 
     def grid(self, gammas):
         """Scores of all pairs, of shape (n_gammas, n_Cs), NaN where C is too large for the kernel."""
@@ -80,7 +80,7 @@ class Search:
             scores = [self._scored(left_out, c) for c in near]
             if np.isfinite(scores).any():
                 C = float(near[int(np.nanargmin(scores))])
-        return left_out.errors(C, self._data[1]), C
+        return self._errors(left_out, C), C
 
     def _some(self, most):
         n = len(self._data[0])
@@ -93,7 +93,7 @@ class Search:
     def _left_out(self, gamma):
         """Decomposition for a gamma; the last one is kept, for the best is often asked for again."""
         if self._last[1] is None or not np.array_equal(self._last[0], gamma):
-            self._last = gamma, self._decomposed(gamma)
+            self._last, self._known = (gamma, self._decomposed(gamma)), {}
         return self._last[1]
 
     def _decomposed(self, gamma):
@@ -111,10 +111,16 @@ class Search:
             n_jobs=options["n_jobs"],
         )
 
+    def _errors(self, left_out, C):
+        """Errors on left-out rows; those of the last decomposition are kept as well."""
+        if C not in self._known:
+            self._known[C] = left_out.errors(C, self._data[1])
+        return self._known[C]
+
     def _scored(self, left_out, C):
-        _, y, weight = self._data
+        weight = self._data[2]
         try:
-            errors = left_out.errors(C, y)
+            errors = self._errors(left_out, C)
         except ValueError:
             return np.nan
         known = np.isfinite(errors[:, 0])

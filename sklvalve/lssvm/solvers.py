@@ -5,6 +5,8 @@ Pure functions of arrays. Matrices to be factored are lower triangles in Fortran
 diagonal is never read.
 """
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf
@@ -15,6 +17,30 @@ LAPACK_ROWS = 8000
 TILE = 2048
 # what is added to the diagonal of a semidefinite matrix, of its mean: the least that lets it be factored
 JITTERS = (1e-14, 1e-12, 1e-10, 1e-8)
+
+
+@dataclass
+class Dual:
+    """Solution of the equations of an LS-SVM.
+
+    Attributes
+    ----------
+    alpha : ndarray of shape (n, n_targets)
+    b : ndarray of shape (n_targets,)
+    residual : float or None
+        Largest :math:`|f(x_i) + \\alpha_i / (C w_i) - y_i|`, relative to the largest target less its mean;
+        None where nothing gave reason to look.
+    n_iter : int
+        Steps; 0 of a factorisation.
+    told : bool
+        Whether a warning has said that the equations are not met.
+    """
+
+    alpha: np.ndarray
+    b: np.ndarray
+    residual: float | None = None
+    n_iter: int = 0
+    told: bool = False
 
 
 def cholesky(matrix, *, tile=None):
@@ -127,6 +153,23 @@ def with_bias(t, s, bias):
     # nothing at all, where nothing better was found, has no bias
     b = t.sum(axis=0) / whole if whole else np.zeros(t.shape[1])
     return t - s * b, b
+
+
+def relative(left, right):
+    """Largest of what is left of some equations, against the largest of their right sides.
+
+    Parameters
+    ----------
+    left : ndarray of shape (k, m)
+    right : ndarray of shape (n, m)
+
+    Returns
+    -------
+    worst : float
+        Infinite where something overflowed.
+    """
+    worst = (np.abs(left) / np.maximum(np.abs(right).max(axis=0), np.finfo(float).tiny)).max()
+    return float(worst) if np.isfinite(worst) else np.inf
 
 
 def _tiles(n, tile):

@@ -222,7 +222,7 @@ def test_new_rows_that_no_landmark_spans_or_that_are_unlike():
 def test_impossible_blocks():
     for blocks, message in [
         ((block for block in [(X, Y)]), "read only once"),
-        ([], "no blocks"),
+        ([], "no rows with a positive weight"),
         ([X, X], "must be"),
         ([(X, Y), (X[:, :1], Y)], "features"),
         ([(X, Y), (X, np.c_[Y, Y])], "in a block"),
