@@ -42,6 +42,7 @@ def main(arguments=None):
     parser.add_argument(
         "--given", action="store_true", help="hold the user's own simulation against the flow"
     )
+    parser.add_argument("--every", type=int, default=1, help="judge every so many records only; 1")
     parser.add_argument("--jobs", type=int, default=2, help="processes; 2")
     options = parser.parse_args(arguments)
     folder = options.folder.resolve()
@@ -67,7 +68,7 @@ def main(arguments=None):
     if "random_forest" in names:
         learn(folder / "learnt")
     try:
-        files = judge_all(folder, names, options.jobs, given=options.given)
+        files = judge_all(folder, names, options.jobs, given=options.given, every=options.every)
     except BrokenProcessPool:
         parser.exit(1, "a process that judges was ended, for want of memory perhaps; start again to go on\n")
     out = folder / ("report_given" if options.given else "report")

@@ -39,7 +39,7 @@ def draw_all(folder, seed, jobs, **sizes):
         raise RuntimeError("a process that draws records stopped; start again to go on")
 
 
-def judge_all(folder, names, jobs, *, given=False, report=print):
+def judge_all(folder, names, jobs, *, given=False, every=1, report=print):
     """Append a line of scores for every record and method that has none yet.
 
     Parameters
@@ -51,6 +51,8 @@ def judge_all(folder, names, jobs, *, given=False, report=print):
         Processes.
     given : bool, default=False
         Judge by the user's own simulation of the flow, the records that have one; method ``sklvalve`` only.
+    every : int, default=1
+        Of all records judge the first, and so many on, for a method that is slow.
     report : callable
         Told of the progress.
 
@@ -65,6 +67,7 @@ def judge_all(folder, names, jobs, *, given=False, report=print):
         done = {line["record"] for line in whole_lines(file)}
         files.append(file)
         places = sorted(p.parent for p in folder.glob("record_*/truth.json"))
+        places = places[::every]
         if given:
             places = [p for p in places if (p / GIVEN).exists()]
         work += [
