@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Constants of the benchmark's actuators."""
 
-from dataclasses import dataclass, replace
+from collections import namedtuple
+from dataclasses import astuple, dataclass, fields, replace
 
 import numpy as np
 
@@ -28,6 +29,8 @@ class Actuator:
         Coefficient of the pneumatic relay [kg/(s sqrt(Pa))].
     supply : float
         [Pa, gauge].
+    most_air : float
+        That the chamber is taken to hold [kg].
     least_supply : float
         Below which there counts as none [Pa, gauge].
     leak : float
@@ -44,10 +47,11 @@ class Actuator:
         [m].
     play : float
         Width of the hysteresis between diaphragm and stem, as a share of the stroke [1].
-    coulomb : float
-        Force of sliding friction [N]; none in the benchmark, which has play in its place.
-    slip_speed : float
-        Below which the stem may stick [m/s].
+    stick_slip : bool
+        Whether that hysteresis is dry friction instead of play: half its width times the spring's stiffness
+        [N], *proposed*, against which the stem sticks and slips. Faults f4 and f8 then add friction.
+    breakaway : float
+        Friction of the stem at rest, as a multiple of that of the moving one [1]; above one it jumps.
     gain : float
         Of the positioner [1].
     hold : float
@@ -65,6 +69,10 @@ class Actuator:
     leakage_adds : bool
         Whether fault f6 adds to the relative capacity, as in the library, or multiplies it, as a formula of
         the help text has it.
+    pressure_range : float
+        Of the transmitters of P1 and P2 [Pa].
+    flow_range : float
+        Of the flow meter [t/h].
     """
 
     effective_area: float = 0.0290
@@ -74,6 +82,7 @@ class Actuator:
     polytropic: float = 1.0
     atmosphere: float = 101325.0
     nozzle: float = 2.5e-6
+    most_air: float = 0.1
     supply: float = 6e5
     least_supply: float = 1.2e5
     leak: float = 2e-7
@@ -83,8 +92,8 @@ class Actuator:
     viscous: float = 1500.0
     stroke: float = 0.0381
     play: float = 0.01
-    coulomb: float = 0.0
-    slip_speed: float = 1e-4
+    stick_slip: bool = False
+    breakaway: float = 1.0
     gain: float = 100.0
     hold: float = 0.035
     setpoint_lag: float = 0.3
@@ -93,37 +102,16 @@ class Actuator:
     plug: float = 0.05
     bypass_kv: float = 19.75
     leakage_adds: bool = True
+    pressure_range: float = 4e6
+    flow_range: float = 40.0
+
+    def __post_init__(self):
+        if not self.breakaway >= 1.0:
+            raise ValueError(f"breakaway must be 1 or more, got {self.breakaway!r}.")
 
     def packed(self):
-        """Numbers as `march.march` wants them."""
-        par = np.zeros(march.N_PARAMETERS)
-        for place, value in {
-            march.AREA: self.effective_area,
-            march.DEAD_VOLUME: self.dead_volume,
-            march.POLYTROPIC: self.polytropic,
-            march.ATMOSPHERE: self.atmosphere,
-            march.NOZZLE: self.nozzle,
-            march.LEAST_SUPPLY: self.least_supply,
-            march.LEAK: self.leak,
-            march.MASS: self.mass,
-            march.SPRING: self.spring,
-            march.PRELOAD: self.preload,
-            march.VISCOUS: self.viscous,
-            march.STROKE: self.stroke,
-            march.PLAY: self.play * self.stroke,
-            march.COULOMB: self.coulomb,
-            march.SLIP_SPEED: self.slip_speed,
-            march.GAIN: self.gain,
-            march.HOLD: self.hold,
-            march.SETPOINT_LAG: self.setpoint_lag,
-            march.KV: self.kv,
-            march.SLOPE: self.slope,
-            march.PLUG: self.plug,
-            march.BYPASS_KV: self.bypass_kv,
-            march.LEAKAGE_ADDS: float(self.leakage_adds),
-        }.items():
-            par[place] = value
-        return par
+        """The same as numbers by name, for compiled code."""
+        return Constants(*map(float, astuple(self)))
 
     def at_rest(self):
         """State in which the benchmark begins: open, without pressure, of shape (march.N_STATES,)."""
@@ -133,6 +121,10 @@ class Actuator:
             self.atmosphere * self.dead_volume / (self.gas_constant * self.air_temperature)
         )
         return state
+
+
+#: The fields of an `Actuator`, all floats: what compiled code takes as `par`.
+Constants = namedtuple("Constants", [field.name for field in fields(Actuator)])  # type: ignore[misc]
 
 
 def preset(actuator):
@@ -149,7 +141,7 @@ def preset(actuator):
     actuator : Actuator
         For 1 and 2 no source has a tuned simulator: area, dead volume and relay are *proposed* in proportion
         to the diaphragm (1290 against 290 cm2), the spring for the same bench set of 20 to 100 kPa, capacity
-        and plug by what is known of the valves.
+        and plug by what is known of the valves. The ranges are those of the plant's transmitters.
 
     Examples
     --------
@@ -157,8 +149,8 @@ def preset(actuator):
     80
     """
     known = {
-        1: {"kv": 550.0, "plug": 0.2},
-        2: {"kv": 110.0, "plug": 0.1},
+        1: {"kv": 550.0, "plug": 0.2, "flow_range": 400.0},
+        2: {"kv": 110.0, "plug": 0.1, "flow_range": 80.0},
         3: {},
     }
     if actuator not in known:
@@ -171,7 +163,9 @@ def preset(actuator):
         base,
         effective_area=area,
         dead_volume=larger * base.dead_volume,
+        most_air=larger * base.most_air,
         nozzle=larger * base.nozzle,
         spring=larger * base.spring,
+        pressure_range=1e6,
         **known[actuator],
     )

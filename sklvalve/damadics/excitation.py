@@ -30,6 +30,23 @@ def standard(t):
     }
 
 
+def in_range(pressure_range):
+    """The standard excitation with pressures in proportion to the range of other transmitters, *proposed*.
+
+    Parameters
+    ----------
+    pressure_range : float
+        [Pa]; 4e6 is the benchmark's own.
+    """
+    share = pressure_range / 4e6
+
+    def excitation(t):
+        drivers = standard(t)
+        return drivers | {"P1": share * drivers["P1"], "P2": share * drivers["P2"]}
+
+    return excitation
+
+
 def step_test(t):
     """Example I of the benchmark: the command goes from 0.5 to 1 at 25 s."""
     return {"CV": np.where(t < 25.0, 0.5, 1.0), "P1": 3.5e6, "P2": 2.6e6, "T1": 20.0}

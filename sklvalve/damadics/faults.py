@@ -81,6 +81,9 @@ FAULTS = {
     )
 }
 
+#: Faults of what flows, which the transmitters of pressure and temperature see.
+OF_THE_MEDIUM = ("f7", "f17")
+
 
 @dataclass(frozen=True)
 class Profile:

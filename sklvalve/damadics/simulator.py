@@ -6,11 +6,14 @@ import numpy as np
 from sklvalve.damadics import march
 from sklvalve.damadics.actuator import Actuator
 from sklvalve.damadics.excitation import at_steps, standard
+from sklvalve.damadics.faults import FAULTS
+from sklvalve.damadics.loop import LevelLoop, march_loop
 
-# of the span of a signal
-_SIGMA, _HUM, _HUM_HERTZ = 1.414e-3, 2.5e-3, 50.0
-#: Spans of the transducers: pressures [Pa], temperature [degC], flow [t/h].
-SPANS = {"P1": 4e6, "P2": 4e6, "T1": 200.0, "F": 40.0}
+#: Noise of a transducer, as a share of its span [1].
+SIGMA = 1.414e-3
+_HUM, _HUM_HERTZ = 2.5e-3, 50.0
+#: Span of the temperature transducer [degC]; those of pressures and flow belong to the actuator.
+TEMPERATURE_SPAN = 200.0
 #: The six signals that a diagnosis may use.
 SIGNALS = ("CV", "P1", "P2", "T1", "X", "F")
 #: What the simulator knows beyond them, with its units.
@@ -19,6 +22,7 @@ EXTENDED = {
     "F_tph": "t/h",
     "Fvc": "N",
     "Ps": "Pa",
+    "Pz": "Pa",
     "CVI": "1",
     "Ps_shown": "1",
     "Pz_shown": "1",
@@ -67,18 +71,19 @@ class ActuatorSimulator:
         ----------
         duration : float
             [s]; the last row is the last multiple of `step` before it.
-        excitation : callable, default=standard
-            Of an array of times [s]; as in `sklvalve.damadics.excitation`.
+        excitation : callable or LevelLoop, default=standard
+            Of an array of times [s], as in `sklvalve.damadics.excitation`; or a loop that the valve closes.
         faults : sequence of Profile, default=()
         step : float, default=1.0
             Between two rows [s], a multiple of 0.0025 s.
-        random_state : int, RandomState instance or None, default=None
+        random_state : int, Generator or None, default=None
 
         Returns
         -------
         run : dict of ndarray of shape (n,)
             ``t`` [s]; the six signals over their spans [1], stem X and command CV as a share of closing; what
-            `EXTENDED` has; ``f1`` to ``f19``, strengths of the faults.
+            `EXTENDED` has; ``f1`` to ``f19``, strengths of the faults; of a loop also ``level`` [m] and
+            ``PV``, the level as measured [1].
 
         Raises
         ------
@@ -91,47 +96,55 @@ class ActuatorSimulator:
         if not duration >= step:
             raise ValueError(f"duration must be at least one step of {step} s, got {duration!r}.")
         rng = np.random.default_rng(random_state)
-        table, drivers = self._marched(round(duration / march.STEP), excitation, faults, every, rng)
-        return self._shown(table, drivers, step, rng)
+        table = self._marched(round(duration / march.STEP), excitation, faults, every, rng)
+        names = (*march.COLUMNS, *(fault.fault for fault in faults), "level", "PV")
+        told = dict(zip(names, table.T, strict=False))
+        # of faults that are not there only what is never written, and so takes no memory
+        told |= {name: np.zeros(len(table)) for name in FAULTS if name not in told}
+        t = step * np.arange(len(table))
+        return {"t": t} | told | self._shown(t, told, rng)
 
     def _marched(self, many, excitation, faults, every, rng):
+        """Rows of a march; a loop's have the level [m] and the measured level [1] behind."""
         par, state = self.actuator.packed(), self.actuator.at_rest()
         profiles = np.array([fault.row() for fault in faults]).reshape(-1, 6)
+        loop = excitation if isinstance(excitation, LevelLoop) else None
+        tank = loop.at_rest() if loop else None
+        out = np.empty((-(-many // every), len(march.COLUMNS) + len(profiles) + (2 if loop else 0)))
         chunk = every * max(1, round(_CHUNK / march.STEP / every))
-        tables, drivers = [], []
         for first in range(0, many, chunk):
-            steps = np.arange(first, min(first + chunk, many))
-            inputs = at_steps(excitation, steps * march.STEP, self.actuator.supply)
-            noise = self._noise(steps * march.STEP, rng)
-            out = np.empty((-(-len(steps) // every), 27))
-            march.march(first, inputs, noise, state, par, profiles, every, out)
-            tables.append(out)
-            drivers.append(inputs[::every])
-        return np.concatenate(tables), np.concatenate(drivers)
+            t = march.STEP * np.arange(first, min(first + chunk, many))
+            noise, rows = self._noise(t, rng), out[first // every :]
+            if loop:
+                of_level = self._noise(t, rng)
+                given = (loop.packed(), self.actuator.supply, par, profiles, every)
+                march_loop(first, noise, of_level, state, tank, *given, rows)
+            else:
+                inputs = at_steps(excitation, t, self.actuator.supply)
+                march.march(first, inputs, noise, state, par, profiles, every, rows)
+        return out
 
     def _noise(self, t, rng):
-        noise = _SIGMA * rng.standard_normal(len(t)) if self.noise else np.zeros(len(t))
+        noise = SIGMA * rng.standard_normal(len(t)) if self.noise else np.zeros(len(t))
         if self.hum:
             noise += _HUM * np.sin(2.0 * np.pi * _HUM_HERTZ * t)
         return noise
 
-    def _shown(self, table, drivers, step, rng):
-        t = step * np.arange(len(table))
-        x, flow, force, pressure, output = table[:, :5].T
-        f = {number: table[:, 7 + number] for number in range(1, 20)}
+    def _shown(self, t, told, rng):
+        """What the transducers make of what a march told."""
         sign = -1.0 if self.sign == "library" else 1.0
         ideal = {
-            "P1": table[:, 5] / SPANS["P1"],
-            "P2": table[:, 6] / SPANS["P2"],
-            "T1": table[:, 7] / SPANS["T1"],
-            "X": x / self.actuator.stroke * (1.0 + 1.25 * f[13]),
-            "F": flow / SPANS["F"] * (1.0 + sign * f[19]),
+            "P1": told["P1"] / self.actuator.pressure_range,
+            "P2": told["P2"] / self.actuator.pressure_range,
+            "T1": told["T1"] / TEMPERATURE_SPAN,
+            "X": told["x"] / self.actuator.stroke * (1.0 + 1.25 * told["f13"]),
+            "F": told["F_tph"] / self.actuator.flow_range * (1.0 + sign * told["f19"]),
         }
-        run = {"t": t, "CV": drivers[:, 0].copy()}
-        for name, values in ideal.items():
-            run[name] = np.clip(np.clip(values, 0.0, 1.0) + self._noise(t, rng), 0.0, 1.0)
-        run |= {"x": x, "F_tph": flow, "Fvc": force, "Ps": pressure, "CVI": output}
-        run["Ps_shown"] = np.clip(pressure / self.pressure_span, 0.0, 1.0) * (1.0 + sign * f[14])
-        run["Pz_shown"] = drivers[:, 4] * (1.0 - f[16]) / self.pressure_span
-        run["CVI_shown"] = 0.5 * (output + 1.0)
-        return run | {f"f{number}": values for number, values in f.items()}
+        shown = {
+            name: np.clip(np.clip(values, 0.0, 1.0) + self._noise(t, rng), 0.0, 1.0)
+            for name, values in ideal.items()
+        }
+        shown["Ps_shown"] = np.clip(told["Ps"] / self.pressure_span, 0.0, 1.0) * (1.0 + sign * told["f14"])
+        shown["Pz_shown"] = told["Pz"] * (1.0 - told["f16"]) / self.pressure_span
+        shown["CVI_shown"] = 0.5 * (told["CVI"] + 1.0)
+        return shown

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Recordings to try things on: made by a simulated plant, or read from a folder."""
 
+from sklvalve.damadics import make_damadics
 from sklvalve.datasets._plant_effects import CONCEALABLE
 from sklvalve.datasets.concealed import write_concealed
 from sklvalve.datasets.loaders import load_belimo, load_concealed, load_refinery_loops, load_watersafe
@@ -12,6 +13,7 @@ __all__ = [
     "load_concealed",
     "load_refinery_loops",
     "load_watersafe",
+    "make_damadics",
     "make_valve_recording",
     "write_concealed",
 ]
