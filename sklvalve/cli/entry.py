@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from sklvalve.cli import demo, diagnose, predict, screen
+from sklvalve.cli import demo, diagnose, import_export, init, predict, screen, simulate
 from sklvalve.cli.parser import Parser, UsageError
 
 _DESCRIPTION = "Find, name, model and prove the physics that a control-valve simulation leaves out."
@@ -102,7 +102,7 @@ def build_parser() -> Parser:
     commands = parser.add_subparsers(
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
-    for module in (demo, diagnose, predict, screen):
+    for module in (import_export, init, screen, diagnose, predict, simulate, demo):
         module.add_parser(commands)
     return parser
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A parser whose complaints are one sentence, and the types of arguments."""
 
+import math
 from argparse import ArgumentParser, ArgumentTypeError
 from typing import NoReturn
 
@@ -28,6 +29,17 @@ def seed(text: str) -> int:
         value = -1
     if not 0 <= value < 2**32:
         raise ArgumentTypeError(f"expected a whole number from 0 to 4294967295; got {text!r}")
+    return value
+
+
+def seconds(text: str) -> float:
+    """Duration in seconds, at least one."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 1.0 <= value < math.inf:
+        raise ArgumentTypeError(f"expected a number of seconds, 1 or more; got {text!r}")
     return value
 
 

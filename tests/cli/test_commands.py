@@ -17,11 +17,11 @@ def test_help_lists_the_commands_and_loads_no_numbers():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
-    for command in ("demo", "diagnose", "predict", "screen"):
+    for command in ("demo", "diagnose", "import", "init", "predict", "screen", "simulate"):
         assert f"    {command} " in run.stdout
 
 
-@pytest.mark.parametrize("command", ["demo", "diagnose", "predict", "screen"])
+@pytest.mark.parametrize("command", ["demo", "diagnose", "import", "init", "predict", "screen", "simulate"])
 def test_each_command_has_help(command, capsys):
     assert main([command, "--help"]) == 0
     assert capsys.readouterr().out.startswith(f"usage: sklvalve {command}")

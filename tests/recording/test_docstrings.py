@@ -9,12 +9,12 @@ import pytest
 
 import sklvalve.recording as recording
 
-MODULES = [info.name for info in pkgutil.iter_modules(recording.__path__)]
+MODULES = [info.name for info in pkgutil.walk_packages(recording.__path__, "sklvalve.recording.")]
 
 
 @pytest.mark.parametrize("name", MODULES)
 def test_examples_run(name):
-    module = importlib.import_module(f"sklvalve.recording.{name}")
+    module = importlib.import_module(name)
     assert doctest.testmod(module).failed == 0
 
 

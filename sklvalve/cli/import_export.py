@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``sklvalve import``: a historian's export made a clean recording, and what was done to it."""
+
+import json
+import math
+from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
+from pathlib import Path
+
+_EXAMPLES = """examples:
+  sklvalve import export.csv --out recording.csv
+  sklvalve import export.txt --out recording.csv --timezone Europe/Warsaw
+  sklvalve import monday.csv tuesday.csv --out recording.parquet --period 5
+"""
+
+
+def add_parser(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "import",
+        help="make a historian's export a clean recording",
+        description="Read an export as it is (long or wide format, local time, decimal commas, bad-quality "
+        "texts, uneven stamps), write a recording on one regular time base, and say what was done to each "
+        "tag; the same goes beside it as RECORDING.import.json.",
+        epilog=_EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("export", metavar="EXPORT", nargs="+", help="text files of one export")
+    parser.add_argument("--out", required=True, metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
+    parser.add_argument("--timezone", metavar="ZONE", help="of local times: Europe/Warsaw, or +01:00")
+    parser.add_argument(
+        "--period", type=_positive, metavar="S", help="seconds between rows (default: from the stamps)"
+    )
+    parser.add_argument(
+        "--gap",
+        type=_positive,
+        default=5.0,
+        metavar="N",
+        help="leave silences of more than N usual steps empty (default: 5)",
+    )
+    parser.add_argument(
+        "--dates", choices=("day-first", "month-first"), help="how to read 03/04/2024 (default: found out)"
+    )
+    parser.add_argument(
+        "--decimal", choices=("point", "comma"), help="what decimals begin with (default: found out)"
+    )
+    parser.add_argument(
+        "--encoding", metavar="NAME", help="of the files, such as cp1250 (default: found out)"
+    )
+    parser.add_argument("--keep-uncertain", action="store_true", help="keep values of uncertain quality")
+    parser.add_argument(
+        "--hold", action="append", default=[], metavar="TAG", help="hold the last value between its reports"
+    )
+    parser.add_argument(
+        "--linear",
+        action="append",
+        default=[],
+        metavar="TAG",
+        help="draw a straight line between its reports",
+    )
+    parser.add_argument("--json", action="store_true", help="print the account as JSON instead of the text")
+    parser.set_defaults(run=run)
+
+
+def run(args: Namespace) -> int:
+    """Import an export."""
+    from sklvalve.cli.staging import Staging
+    from sklvalve.recording.historian import ImportSettings, import_export
+    from sklvalve.recording.historian.summary import summary
+    from sklvalve.recording.historian.write import write_recording
+
+    out, beside = _targets(args)
+    settings = ImportSettings(
+        zone=args.timezone,
+        period=args.period,
+        gap=args.gap,
+        day_first=None if args.dates is None else args.dates == "day-first",
+        decimal={"point": ".", "comma": ",", None: None}[args.decimal],
+        encoding=args.encoding,
+        keep_uncertain=args.keep_uncertain,
+        hold=tuple(args.hold),
+        linear=tuple(args.linear),
+    )
+    made = import_export(args.export, settings)
+    told = json.dumps(made.account, indent=1, ensure_ascii=False, allow_nan=False)
+    with Staging(out.parent, (out.name, beside.name), called=f"--out {out.name} in") as staging:
+        write_recording(staging.path(out.name), made.stamps, made.columns)
+        staging.path(beside.name).write_text(told + "\n", encoding="utf-8")
+        staging.commit()
+    if args.json:
+        print(told)
+        return 0
+    print(summary(made.account))
+    print(f"\nWritten: {out}, {beside}\nNext: sklvalve init {out}")
+    return 0
+
+
+def _targets(args: Namespace) -> tuple[Path, Path]:
+    """Paths of the recording and of the account, refused where they would overwrite an input."""
+    from sklvalve.recording import InputError
+    from sklvalve.recording.historian.write import require_suffix
+
+    out = Path(args.out)
+    require_suffix(out)
+    stem = out.name
+    for suffix in (".gz", ".csv", ".parquet"):
+        stem = stem[: -len(suffix)] if stem.lower().endswith(suffix) else stem
+    for given in args.export:
+        if out.exists() and Path(given).exists() and out.samefile(given):
+            raise InputError(f"--out {out}: this is the export itself; name another file")
+    return out, out.with_name(f"{stem}.import.json")
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not 0.0 < value < math.inf:
+        raise ArgumentTypeError(f"expected a number above 0; got {text!r}")
+    return value

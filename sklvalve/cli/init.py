@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``sklvalve init``: a draft valve.toml from the columns of a recording, and by asking."""
+
+import sys
+from argparse import Namespace, RawDescriptionHelpFormatter
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sklvalve.recording.draft import Draft, RecordingColumns
+
+_EXAMPLES = """examples:
+  sklvalve init recording.csv
+  sklvalve init recording.csv --tag FIC101 --out fv101.toml
+"""
+
+
+def add_parser(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "init",
+        help="draft the valve.toml of a recording",
+        description="Guess from names and values which column is which signal, in which unit and sense; ask "
+        "what stays open, on a terminal; and write a valve.toml that says of each line why it stands there.",
+        epilog=_EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
+    parser.add_argument(
+        "--out", default="valve.toml", metavar="VALVE.toml", help="the draft (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--tag", metavar="TAG", help="of the valve; needed where the recording holds several valves"
+    )
+    parser.add_argument("--yes", action="store_true", help="ask nothing, take what is likeliest")
+    parser.add_argument(
+        "--force", action="store_true", help="replace a draft, or a valve.toml, that is there"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(args: Namespace) -> int:
+    """Draft a valve.toml."""
+    from sklvalve.cli.asking import ask
+    from sklvalve.cli.staging import Staging
+    from sklvalve.recording.draft import Answers, draft_valve, read_recording_columns
+    from sklvalve.recording.reader import read_columns
+
+    out = _target(args)
+    told = read_recording_columns(read_columns(args.recording).columns, args.recording)
+    _require_tag(args.tag, told)
+    answers = Answers(tag=args.tag)
+    if not args.yes and sys.stdin.isatty() and sys.stdout.isatty():
+        answers = ask(told, answers)
+    draft = draft_valve(told, answers)
+    refusal = _refusal(draft, args.recording, out)
+    with Staging(out.parent, [out.name], called=f"--out {out.name} in") as staging:
+        staging.path(out.name).write_text(draft.text, encoding="utf-8")
+        staging.commit()
+    _tell(draft, args.recording, out, refusal)
+    return 0
+
+
+def _target(args: Namespace) -> Path:
+    """Path of the draft, refused where a file stands there already."""
+    from sklvalve.recording import InputError
+
+    out = Path(args.out)
+    if out.suffix != ".toml":
+        raise InputError(f"--out {out}: the draft is TOML; name the file .toml")
+    if out.exists() and not args.force:
+        raise InputError(
+            f"{out}: it is there already and may hold what you know; name another by --out, or replace it by "
+            "--force"
+        )
+    return out
+
+
+def _require_tag(tag: str | None, told: "RecordingColumns") -> None:
+    from sklvalve.recording import InputError
+
+    if tag is None or any(tag.casefold() in column.name.casefold() for column in told.columns):
+        return
+    loops = dict.fromkeys(column.reading.loop for column in told.columns if column.reading.loop)
+    known = f" such as {', '.join(loops)}" if loops else ""
+    raise InputError(
+        f"--tag {tag}: no column of {told.source} has it in its name; give a part of the names{known}, or "
+        "leave it out"
+    )
+
+
+def _refusal(draft: "Draft", recording: str, out: Path) -> str | None:
+    """Why the recording could not be diagnosed with this draft; None where it could."""
+    import tomllib
+
+    from sklvalve.mismatch.loop import is_loop
+    from sklvalve.recording import InputError, Valve, read_recording, require_diagnosable
+
+    try:
+        read = read_recording(recording, Valve.from_dict(tomllib.loads(draft.text), source=str(out)))
+        if not is_loop(read):
+            require_diagnosable(read)
+    except InputError as error:
+        return str(error)
+    return None
+
+
+def _tell(draft: "Draft", recording: str, out: Path, refusal: str | None) -> None:
+    width = max((len(role) for role in draft.roles), default=0)
+    for role, assignment in draft.roles.items():
+        doubt = "" if assignment.sure else "  (not sure)"
+        print(f"{role:<{width}}  {assignment.column.shown}: {assignment.why}{doubt}")
+    if draft.to_fill_in:
+        print("\nTo fill in, or to check:")
+        for item in draft.to_fill_in:
+            print(f"- {item}")
+    print(f"\nWritten: {out}")
+    if refusal is not None:
+        print(f"Not yet enough for a diagnosis: {refusal}")
+    later = "Then" if refusal is not None else "Next"
+    print(f"{later}: sklvalve diagnose {_quoted(recording)} --valve {_quoted(str(out))} --out results")
+
+
+def _quoted(path: str) -> str:
+    from shlex import quote
+
+    return quote(path)

@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From a table to series: which column holds times, tags, values and quality, in long or wide format."""
+
+import re
+import unicodedata
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sklvalve.recording.errors import InputError
+from sklvalve.recording.historian.decimals import looks_numeric
+from sklvalve.recording.historian.moments import looks_like_clock, looks_like_time
+from sklvalve.recording.historian.table import Table
+from sklvalve.recording.tags import bare, split_unit, words
+
+_TAG = words.word_set(
+    """tag tagname tagid name pointname point pointid item itemid signal signalname variable varname
+    variablename series messstelle znacznik nazwa zmienna sygnal etiqueta nombre senal nom repere
+    mnemonique path nodeid browsename parameter sensor"""
+)
+_VALUE = words.word_set(
+    """value val values wert istwert wartosc valeur valor dane reading data processvalue"""
+)
+_QUALITY = words.word_set(
+    """quality qual qualitat qualitaet status state opcquality good isgood valid questionable jakosc
+    qualite calidad estado statut statuscode qualitycode zustand"""
+)
+_UNIT = words.word_set("unit units uom eu engunits engineeringunits einheit jednostka unite unidad")
+_SAMPLE = 50
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Times of a table: cells that stand for whole moments, and the unit where they are counted."""
+
+    cells: list[str]
+    unit: str
+    name: str
+
+
+@dataclass(frozen=True)
+class Series:
+    """Cells of one tag in one file, in the order of its rows.
+
+    `rows` are rows of the table; `clock` the place of its times among the table's clocks; `quality` is None
+    where the file gives none, and `quality_name` what its column is called; `stated` tells whether an empty
+    cell says that there was no value, as it does in long format, instead of that nothing was reported.
+    """
+
+    tag: str
+    unit: str
+    clock: int
+    rows: NDArray[np.intp]
+    values: list[str]
+    quality: list[str] | None
+    quality_name: str
+    stated: bool
+
+
+@dataclass(frozen=True)
+class Layout:
+    """A table understood: its format, ``"long"`` or ``"wide"``, its clocks and its series."""
+
+    format: str
+    clocks: list[Clock]
+    series: list[Series]
+
+
+def read_layout(table: Table) -> Layout:
+    """Tell times, tags, values and qualities of a table apart.
+
+    Parameters
+    ----------
+    table : Table
+
+    Returns
+    -------
+    layout : Layout
+
+    Raises
+    ------
+    InputError
+        If no column holds times, or none values, or the columns have no names in wide format.
+    """
+    plain = [_plain(name) for name in table.names]
+    headed = any(plain)
+    times = _time_columns(table, plain)
+    if not times:
+        known = f" (columns: {', '.join(table.names)})" if headed else ""
+        raise InputError(
+            f"{table.file}: no column holds times{known}; export with time stamps, best like "
+            "2024-06-28 14:35:00, in a column named time"
+        )
+    if not headed:
+        return _long(table, times, *_unnamed_long(table, times))
+    tag = _find(plain, _TAG)
+    value = _find(plain, _VALUE)
+    if tag is not None and value is None:
+        raise InputError(
+            f"{table.file}: column {table.names[tag]!r} holds tags, but none is named value (columns: "
+            f"{', '.join(table.names)}); name the column of the values so"
+        )
+    if tag is not None and value is not None and tag not in times:
+        return _long(table, times, tag, value, _find(plain, _QUALITY), _find(plain, _UNIT))
+    return _wide(table, times, plain)
+
+
+def _plain(name: str) -> str:
+    """A column's name in small letters, without accents, blanks and signs."""
+    text = unicodedata.normalize("NFKD", split_unit(name)[0].casefold().translate({ord("ł"): "l"}))
+    return re.sub(r"[^a-z0-9]", "", text.encode("ascii", "ignore").decode())
+
+
+def _find(plain: list[str], known: frozenset[str]) -> int | None:
+    return next((place for place, name in enumerate(plain) if name in known), None)
+
+
+def _time_columns(table: Table, plain: list[str]) -> list[tuple[int, ...]]:
+    """Columns of whole moments; a date and the time of day beside it count as one."""
+    found: list[tuple[int, ...]] = []
+    kinds = [_kind(column) for column in table.columns]
+    for place, kind in enumerate(kinds):
+        if kind == "time":
+            bare = ":" not in next(filter(None, table.columns[place]), "")
+            beside = place + 1 < len(kinds) and kinds[place + 1] == "clock"
+            found.append((place, place + 1) if bare and beside else (place,))
+    if not found:
+        named = [place for place, name in enumerate(plain) if name in words.TIME]
+        counted = [place for place in named if kinds[place] == "number"]
+        # a column that is named for the time is one, whatever stands in it: its cells get their own message
+        found = [(place,) for place in (counted or named)[:1]]
+    return found
+
+
+def _kind(column: list[str]) -> str:
+    cells = [cell for cell in column[: 20 * _SAMPLE] if cell][:_SAMPLE]
+    for kind, test in (("time", looks_like_time), ("clock", looks_like_clock), ("number", looks_numeric)):
+        if cells and 2 * sum(map(test, cells)) > len(cells):
+            return kind
+    return "text" if cells else "empty"
+
+
+def _unnamed_long(table: Table, times: list[tuple[int, ...]]) -> tuple[int, int, int | None, int | None]:
+    """Columns of a long table without a header, told by what they hold."""
+    free = [place for place in range(len(table.columns)) if place not in times[0]]
+    kinds = {place: _kind(table.columns[place]) for place in free}
+    tags = [place for place in free if kinds[place] == "text"]
+    numbers = [place for place in free if kinds[place] == "number"]
+    if not tags or not numbers:
+        raise InputError(
+            f"{table.place(0)}: values begin without names of columns above them; put a line above, such as "
+            "time;FIC101.PV;FIC101.OP, or export with a header"
+        )
+    rest = [place for place in free if place not in (tags[0], numbers[0])]
+    return tags[0], numbers[0], (rest[0] if rest else None), None
+
+
+def _clock(table: Table, columns: tuple[int, ...]) -> Clock:
+    cells = table.columns[columns[0]]
+    if len(columns) == 2:
+        beside = table.columns[columns[1]]
+        cells = [f"{day} {clock}".strip() for day, clock in zip(cells, beside, strict=True)]
+    name = table.names[columns[0]]
+    bracket = split_unit(name)[1] or bare(table.units[columns[0]])
+    return Clock(cells, bracket or ("s" if re.search(r"[_ ]s$", name) else ""), name)
+
+
+def _long(
+    table: Table, times: list[tuple[int, ...]], tag: int, value: int, quality: int | None, unit: int | None
+) -> Layout:
+    clock = _clock(table, times[0])
+    rows_of: dict[str, list[int]] = {}
+    for row, name in enumerate(table.columns[tag]):
+        rows_of.setdefault(name, []).append(row)
+    if "" in rows_of:
+        raise InputError(
+            f"{table.place(rows_of[''][0])}: the tag is missing; write it there, or leave the line out"
+        )
+    series = []
+    for name, rows in rows_of.items():
+        text, inside = split_unit(name)
+        given = table.columns[unit][rows[0]] if unit is not None else ""
+        series.append(
+            Series(
+                tag=text,
+                unit=given or inside,
+                clock=0,
+                rows=np.array(rows, dtype=np.intp),
+                values=[table.columns[value][row] for row in rows],
+                quality=None if quality is None else [table.columns[quality][row] for row in rows],
+                quality_name="" if quality is None else table.names[quality],
+                stated=True,
+            )
+        )
+    return Layout("long", [clock], series)
+
+
+def _wide(table: Table, times: list[tuple[int, ...]], plain: list[str]) -> Layout:
+    taken = {place for columns in times for place in columns}
+    series: list[Series] = []
+    rows = np.arange(len(table.lines))
+    for place, name in enumerate(table.names):
+        if place in taken or not name or _is_quality(name):
+            continue
+        beside = place + 1
+        has_quality = beside < len(table.names) and beside not in taken and _is_quality(table.names[beside])
+        # times to its left, as trend exports have them, else the first
+        clock = max((k for k, columns in enumerate(times) if columns[0] < place), default=0)
+        tag, unit = split_unit(name)
+        if plain[place] in _VALUE or _value_of(tag):
+            tag = _value_of(tag) or table.file.name.split(".")[0]
+        series.append(
+            Series(
+                tag=tag,
+                unit=unit or bare(table.units[place]),
+                clock=clock,
+                rows=rows,
+                values=table.columns[place],
+                quality=table.columns[beside] if has_quality else None,
+                quality_name=table.names[beside] if has_quality else "",
+                stated=False,
+            )
+        )
+    if not series:
+        raise InputError(
+            f"{table.file}: beside the time there is no column with a name and values; export the signals too"
+        )
+    return Layout("wide", [_clock(table, columns) for columns in times], series)
+
+
+def _is_quality(name: str) -> bool:
+    ending = re.split(r"[\s._/-]+", name.strip())[-1]
+    return _plain(ending) in _QUALITY or _plain(name) in _QUALITY
+
+
+def _value_of(tag: str) -> str:
+    """Tag of a column that a trend export calls `FIC101 ValueY`."""
+    match = re.fullmatch(r"(.+?)[\s._]+(?:ValueY|Value|Wert)", tag)
+    return match[1] if match else ""

@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``sklvalve init``: a draft from columns, by asking on a terminal, and never in place of what is there."""
+
+import io
+import os
+import shlex
+import sys
+
+import numpy as np
+import pytest
+
+from sklvalve.cli import main
+from sklvalve.recording import read_valve
+from tests.cli import stand_in
+
+INIT = ["init", "recording.csv"]
+
+
+@pytest.fixture
+def draft(folder):
+    """The folder without its valve.toml."""
+    (folder / "valve.toml").unlink()
+    return folder
+
+
+def _recording(folder, **columns):
+    table = {"time": np.arange(200.0)} | columns
+    (folder / "recording.csv").write_text(stand_in.csv_text(table))
+
+
+TRAVEL = 50.0 + 40.0 * np.sin(np.arange(200.0) / 15.0)
+
+
+def test_from_a_recording_to_a_report_in_two_commands(draft, capsys):
+    _recording(draft, OP=TRAVEL, PV=0.3 * TRAVEL)
+    assert main(INIT) == 0
+    shown = capsys.readouterr().out
+    assert "command  'OP' (from 10 to 90): the ending OP" in shown
+    assert "To fill in, or to check:\n- [valve] kv_rated" in shown
+    last = shown.splitlines()[-1]
+    assert last == "Next: sklvalve diagnose recording.csv --valve valve.toml --out results"
+    assert main(shlex.split(last.removeprefix("Next: sklvalve "))) == 0
+    assert os.path.exists("results/report.html")
+
+
+def test_what_is_there_is_not_replaced_unless_forced(folder, capsys):
+    before = (folder / "valve.toml").read_text()
+    assert main(INIT) == 2
+    shown = capsys.readouterr()
+    assert shown.err.startswith("sklvalve: valve.toml: it is there already")
+    assert shown.err.count("\n") == 1
+    assert (folder / "valve.toml").read_text() == before
+    assert main([*INIT, "--out", "other.toml"]) == 0
+    assert main([*INIT, "--force"]) == 0
+    assert (folder / "valve.toml").read_text() == (folder / "other.toml").read_text() != before
+
+
+def test_what_is_missing_for_a_diagnosis_is_said(draft, capsys):
+    _recording(draft, alpha=TRAVEL, beta=TRAVEL)
+    assert main(INIT) == 0
+    shown = capsys.readouterr().out
+    assert "- [recording.command]: which column is the command to the valve?" in shown
+    assert "Not yet enough for a diagnosis: valve.toml: [recording] names no signal" in shown
+    assert shown.splitlines()[-1].startswith("Then: sklvalve diagnose recording.csv")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["init"], "RECORDING"),
+        (["init", "absent.csv"], "no such file"),
+        (["init", "valve.txt"], "expected a file named .csv"),
+        ([*INIT, "--out", "valve.json"], "the draft is TOML; name the file .toml"),
+        ([*INIT, "--tag", "FIC9"], "--tag FIC9: no column of recording.csv has it in its name"),
+        ([*INIT, "--out", "recording.csv/v.toml"], "is a file"),
+    ],
+)
+def test_bad_arguments(draft, capsys, arguments, words):
+    before = sorted(os.listdir("."))
+    assert main(arguments) == 2
+    shown = capsys.readouterr()
+    assert words in shown.err
+    assert shown.err.count("\n") == 1
+    assert sorted(os.listdir(".")) == before
+
+
+class Terminal(io.StringIO):
+    """Standard input as a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def _answer(monkeypatch, *lines):
+    monkeypatch.setattr(sys, "stdin", Terminal("".join(f"{line}\n" for line in lines)))
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+
+
+def test_asks_on_a_terminal_what_is_in_doubt(draft, monkeypatch, capsys):
+    columns = {"OP": TRAVEL, "PV": 0.3 * TRAVEL, "PT7": np.full(200, 8.0)}
+    _recording(draft, **columns)
+    _answer(
+        monkeypatch,
+        "",  # PV: flow, as proposed
+        "p1",  # PT7
+        "furlong",  # no unit of a pressure
+        "bar",
+        "l/min",  # unit of the flow
+        "FV-7",
+        "many",  # no number
+        "25",
+        "eq",
+        "50",
+    )
+    assert main(INIT) == 0
+    shown = capsys.readouterr().out
+    assert "'PV' (from 3 to 27): which signal?" in shown
+    assert "expected one of Pa, kPa" in shown
+    assert "expected a number above 0; got 'many'" in shown
+    valve = read_valve("valve.toml")
+    assert {role: signal.column for role, signal in valve.roles.items()} == {
+        "command": "OP",
+        "p1": "PT7",
+        "flow": "PV",
+    }
+    assert (valve.roles["flow"].unit, valve.roles["p1"].unit) == ("l/min", "bar")
+    assert (valve.tag, valve.kv_rated, valve.characteristic, valve.rangeability) == (
+        "FV-7",
+        25.0,
+        "equal_percentage",
+        50.0,
+    )
+
+
+def test_enter_and_the_end_of_input_take_what_is_proposed(draft, monkeypatch, capsys):
+    _recording(draft, OP=TRAVEL, PV=0.3 * TRAVEL)
+    assert main([*INIT, "--out", "silent.toml"]) == 0
+    _answer(monkeypatch, "")
+    assert main(INIT) == 0
+    assert read_valve("valve.toml") == read_valve("silent.toml")
+
+
+def test_a_dash_leaves_a_column_out(draft, monkeypatch, capsys):
+    _recording(draft, **{"OP": TRAVEL, "ZT": TRAVEL, "FV-7": TRAVEL, "PV": TRAVEL})
+    _answer(monkeypatch, "", "-")  # OP, which FV-7 might be as well; PV
+    assert main(INIT) == 0
+    columns = {role: signal.column for role, signal in read_valve("valve.toml").roles.items()}
+    assert columns == {"command": "OP", "opening": "ZT"}
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_asks_nothing_when_told_so_or_without_a_terminal(draft, monkeypatch, asked):
+    def refuse(question):
+        raise AssertionError(question)
+
+    if asked:
+        _answer(monkeypatch)
+    monkeypatch.setattr("builtins.input", refuse)
+    assert main([*INIT, "--yes"] if asked else INIT) == 0
+
+
+def test_interruption_leaves_nothing(draft, monkeypatch, capsys):
+    _recording(draft, OP=TRAVEL, PV=0.3 * TRAVEL)
+    _answer(monkeypatch)
+
+    def interrupted(question):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("builtins.input", interrupted)
+    assert main(INIT) == 130
+    assert capsys.readouterr().err == "interrupted; nothing was written\n"
+    assert os.listdir(".") == ["recording.csv"]
