@@ -12,15 +12,18 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-# Drawn in these, then replaced by variables of the page, so that one picture serves light and dark pages.
+# In a page all of these are replaced by its variables, so that one picture serves light and dark pages; ink
+# and grid are drawn in colours that nothing else has.
 INK = "#010203"
 GRID = "#0a0b0c"
+# as the light page has them; far apart for those who cannot tell red from green, too
 COLOURS = {
-    "recorded": "#111213",
-    "nominal": "#212223",
-    "corrected": "#313233",
-    "flagged": "#414243",
-    "other": "#515253",
+    "recorded": "#47505b",
+    "nominal": "#d55e00",
+    "corrected": "#0072b2",
+    "flagged": "#e6b800",
+    "other": "#2a8f8f",
+    "black_box": "#8a6fb0",
 }
 _VARIABLES = {INK: "currentColor", GRID: "var(--grid)"} | {
     colour: f"var(--{name})" for name, colour in COLOURS.items()
@@ -49,6 +52,9 @@ _STYLE = {
 }
 
 
+NO_MATPLOTLIB = 'pictures need matplotlib: pip install "sklvalve[report]"'
+
+
 def pyplot_free_figure(width: float, height: float) -> "Figure":
     """Figure of a size [inch] that no window system and no global state knows of.
 
@@ -60,7 +66,7 @@ def pyplot_free_figure(width: float, height: float) -> "Figure":
     try:
         from matplotlib.figure import Figure
     except ImportError:
-        raise ImportError('pictures need matplotlib: pip install "sklvalve[report]"') from None
+        raise ImportError(NO_MATPLOTLIB) from None
     return Figure(figsize=(width, height), layout="constrained")
 
 
@@ -69,7 +75,7 @@ def styled():
     try:
         from matplotlib import rc_context
     except ImportError:
-        raise ImportError('pictures need matplotlib: pip install "sklvalve[report]"') from None
+        raise ImportError(NO_MATPLOTLIB) from None
     return rc_context(_STYLE)
 
 
@@ -98,8 +104,7 @@ def to_svg(figure: "Figure", name: str, alt: str) -> str:
     svg = re.sub(r'\bid="([^"]+)"', rf'id="{name}-\1"', svg)
     svg = re.sub(r"url\(#([^)]+)\)", rf"url(#{name}-\1)", svg)
     svg = re.sub(r'xlink:href="#([^"]+)"', rf'href="#{name}-\1"', svg)
-    # a hundredth of a point is finer than any screen, and halves the page
-    svg = re.sub(r'\b(?:d|x|y|transform)="[^"]+"', _shortened, svg)
+    svg = _compact(svg)
     for colour, variable in _VARIABLES.items():
         svg = svg.replace(colour, variable)
     # text without a colour of its own would stay black on a dark page
@@ -107,8 +112,38 @@ def to_svg(figure: "Figure", name: str, alt: str) -> str:
     return svg.replace("<svg ", f'<svg role="img" aria-label="{escape(alt)}" ', 1)
 
 
-def _shortened(attribute: re.Match[str]) -> str:
-    return re.sub(r"(\d\.\d\d)\d+", r"\1", attribute[0])
+def _compact(svg: str) -> str:
+    """The same picture in a third of the letters."""
+    # the page has its own letters
+    svg = re.sub(r"font-family: [^;\"]*;\s*", "", svg)
+    # empty bins of a map
+    svg = re.sub(r'<path d="[^"]*" clip-path="[^"]*" style="fill: none"/>\s*', "", svg)
+    # markers of one cloud have one style
+    svg = re.sub(r"<g([^>]*)>\s*((?:<use [^>]*/>\s*){2,})</g>", _one_style, svg)
+    svg = re.sub(r">\s+<", "><", svg)
+    return re.sub(r'(?<= )(d|x|y|transform)="([^"]+)"', _short_numbers, svg)
+
+
+def _one_style(cloud: re.Match[str]) -> str:
+    styles = set(re.findall(r'style="[^"]*"', cloud[2]))
+    if len(styles) != 1:
+        return cloud[0]
+    style = styles.pop()
+    return f"<g{cloud[1]} {style}>{cloud[2].replace(' ' + style, '')}</g>"
+
+
+def _short_numbers(attribute: re.Match[str]) -> str:
+    # a tenth of a point is finer than a screen; small shapes, as markers are, need more
+    def short(found: re.Match[str]) -> str:
+        value = float(found[0])
+        words = f"{value:.1f}" if abs(value) >= 10.0 else f"{value:.2f}"
+        return words.rstrip("0").rstrip(".")
+
+    words = re.sub(r"-?\d+\.\d+", short, attribute[2])
+    if attribute[1] == "d":
+        words = re.sub(r"\s*([A-Za-z])\s*", r"\1", words)
+        words = re.sub(r"(L[^A-Za-z]+)\1+", r"\1", words)
+    return f'{attribute[1]}="{words}"'
 
 
 def decimate(x: NDArray, y: NDArray, points: int = 1500) -> tuple[NDArray, NDArray]:

@@ -1,45 +1,49 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A diagnosis as one HTML file that needs nothing else: no network, no script, no fonts."""
+"""A diagnosis as one HTML file that needs nothing else: no network, no fonts, no script but its own."""
 
 import os
 import re
 import secrets
+from base64 import b64encode
+from hashlib import sha256
 from importlib.resources import files
 from pathlib import Path
-from typing import Protocol
+from typing import Any
+
+import numpy as np
 
 from sklvalve.report import figures, proof, rows
-from sklvalve.report.sentence import summary_sentence
+from sklvalve.report.displays.base import Diagnosed
+from sklvalve.report.headline import glance, headline
+from sklvalve.report.signals import as_shown
+from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
 from sklvalve.report.words import verdict_words
 
 
-class _Diagnosis(Protocol):
-    @property
-    def traces(self) -> dict: ...
-
-    def to_dict(self) -> dict: ...
-
-
 def write_report(
     path: str | os.PathLike[str],
-    diagnosis: _Diagnosis,
+    diagnosis: Diagnosed,
     *,
     title: str | None = None,
     source: str | None = None,
 ) -> None:
     """Write a diagnosis as one HTML file for the person who decides.
 
-    The summary sentence, the recording with the flagged times, residuals before and after, the explanations
-    with their parameters and intervals, what could not be tested, and the next test. Pictures stand inside
-    the file as SVG; it follows the reader's light or dark setting and can be read on a telephone.
+    The finding in a sentence, how sure it is, what to do next; the recording with the flagged times; the
+    valve's signature and the residuals before and after; the explanations with their parameters and
+    intervals; errors on held-out rows; what could not be tested. Pictures stand inside the file as SVG; it
+    follows the reader's light or dark setting and can be read on a telephone and on paper. A script inside
+    the file reads values from the trends and zooms into them; where scripts are switched off, the trends
+    stand still. The page allows itself no connection to anything outside.
 
     Parameters
     ----------
     path : str or path-like
         The file, replaced as a whole once the page is complete.
     diagnosis : Diagnosis
-        The result of `MissingPhysicsFinder`; its ``to_dict()`` and ``traces`` are used.
+        The result of `MissingPhysicsFinder`; its ``to_dict()`` and ``traces`` are used. Without traces the
+        page has no pictures of signals.
     title : str or None, default=None
         What to call the valve, such as its tag.
     source : str or None, default=None
@@ -67,51 +71,109 @@ def write_report(
         draft.unlink(missing_ok=True)
 
 
-def render(diagnosis: _Diagnosis, *, title: str | None = None, source: str | None = None) -> str:
+def render(diagnosis: Diagnosed, *, title: str | None = None, source: str | None = None) -> str:
     """Text of the page that `write_report` writes."""
     try:
         from jinja2 import Environment, StrictUndefined
-        from markupsafe import Markup
     except ImportError:
         raise ImportError('the report needs jinja2: pip install "sklvalve[report]"') from None
-    d = proof.with_proof(diagnosis.to_dict(), diagnosis.traces)
-    traces = figures.where_present(diagnosis.traces, d.get("location") or {})
-    drawn = {
-        "recording": figures.recording_figure(traces),
-        "residual": figures.residual_figure(traces),
-        "travel": figures.travel_figure(traces),
-        "capacity": figures.capacity_figure(traces),
-        "unexplained": unexplained_figure(d, traces),
-    }
-    template = files("sklvalve.report").joinpath("templates", "report.html.j2").read_text(encoding="utf-8")
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters["with_units"] = _with_units
-    return environment.from_string(template).render(
+    d = proof.with_proof(diagnosis.to_dict(), diagnosis.traces)
+    # the parts share names, and leave none behind
+    script = f'"use strict";\n(() => {{\n{_part("reading.js")}{_part("trends.js")}}})();\n'
+    return environment.from_string(_part("report.html.j2")).render(
         title=title or "Control valve",
         source=source,
-        summary=summary_sentence(d),
-        verdict=d["verdict"],
-        verdict_words=verdict_words(d),
-        explanations=rows.explanations(d),
-        unexplained=rows.unexplained(d),
-        places=rows.places(d),
-        models=list(rows.MODELS.values()),
-        errors=rows.errors(d),
-        proof=proof.heading(d),
-        notes=rows.proof_notes(d),
-        untestable=rows.untestable(d),
-        next_test=d.get("next_test") or "",
-        data=rows.data_findings(d),
-        provenance=rows.provenance(d),
-        figures={name: svg and Markup(svg) for name, svg in drawn.items()},
-        maps=[(heading, Markup(svg)) for heading, svg in figures.map_figures(traces)],
-        until=bool(traces.get("until")),
-        held_out=d.get("proof") == proof.LATER_ROWS,
+        style=_part("report.css"),
+        script=script,
+        script_hash=f"sha256-{b64encode(sha256(script.encode()).digest()).decode()}",
+        **_words(d),
+        **_pictures(d, diagnosis.traces),
     )
+
+
+def _words(d: dict) -> dict[str, Any]:
+    return {
+        "headline": headline(d),
+        "glance": glance(d),
+        "verdict": d["verdict"],
+        "verdict_words": verdict_words(d),
+        "explanations": rows.explanations(d),
+        "unexplained": rows.unexplained(d),
+        "places": rows.places(d),
+        "models": list(rows.MODELS.values()),
+        "errors": rows.errors(d),
+        "proof": proof.heading(d),
+        "notes": rows.proof_notes(d),
+        "untestable": [(needs, ", ".join(names)) for needs, names in rows.untestable_by_need(d)],
+        "data": rows.data_findings(d),
+        "provenance": rows.provenance(d),
+    }
+
+
+def _pictures(d: dict, traces: dict) -> dict[str, Any]:
+    drawn: dict[str, Any] = {
+        "recording": None,
+        "recording_caption": "",
+        "residual": None,
+        "when": "",
+        "signatures": [],
+        "maps": [],
+        "unexplained_picture": None,
+        "improvements": figures.improvement_figures(d),
+        "trends": None,
+    }
+    if not traces:
+        return drawn
+    traces = as_shown(traces, d.get("location") or {})
+    caption = _caption(d, traces)
+    if _everywhere(traces):
+        # a picture that is shaded all over, or outlined all round, shows nothing
+        traces = traces | {"flagged": np.zeros(len(traces["flagged"]), dtype=bool)}
+    return drawn | {
+        "recording": figures.recording_figure(traces),
+        "recording_caption": caption,
+        "residual": figures.residual_figure(traces),
+        "when": figures.when(traces),
+        "signatures": figures.signature_figures(traces),
+        "maps": figures.map_figures(traces),
+        "unexplained_picture": unexplained_figure(d, traces),
+        "trends": trends(traces),
+    }
+
+
+def _caption(d: dict, traces: dict) -> str:
+    """What is marked in the recording."""
+    words = "The signals as recorded."
+    if _everywhere(traces):
+        words = "What was found acts noticeably in all rows, so that none are shaded."
+    elif np.asarray(traces["flagged"]).any():
+        words = (
+            "Shaded: rows in which what was found acts noticeably, with a quarter or more of its largest "
+            "effect. In other rows of the times named above it is present, but shows little."
+        )
+    if traces.get("until"):
+        used = "served for the final check only" if d.get("proof") == proof.LATER_ROWS else "were not used"
+        words += f" Dashed: the rows to its right {used}."
+    return words
+
+
+def _everywhere(traces: dict) -> bool:
+    """Whether what was found acts in all rows, but for a few."""
+    return bool(np.mean(np.asarray(traces["flagged"], dtype=bool)) > 0.99)
+
+
+def _part(name: str) -> str:
+    return files("sklvalve.report").joinpath("templates", name).read_text(encoding="utf-8")
 
 
 def _with_units(words: str) -> str:
     """Words whose numbers stay on one line with their units."""
-    return re.sub(r"(?<=\d) (?=(?:%|s|h|m3/h|kPa)(?!\w))", "\N{NO-BREAK SPACE}", words)
+    return re.sub(
+        r"(?<=\d) (?=(?:%|s|h|m3/h|kPa)(?!\w))|(?<=\bp) (?=[<=])|(?<=\bp [<=]) (?=\d)",
+        "\N{NO-BREAK SPACE}",
+        words,
+    )

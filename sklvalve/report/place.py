@@ -3,13 +3,14 @@
 
 import re
 
-from sklvalve.report.words import number, percent
+from sklvalve.report.words import block_words, number, percent
 
+_FORMULA = " dp/(p1 - FF pv)"
 # signal -> what it is called, factor and offset from SI to what is shown, unit shown
 _SIGNALS: dict[str, tuple[str, float, float, str]] = {
     "opening": ("opening", 100.0, 0.0, "%"),
     "command": ("command", 100.0, 0.0, "%"),
-    "pressure_ratio": ("pressure ratio dp/(p1 - FF pv)", 1.0, 0.0, ""),
+    "pressure_ratio": (f"pressure ratio{_FORMULA}", 1.0, 0.0, ""),
     "dp": ("pressure drop", 1e-3, 0.0, "kPa"),
     "temperature": ("temperature", 1.0, -273.15, "degC"),
     "flow": ("flow", 3600.0, 0.0, "m3/h"),
@@ -18,7 +19,7 @@ _SIGNALS: dict[str, tuple[str, float, float, str]] = {
 }
 
 
-def region_words(region: dict) -> str:
+def region_words(region: dict, digits: int = 3) -> str:
     """Words for one region: ``below 12 % opening while closing``.
 
     Parameters
@@ -26,16 +27,18 @@ def region_words(region: dict) -> str:
     region : dict
         An item of ``location.regions``; bounds in SI, None where the region is open; ``and`` holds a second
         range where two signals bound it.
+    digits : int, default=3
+        Of the bounds.
     """
-    words = _range_words(region)
+    words = _range_words(region, digits)
     if region.get("direction"):
         words += f" while {region['direction']}"
     if region.get("and"):
-        words += f" {_placed(_range_words(region['and']))}"
+        words += f" {_placed(_range_words(region['and'], digits))}"
     return words
 
 
-def _range_words(region: dict) -> str:
+def _range_words(region: dict, digits: int) -> str:
     name, factor, offset, unit = _SIGNALS.get(
         region["signal"], (str(region["signal"]).replace("_", " "), 1.0, 0.0, "")
     )
@@ -43,7 +46,7 @@ def _range_words(region: dict) -> str:
     if region["signal"] in ("opening", "command"):
         low = None if low is not None and low <= 0.005 else low
         high = None if high is not None and high >= 0.995 else high
-    shown = [None if bound is None else number(factor * bound + offset) for bound in (low, high)]
+    shown = [None if bound is None else number(factor * bound + offset, digits) for bound in (low, high)]
     return _bounds(name, shown[0], shown[1], f" {unit}" if unit else "")
 
 
@@ -62,6 +65,23 @@ def _bounds(name: str, low: str | None, high: str | None, unit: str) -> str:
 def regions_words(location: dict) -> str:
     """Words for all regions of a location, or an empty text where none stands out."""
     return " and ".join(_placed(region_words(region)) for region in location.get("regions") or [])
+
+
+def brief_place(d: dict, blocks: list[str]) -> str:
+    """Where and since when in few words: in the valve, mostly below 12 % opening, from 812 s on.
+
+    Of several regions only the one that holds most rows is told, to two digits.
+    """
+    location = d.get("location") or {}
+    regions = sorted(location.get("regions") or [], key=lambda region: -(region.get("share") or 0.0))
+    parts = [block_words(blocks)]
+    if regions:
+        largest = _placed(region_words(regions[0], digits=2).replace(_FORMULA, ""))
+        parts.append(f"mostly {largest}" if len(regions) > 1 else largest)
+    if since_known(d) and (location.get("onset") is not None or location.get("intervals")):
+        plain = {key: value for key, value in location.items() if not key.endswith("_ci95")}
+        parts.append(onset_words(plain))
+    return ", ".join(part for part in parts if part)
 
 
 def _placed(words: str) -> str:

@@ -61,14 +61,25 @@ def explanations(d: dict) -> list[Explanation]:
     ]
 
 
-def _moves(effect: dict) -> str:
-    """How far an effect moves the signals where it acts; what is beyond counting is not told."""
+def moves(sizes: dict) -> str:
+    """How far something moves the signals: ``moves the flow by 3 % of span``.
+
+    Parameters
+    ----------
+    sizes : dict of float
+        By role, shares of travel or span where it acts; what is beyond counting is not told.
+    """
     told = [
         f"the {role_words(role)} by {percent(size)} of {'travel' if role == 'opening' else 'span'}"
-        for role, size in (effect.get("size") or {}).items()
-        if size >= _TOLD_FROM
+        for role, size in sizes.items()
+        if size is not None and size >= _TOLD_FROM
     ]
-    return f"Where it acts, it moves {either(told, 'and')}." if told else ""
+    return f"moves {either(told, 'and')}" if told else ""
+
+
+def _moves(effect: dict) -> str:
+    told = moves(effect.get("size") or {})
+    return f"Where it acts, it {told}." if told else ""
 
 
 def _begins(effect: dict, d: dict) -> str:
@@ -150,6 +161,14 @@ def proof_notes(d: dict) -> list[str]:
 def untestable(d: dict) -> list[tuple[str, str]]:
     """Effects that this recording could not be asked about: (effect, what it needs)."""
     return [(spoken(item["name"]), _needs(item.get("needs"))) for item in d.get("not_testable") or []]
+
+
+def untestable_by_need(d: dict) -> list[tuple[str, list[str]]]:
+    """What this recording lacks, and which effects it could not be asked about for it."""
+    found: dict[str, list[str]] = {}
+    for name, needs in untestable(d):
+        found.setdefault(needs, []).append(name)
+    return list(found.items())
 
 
 def _needs(needs: object) -> str:

@@ -84,7 +84,7 @@ def _named(d: dict) -> str:
         effect = effects[0]
         return (
             f"The simulation leaves out {class_words(effect['members'])} ({sure(effect['probability'])}): "
-            f"{_size(effect, d)}acting {_place(d, effect['blocks'])}{_gain(d)}."
+            f"{_size(effect, d)}acting {_place(d, effect['blocks'])}{_clause(d)}."
         )
     count = _COUNTS.get(len(effects), str(len(effects)))
     found = [
@@ -93,7 +93,7 @@ def _named(d: dict) -> str:
         for effect in effects
     ]
     listed = "; ".join(f"{place}. {words}" for place, words in enumerate(found, start=1))
-    return f"The simulation leaves out {count} things: {listed}; they show {_place(d, [])}{_gain(d)}."
+    return f"The simulation leaves out {count} things: {listed}; they show {_place(d, [])}{_clause(d)}."
 
 
 def _unknown(d: dict) -> str:
@@ -103,12 +103,12 @@ def _unknown(d: dict) -> str:
     lost = left_out(d)
     return (
         f"{besides}{'something' if besides else 'Something'} is missing that no known effect explains: it "
-        f"acts {_place(d, d['location']['blocks'])} and {_no_noise(d)} "
-        f"({p_words(d['mismatch'].get('p_value'))}){f', but {lost}' if lost else _gain(d)}.{_closest(d)}"
+        f"acts {_place(d, d['location']['blocks'])} and {no_noise(d)} "
+        f"({p_words(d['mismatch'].get('p_value'))}){f', but {lost}' if lost else _clause(d)}.{closest(d)}"
     )
 
 
-def _no_noise(d: dict) -> str:
+def no_noise(d: dict) -> str:
     """What tells it from noise: the signals from which it can be predicted, or its size alone."""
     unknown = d.get("unknown") or {}
     inputs, beyond = unknown.get("inputs"), unknown.get("beyond_noise")
@@ -121,7 +121,7 @@ def _no_noise(d: dict) -> str:
     return f"follows from {told}, so it is no noise"
 
 
-def _closest(d: dict) -> str:
+def closest(d: dict) -> str:
     """The known effects that come closest and leave too much; empty where there are none."""
     unknown = d.get("unknown") or {}
     if not unknown.get("closest"):
@@ -154,10 +154,16 @@ def _undecided(d: dict) -> str:
     return sentence + "."
 
 
-def _size(effect: dict, d: dict) -> str:
-    """The first parameter, which is the effect's size, with its interval."""
+def size_words(effect: dict, d: dict, *, interval: bool = True) -> str:
+    """The first parameter, which is the effect's own size, with its interval or without."""
     shown = parameters(effect, d)
-    return f"{shown[0][0]} {shown[0][1]}, " if shown else ""
+    words = f"{shown[0][0]} {shown[0][1]}" if shown else ""
+    return words if interval else words.split(" [")[0]
+
+
+def _size(effect: dict, d: dict) -> str:
+    words = size_words(effect, d)
+    return f"{words}, " if words else ""
 
 
 def _place(d: dict, blocks: list[str]) -> str:
@@ -167,9 +173,9 @@ def _place(d: dict, blocks: list[str]) -> str:
     return " ".join(part for part in parts if part)
 
 
-def _gain(d: dict) -> str:
-    """What including the finding does to the error, for the signal that it helps most."""
-    role = _helped(d)
+def gain(d: dict) -> str:
+    """What the finding does to the error of the signal that it helps most; empty where not known."""
+    role = helped(d)
     if role is None:
         return ""
     fit = d["fit"][role]
@@ -179,14 +185,22 @@ def _gain(d: dict) -> str:
         them = "them"
     scale, unit = (100.0, "%") if fit["unit"] == "1" else (1.0, fit["unit"])
     if after > _NO_FALL * before:
-        return f", though the {error_words(d, role)} does not fall with {them}"
+        return f"the {error_words(d, role)} does not fall with {them}"
     return (
-        f"; with {them} the {error_words(d, role)} falls from {number(scale * before)} "
+        f"with {them} the {error_words(d, role)} falls from {number(scale * before)} "
         f"to {with_unit(scale * after, unit)}"
     )
 
 
-def _helped(d: dict) -> str | None:
+def _clause(d: dict) -> str:
+    """The gain as the end of a sentence."""
+    words = gain(d)
+    if not words:
+        return ""
+    return f"; {words}" if words.startswith("with ") else f", though {words}"
+
+
+def helped(d: dict) -> str | None:
     """The signal to speak of: the unknown's own, else the one whose error falls by the largest share.
 
     Where none falls it is the one that what was found touches first.

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A diagnosis as a few lines for the terminal, or as Markdown."""
 
+import re
 from textwrap import fill
 
 from sklvalve.report import proof, rows
@@ -11,6 +12,8 @@ __all__ = ["summary_sentence", "to_markdown", "to_text"]
 _WIDTH = 96
 _INDENT = 14
 _MANY = 8
+# what Markdown or HTML would act upon: marks, tags, entities, the address of a link
+_MARKS = re.compile(r"[\\`*]|(?<!\w)_|_(?!\w)|<(?=[A-Za-z/!?])|&(?=#?\w+;)|(?<=\])\(")
 
 
 def to_text(d: dict) -> str:
@@ -54,9 +57,7 @@ def to_text(d: dict) -> str:
     )
     lines += _block([_line(label, words) for label, words in rows.places(d)])
     lines += _block(_error_lines(d))
-    lines += _block(
-        [_line("Not testable", _listed(_by_need(rows.untestable(d))))] if rows.untestable(d) else []
-    )
+    lines += _block([_line("Not testable", _listed(_by_need(d)))] if rows.untestable(d) else [])
     lines += _block([_line("Next test", d["next_test"])] if d.get("next_test") else [])
     lines += _block(
         [
@@ -86,11 +87,11 @@ def to_markdown(d: dict) -> str:
     >>> print(to_markdown({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}}))
     **Nothing is missing: simulation and recording agree within noise and data-sheet tolerances (p = 0.43).**
     """
-    parts = [f"**{summary_sentence(d)}**"]
+    parts = [f"**{_safe(summary_sentence(d))}**"]
     for item in rows.explanations(d):
-        lines = [f"### {item.name[:1].upper()}{item.name[1:]} ({item.sure}, {item.blocks})"]
+        lines = [f"### {_safe(item.name[:1].upper() + item.name[1:])} ({item.sure}, {_safe(item.blocks)})"]
         if item.sentence:
-            lines.append(item.sentence)
+            lines.append(_safe(item.sentence))
         if item.parameters:
             lines.append(_table(("parameter", "value [95 % interval]"), item.parameters))
         if len(item.members) > 1:
@@ -98,7 +99,7 @@ def to_markdown(d: dict) -> str:
                 _table(("could be", "probability"), [(name, share) for name, _, share in item.members])
             )
             if item.separated_by:
-                lines.append(f"To tell them apart: {item.separated_by}")
+                lines.append(f"To tell them apart: {_safe(item.separated_by)}")
         parts.append("\n\n".join(lines))
     if rows.unexplained(d):
         parts.append("### What no known effect explains\n\n" + _table(("what", "words"), rows.unexplained(d)))
@@ -107,11 +108,11 @@ def to_markdown(d: dict) -> str:
     if rows.errors(d):
         cells = [(name, *values) for name, values in rows.errors(d)]
         table = _table((f"error {proof.heading(d)}", *rows.MODELS.values()), cells)
-        parts.append("### Proof\n\n" + "\n\n".join([table, *rows.proof_notes(d)]))
+        parts.append("### Proof\n\n" + "\n\n".join([table, *map(_safe, rows.proof_notes(d))]))
     if rows.untestable(d):
         parts.append("### Not testable\n\n" + _table(("effect", "needs"), rows.untestable(d)))
     if d.get("next_test"):
-        parts.append(f"### Next test\n\n{d['next_test']}")
+        parts.append(f"### Next test\n\n{_safe(d['next_test'])}")
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
         parts.append("### The data themselves\n\n" + table)
@@ -120,6 +121,8 @@ def to_markdown(d: dict) -> str:
 
 def _line(label: str, words: str) -> str:
     # a long word, such as a path, is left whole rather than broken
+    # a name from a file must not command the terminal
+    words = "".join(letter if letter.isprintable() else " " for letter in words)
     return fill(
         words,
         _WIDTH,
@@ -138,18 +141,14 @@ def _numbered(items: list) -> list:
     return [(place == 0, item) for place, item in enumerate(items)]
 
 
-def _by_need(untestable: list[tuple[str, str]]) -> list[str]:
+def _by_need(d: dict) -> list[str]:
     """Effects with what they need; of many that need the same the first few."""
-    found: dict[str, list[str]] = {}
-    for name, needs in untestable:
-        found.setdefault(needs, []).append(name)
     lines = []
-    for needs, names in found.items():
+    for needs, names in rows.untestable_by_need(d):
         if len(names) > _MANY:
-            names = [f"{', '.join(names[:3])} and {len(names) - 3} others (each needs {needs})"]
+            lines.append(f"{', '.join(names[:3])} and {len(names) - 3} others (each needs {needs})")
         else:
-            names = [f"{name} (needs {needs})" for name in names]
-        lines += names
+            lines += [f"{name} (needs {needs})" for name in names]
     return lines
 
 
@@ -176,4 +175,9 @@ def _table(head: tuple[str, ...], body: list) -> str:
 
 
 def _cell(words: str) -> str:
-    return " ".join(words.split()).replace("|", "\\|")
+    return _safe(words).replace("|", "\\|")
+
+
+def _safe(words: str) -> str:
+    """Words, which may hold names from a file, as Markdown shows them: no HTML, no emphasis, no links."""
+    return _MARKS.sub(r"\\\g<0>", " ".join(words.split()))

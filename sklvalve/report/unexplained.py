@@ -5,10 +5,13 @@ import numpy as np
 
 from sklvalve.report import signals
 from sklvalve.report.drawing import COLOURS, INK, pyplot_free_figure, styled, thin, to_svg
+from sklvalve.report.figures import Picture
 from sklvalve.report.words import role_words
 
+_CAPTION = "Mean of what was learnt, by the signal that tells most of it: a description, and no law."
 
-def unexplained_figure(d: dict, traces: dict) -> str | None:
+
+def unexplained_figure(d: dict, traces: dict) -> Picture | None:
     """What was learnt of the rest, and, where nothing else was found, the rest itself; None without one."""
     unknown = d.get("unknown") or {}
     curve = unknown.get("curve")
@@ -44,7 +47,8 @@ def unexplained_figure(d: dict, traces: dict) -> str | None:
         ax.set_xlabel(f"{along}{own}")
         ax.set_ylabel(f"rest of {role_words(role)} [{unit}]")
         ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=2, markerscale=2.5, borderaxespad=0.0)
-        return to_svg(figure, "unexplained", f"What no known effect explains, over the {along}")
+        alt = f"What no known effect explains, over the {along}"
+        return Picture(to_svg(figure, "unexplained", alt), alt, _CAPTION)
 
 
 def _along(traces: dict, signal: str) -> np.ndarray | None:

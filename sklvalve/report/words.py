@@ -106,11 +106,11 @@ def block_words(blocks: Sequence[str], last: str = "or") -> str:
     return either([BLOCKS.get(block, f"in the {block}") for block in blocks], last)
 
 
-def number(value: float | None) -> str:
-    """Three significant digits without an exponent where a person would write none."""
+def number(value: float | None, digits: int = 3) -> str:
+    """A few significant digits without an exponent where a person would write none."""
     if value is None or not isfinite(value):
         return "unknown"
-    short = f"{value:.3g}"
+    short = f"{value:.{digits}g}"
     if "e" in short and 1e-4 <= abs(value) < 1e7:
         short = f"{float(short):.7f}".rstrip("0").rstrip(".")
     return short

@@ -1,17 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import doctest
+from importlib import import_module
 
 import pytest
 
-import sklvalve.report.html
-import sklvalve.report.sentence
-import sklvalve.report.text
+plt = pytest.importorskip("matplotlib.pyplot", reason='needs pip install "sklvalve[plot]"')
 
-
-@pytest.mark.parametrize(
-    "module", [sklvalve.report.html, sklvalve.report.sentence, sklvalve.report.text], ids=lambda m: m.__name__
+MODULES = (
+    "displays.explanation",
+    "displays.improvement",
+    "displays.recording",
+    "displays.residual_map",
+    "displays.signature",
+    "headline",
+    "html",
+    "sentence",
+    "text",
 )
+
+
+@pytest.mark.parametrize("module", MODULES)
 def test_examples_run(module):
-    result = doctest.testmod(module)
+    result = doctest.testmod(import_module(f"sklvalve.report.{module}"))
+    plt.close("all")
     assert result.attempted > 0
     assert result.failed == 0

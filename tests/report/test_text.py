@@ -173,6 +173,17 @@ def test_table_cells_cannot_break_markdown():
     assert "| times | gap | a\\|b c |" in to_markdown(made)
 
 
+def test_names_from_a_file_command_neither_markdown_nor_the_terminal():
+    made = examples.named()
+    evil = "<img src=x> *a* [b](javascript:c) \x1b[31m"
+    made["data"] = [{"finding": "gap", "role": None, "detail": evil}]
+    made["next_test"] = evil
+    told = to_markdown(made)
+    assert told.count(r"\<img src=x> \*a\* [b]\(javascript:c)") == 2
+    assert "\x1b" not in to_text(made)
+    assert "p < 0.001" in to_markdown(examples.named() | {"verdict": "none_of_these", "effects": []})
+
+
 def test_what_no_effect_explains_is_described_and_drawn():
     made = examples.none_of_these() | {
         "unknown": {

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Make docs/report.png: the first screen of the demo's report, taken by a Chromium without a window."""
+"""Make docs/report.png: the top of the demo's report, taken by a Chromium without a window."""
 
 import argparse
 import shutil
@@ -12,7 +12,17 @@ from sklvalve.cli import main
 
 TARGET = Path(__file__).with_name("report.png")
 # down to the end of the recorded signals
-WIDTH, HEIGHT = 960, 1750
+WIDTH, HEIGHT = 960, 1340
+_FLAGS = (
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--hide-scrollbars",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
 
 
 def take(seed: int | None, target: Path) -> None:
@@ -25,7 +35,7 @@ def take(seed: int | None, target: Path) -> None:
         if main(["demo", *drawn, "--out", folder]) != 0:
             sys.exit("the demo failed")
         page = Path(folder, "report.html").as_uri()
-        words = [browser, "--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars"]
+        words = [browser, *_FLAGS, f"--user-data-dir={folder}/profile"]
         words += [f"--window-size={WIDTH},{HEIGHT}", f"--screenshot={target}", page]
         subprocess.run(words, check=True, capture_output=True)
 

@@ -1,0 +1,191 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The top of a report: the finding in one short sentence, how sure it is, what it brings, what to do next."""
+
+from sklvalve.report.place import brief_place
+from sklvalve.report.proof import left_out
+from sklvalve.report.rows import moves
+from sklvalve.report.sentence import closest, gain, helped, no_noise, size_words
+from sklvalve.report.words import block_words, class_words, either, number, p_words, percent, sure
+
+_COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
+
+
+def headline(d: dict) -> str:
+    """Say what was found, where and how large, for a reader who knows the plant and no statistics.
+
+    Parameters
+    ----------
+    d : dict
+        A diagnosis as ``Diagnosis.to_dict()`` gives it.
+
+    Returns
+    -------
+    sentence : str
+
+    Examples
+    --------
+    >>> from sklvalve.report.headline import headline
+    >>> mismatch = {"detected": False, "p_value": 0.43, "alpha": 0.01}
+    >>> headline({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}})
+    'Nothing is missing: simulation and recording agree within noise and data-sheet tolerances.'
+    """
+    return {
+        "no_mismatch": _agreement,
+        "named": _named,
+        "none_of_these": _unknown,
+        "cannot_tell": _undecided,
+    }[d["verdict"]](d)
+
+
+def glance(d: dict) -> list[tuple[str, str]]:
+    """How sure the finding is, what it brings and what to do next: (question, answer).
+
+    Parameters
+    ----------
+    d : dict
+        A diagnosis as ``Diagnosis.to_dict()`` gives it.
+    """
+    asked = {"How sure": _sureness(d), "What to do next": _next(d), "What it brings": _brings(d)}
+    return [(question, words) for question, words in asked.items() if words]
+
+
+def _agreement(d: dict) -> str:
+    if d.get("reasons"):
+        return "Sticking of a size that matters is excluded."
+    if _differs(d):
+        return (
+            "Nothing that matters is missing: simulation and recording differ by less than the data-sheet "
+            "tolerances and the size that counts."
+        )
+    return "Nothing is missing: simulation and recording agree within noise and data-sheet tolerances."
+
+
+def _named(d: dict) -> str:
+    effects = d["effects"]
+    if len(effects) == 1:
+        effect = effects[0]
+        found = f"{class_words(effect['members'])} {brief_place(d, effect['blocks'])}".rstrip()
+        size = _size(effect, d)
+        return f"The simulation leaves out {found}{f': {size}' if size else ''}."
+    listed = []
+    for count, effect in enumerate(effects, start=1):
+        sizes = [
+            words
+            for words in (size_words(effect, d, interval=False), moves(effect.get("size") or {}))
+            if words
+        ]
+        words = f"{count}. {class_words(effect['members'])} {block_words(effect['blocks'])}"
+        listed.append(f"{words} ({', '.join(sizes)})" if sizes else words)
+    where = brief_place(d, [])
+    return f"The simulation leaves out {'; '.join(listed)}{f'; they show {where}' if where else ''}."
+
+
+def _unknown(d: dict) -> str:
+    known = either([class_words(effect["members"]) for effect in d.get("effects") or []], "and")
+    begin = f"Besides {known}, something" if known else "Something"
+    where = brief_place(d, d["location"]["blocks"])
+    size = moves({(d.get("unknown") or {}).get("signal"): (d.get("unknown") or {}).get("size")})
+    acts = f": it acts {where}" if where else ""
+    return f"{begin} is missing that no known effect explains{acts}{f', and {size}' if size else ''}."
+
+
+def _undecided(d: dict) -> str:
+    if not d["mismatch"].get("detected", True):
+        return "This recording cannot tell whether anything is missing."
+    where = brief_place(d, d["location"]["blocks"])
+    sentence = "Something is missing, but this recording cannot tell what"
+    if where:
+        sentence += f": it acts {where}"
+    members = [member for effect in d.get("effects") or [] for member in effect["members"]]
+    if members:
+        likeliest = sorted(members, key=lambda member: -member["probability"])
+        sentence += f"; likeliest is {class_words(likeliest, limit=4)}"
+    return sentence + "."
+
+
+def _size(effect: dict, d: dict) -> str:
+    """How far an effect moves the signals, and its own size."""
+    told, own = moves(effect.get("size") or {}), size_words(effect, d, interval=False)
+    if not told:
+        return own
+    return f"it {told} where it acts{f' ({own})' if own else ''}"
+
+
+def _differs(d: dict) -> bool:
+    level, chance = d["mismatch"].get("alpha"), d["mismatch"].get("p_value")
+    return bool(d["mismatch"].get("detected") or (None not in (level, chance) and chance <= level))
+
+
+def _sureness(d: dict) -> str:
+    p_value, next_test = d["mismatch"].get("p_value"), d.get("next_test")
+    parts = []
+    if d["verdict"] == "named":
+        parts.append(_named_sureness(d["effects"]))
+    if d["verdict"] == "cannot_tell" and d["mismatch"].get("detected", True):
+        parts.append("That something is missing is sure, what it is is not.")
+    if p_value is not None:
+        parts.append(f"A difference as large comes by chance in {_times(p_value)} ({p_words(p_value)}).")
+    if d["verdict"] == "none_of_these":
+        parts += [f"It {no_noise(d)}.", closest(d).strip()]
+    # what must be mended first is both the reason and what to do
+    parts += [reason for reason in d.get("reasons") or [] if reason != next_test]
+    return " ".join(part for part in parts if part)
+
+
+def _named_sureness(effects: list[dict]) -> str:
+    if len(effects) == 1:
+        told, count = sure(effects[0]["probability"]), len(effects[0]["members"])
+        told = f"{told[:1].upper()}{told[1:]}"
+        if count == 1:
+            return f"{told} of the name, among the effects that are known."
+        return f"{told} that it is one of these {_COUNTS.get(count, count)}, of the effects that are known."
+    every = [
+        f"{sure(e['probability'])} of {class_words(e['members'], limit=1 + len(e['members']))}"
+        for e in effects
+    ]
+    words = "; ".join(every)
+    return f"{words[:1].upper()}{words[1:]}."
+
+
+def _times(p_value: float) -> str:
+    if p_value < 0.001:
+        return "fewer than 1 of 1000 recordings of a healthy valve"
+    return f"{percent(p_value)} of recordings of a healthy valve"
+
+
+def _next(d: dict) -> str:
+    test = d.get("next_test") or ""
+    if d["verdict"] == "no_mismatch":
+        return " ".join(["Nothing needs to be done.", *([f"To learn more: {test}"] if test else [])])
+    if test:
+        return test
+    if d["verdict"] == "named":
+        return "No further test is needed to tell what it is: look for it at the valve."
+    return ""
+
+
+def _brings(d: dict) -> str:
+    lost = left_out(d)
+    words = f"nothing yet: {lost}" if lost and d["verdict"] == "none_of_these" else gain(d)
+    if not words or d["verdict"] == "no_mismatch":
+        return ""
+    return f"{words[:1].upper()}{words[1:]}.{_beside(d)}"
+
+
+def _beside(d: dict) -> str:
+    """What else reaches which error: a black box, and noise alone."""
+    role = helped(d)
+    if role is None:
+        return ""
+    fit = d["fit"][role]
+    scale = 100.0 if fit["unit"] == "1" else 1.0
+    told = [
+        f"{what} {number(scale * value)}"
+        for what, value in (
+            ("a black box learnt from the same rows makes", fit["rmse"].get("black_box")),
+            ("noise alone", fit.get("noise_floor")),
+        )
+        if value is not None
+    ]
+    words = ", ".join(told)
+    return f" For comparison: {words}." if words else ""

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: BSD-3-Clause
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from sklearn.exceptions import NotFittedError
+
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.recording import Recording, Valve
+from sklvalve.report import (
+    ExplanationDisplay,
+    FitImprovementDisplay,
+    RecordingDisplay,
+    ResidualMapDisplay,
+    SignatureDisplay,
+)
+from tests.report import examples
+
+plt = pytest.importorskip("matplotlib.pyplot", reason='needs pip install "sklvalve[plot]"')
+
+ALL = (ExplanationDisplay, FitImprovementDisplay, RecordingDisplay, ResidualMapDisplay, SignatureDisplay)
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def diagnosis():
+    return examples.diagnosis(examples.named_twice())
+
+
+@pytest.mark.parametrize("display", ALL, ids=lambda display: display.__name__)
+def test_made_of_a_diagnosis_or_of_the_estimator_that_made_it(display, diagnosis):
+    made = display.from_diagnosis(diagnosis)
+    assert all(ax.figure is made.figure_ for ax in np.ravel(made.ax_))
+    finder = MissingPhysicsFinder()
+    finder.diagnosis_ = diagnosis
+    again = display.from_estimator(finder)
+    assert np.shape(again.ax_) == np.shape(made.ax_)
+    assert again.figure_ is not made.figure_
+
+
+@pytest.mark.parametrize("display", ALL, ids=lambda display: display.__name__)
+def test_an_estimator_that_is_not_fitted_is_refused(display):
+    with pytest.raises(NotFittedError):
+        display.from_estimator(MissingPhysicsFinder())
+
+
+@pytest.mark.parametrize("display", [RecordingDisplay, ResidualMapDisplay, SignatureDisplay])
+def test_a_diagnosis_without_traces_says_so(display):
+    with pytest.raises(ValueError, match="expected a diagnosis with its traces"):
+        display.from_diagnosis(SimpleNamespace(to_dict=examples.named, traces={}))
+
+
+def test_draws_on_axes_that_are_given_and_again_on_others(diagnosis):
+    figure, axes = plt.subplots(1, 2)
+    made = SignatureDisplay.from_diagnosis(diagnosis, ax=axes)
+    assert made.figure_ is figure
+    assert [ax.get_ylabel() for ax in axes] == ["opening [%]", "flow at a drop of 1 bar [m3/h]"]
+    other = plt.figure()
+    made.plot(other.subplots(1, 2))
+    assert made.figure_ is other
+    with pytest.raises(ValueError, match="ax must hold 2 axes, one a panel; got 1"):
+        made.plot(plt.figure().subplots())
+
+
+def test_recording_shades_the_flagged_rows_and_marks_those_not_used(diagnosis):
+    made = RecordingDisplay.from_diagnosis(diagnosis)
+    assert len(made.ax_) == 3
+    first = made.ax_[0]
+    assert {line.get_label() for line in first.lines[:2]} == {"opening [%]", "command [%]"}
+    (bars,) = (each for each in first.collections if len(each.get_paths()))
+    spans = [path.get_extents().intervalx for path in bars.get_paths()]
+    flagged = np.asarray(diagnosis.traces["flagged"])
+    inside = np.any([(made.time >= low) & (made.time <= high) for low, high in spans], axis=0)
+    assert inside[flagged].all()
+    # a bucket has at most three rows here, at either end of each time
+    assert (inside & ~flagged).sum() <= 6 * len(spans)
+    assert any(np.allclose(line.get_xdata(), 2400.0) for line in first.lines)
+
+
+def test_what_is_left_is_drawn_before_and_after(diagnosis):
+    made = RecordingDisplay.from_diagnosis(diagnosis, show="residual")
+    assert len(made.panels) == 2
+    before, after = (np.nanstd(course.values) for course in made.panels[1])
+    assert after < 0.5 * before
+    with pytest.raises(ValueError, match='show must be "recorded" or "residual"; got \'rest\''):
+        RecordingDisplay.from_diagnosis(diagnosis, show="rest")
+
+
+def test_recording_is_drawn_before_any_diagnosis():
+    valve = Valve.from_dict({"recording": {"command": {"column": "CV", "unit": "%"}}})
+    time = np.arange(50.0)
+    made = RecordingDisplay.from_recording(
+        Recording.from_frame({"time": time, "CV": 50.0 + 10.0 * np.sin(time / 5.0)}, valve)
+    )
+    (course,) = made.panels[0]
+    np.testing.assert_allclose(course.values, 50.0 + 10.0 * np.sin(time / 5.0), atol=1e-12)
+    assert made.ax_.get_xlabel() == "time from the first sample [s]"
+
+
+def test_map_has_one_scale_and_falls(diagnosis):
+    made = ResidualMapDisplay.from_diagnosis(diagnosis)
+    scales = [ax.collections[0].get_clim() for ax in made.ax_]
+    assert scales[0] == scales[1] == (-made.limit, made.limit)
+    before, after = (np.nanmean(np.abs(made.means[model])) for model in ("nominal", "corrected"))
+    assert after < 0.5 * before
+    assert [ax.get_title() for ax in made.ax_] == ["before", "after"]
+
+
+def test_map_of_any_predictions_finds_where_they_are_wrong():
+    rng = np.random.default_rng(0)
+    x, y = rng.uniform(0.0, 1.0, (2, 4000))
+    made = ResidualMapDisplay.from_predictions(x, y, y_true=x + (y > 0.5), y_pred=x, x_label="x")
+    wrong = made.y_edges[:-1] >= 0.5
+    np.testing.assert_allclose(np.nanmean(made.means["nominal"][:, wrong]), 1.0, atol=0.05)
+    np.testing.assert_allclose(np.nanmean(made.means["nominal"][:, made.y_edges[1:] < 0.5]), 0.0, atol=1e-12)
+    assert made.ax_.get_xlabel() == "x"
+    with pytest.raises(ValueError, match="thirty rows or more"):
+        ResidualMapDisplay.from_predictions(x[:10], y[:10], y_true=x[:10], y_pred=x[:10])
+
+
+def test_explanations_stand_in_order_with_their_shares(diagnosis):
+    made = ExplanationDisplay.from_diagnosis(diagnosis)
+    names = [label.get_text() for label in made.ax_.get_yticklabels()]
+    assert names == ["backlash", "seat leakage", "an open bypass"]
+    shares = [bar.get_width() for bar in made.ax_.patches if bar.get_width() < 1.0]
+    assert shares == [0.999, 0.61, 0.36]
+    assert [text.get_text() for text in made.ax_.texts] == ["> 99 %", "61 %", "36 %"]
+
+
+def test_nothing_found_is_told_in_words():
+    made = ExplanationDisplay.from_diagnosis(examples.diagnosis(examples.no_mismatch()))
+    assert "no effect of the catalogue was found" in [text.get_text() for text in made.ax_.texts]
+
+
+def test_errors_are_drawn_beside_the_black_box(diagnosis):
+    made = FitImprovementDisplay.from_diagnosis(diagnosis)
+    assert [bar.get_width() for bar in made.ax_.patches] == [1.9, 0.5, 0.22]
+    assert any(np.allclose(line.get_xdata(), 0.2) for line in made.ax_.lines), "noise"
+    with pytest.raises(ValueError, match="no error on held-out rows is known"):
+        FitImprovementDisplay.from_diagnosis(examples.diagnosis(examples.cannot_tell()))
+
+
+def test_travel_is_told_in_percent():
+    made = examples.named()
+    made["fit"] = {"opening": made["fit"]["flow"] | {"unit": "1", "noise_floor": 0.001}}
+    made["fit"]["opening"]["rmse"] = {"nominal": 0.021, "black_box": None, "corrected": 0.004}
+    (improvement,) = FitImprovementDisplay.from_diagnosis(examples.diagnosis(made)).improvements
+    assert improvement.unit == "% of travel"
+    assert improvement.errors == pytest.approx({"nominal": 2.1, "corrected": 0.4})
+
+
+def test_without_matplotlib_the_extra_is_named(monkeypatch, diagnosis):
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    with pytest.raises(ImportError, match="pictures need matplotlib"):
+        ExplanationDisplay.from_diagnosis(diagnosis)
