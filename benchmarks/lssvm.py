@@ -2,6 +2,7 @@
 """LSSVMRegressor beside what else installs: time, memory and error, from 300 rows to a month of seconds.
 
     python benchmarks/lssvm.py exact          # up to 10,000 rows, interleaved with KernelRidge and dpotrf
+    python benchmarks/lssvm.py real           # a set that scikit-learn ships, C and gamma chosen by each
     python benchmarks/lssvm.py large          # 20,000 and 86,400 rows, exact, each in a process of its own
     python benchmarks/lssvm.py path           # fifteen C by leaving one out, beside GridSearchCV
     python benchmarks/lssvm.py rows           # 86,400 to 2,600,000 rows on landmarks
@@ -18,13 +19,13 @@ import argparse
 import json
 import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+from benchmarks.lssvm_peers import peers, real
 from benchmarks.lssvm_tools import (
     GAMMA,
     REPEATS,
@@ -227,45 +228,11 @@ def predict():
     )
 
 
-def peers():
-    """What else can be installed, each tried and told by its name where it is not."""
-    from sklearn.ensemble import HistGradientBoostingRegressor
-    from sklearn.gaussian_process import GaussianProcessRegressor
-    from sklearn.gaussian_process.kernels import RBF, WhiteKernel
-    from sklearn.svm import SVR
-
-    wide = RBF((2.0 * GAMMA) ** -0.5, "fixed") + WhiteKernel(1.0 / C, "fixed")
-    makers = {
-        "LSSVMRegressor": machine,
-        "KernelRidge": ridge,
-        "GaussianProcessRegressor": lambda: GaussianProcessRegressor(wide, optimizer=None),
-        "SVR": lambda: SVR(C=10.0, gamma=GAMMA, epsilon=0.01),
-        "HistGradientBoosting": lambda: HistGradientBoostingRegressor(max_iter=500),
-        "neo-ls-svm": lambda: _from("neo_ls_svm", "NeoLSSVM")(),
-        "lssvr": lambda: _from("lssvr", "LSSVR")(C=C, kernel="rbf", gamma=GAMMA),
-    }
-    found = []
-    for n in (1000, 4000):
-        X, y, _ = trajectory(n, 0)
-        for name, make in makers.items():
-            try:
-                work = partial(make().fit, X, y)
-                seconds = float(np.median([timed(work)[0] for _ in range(3)]))
-                found.append([name, n, seconds, error(make().fit(X, y))])
-            except Exception as problem:
-                # a peer that does not install or breaks is told as such
-                found.append([name, n, f"{type(problem).__name__}: {problem}"[:60], ""])
-    table(["model", "rows", "seconds", "error"], found)
-
-
-def _from(module, name):
-    return getattr(__import__(module), name)
-
-
 def main():
     """Run one of the parts."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=["exact", "large", "path", "rows", "predict", "peers", "one"])
+    parts = ["exact", "real", "large", "path", "rows", "predict", "peers", "one"]
+    parser.add_argument("part", choices=parts)
     parser.add_argument("case", nargs="*", help="of one: fit, rows, gamma, landmarks")
     parser.add_argument("--repeats", type=int, default=3)
     options = parser.parse_args()
@@ -273,9 +240,9 @@ def main():
         name, n, gamma, m = options.case
         one(name, int(n), float(gamma), int(m))
     elif options.part in ("large", "rows"):
-        globals()[options.part](options.repeats)
+        {"large": large, "rows": rows}[options.part](options.repeats)
     else:
-        globals()[options.part]()
+        {"exact": exact, "real": real, "path": path, "predict": predict, "peers": peers}[options.part]()
 
 
 if __name__ == "__main__":
