@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 
-from benchmarks.lssvm_tools import GAMMA, C, error, machine, ridge, table, timed
+from benchmarks.lssvm_tools import GAMMA, C, error, machine, ridge, table, timed, trajectory
 
 
 def real():
@@ -56,6 +56,7 @@ def peers():
         "SVR": lambda: SVR(C=10.0, gamma=GAMMA, epsilon=0.01),
         "HistGradientBoosting": lambda: HistGradientBoostingRegressor(max_iter=500),
         "neo-ls-svm": lambda: _from("neo_ls_svm", "NeoLSSVM")(),
+        "gpytorch, ExactGP": ExactProcess,
         "lssvr": lambda: _from("lssvr", "LSSVR")(C=C, kernel="rbf", gamma=GAMMA),
     }
     found = []
@@ -70,6 +71,45 @@ def peers():
                 # a peer that does not install or breaks is told as such
                 found.append([name, n, f"{type(problem).__name__}: {problem}"[:60], ""])
     table(["model", "rows", "seconds", "error"], found)
+
+
+class ExactProcess:
+    """gpytorch's exact Gaussian process, in double, with the same kernel and noise; nothing is learnt."""
+
+    def fit(self, X, y):
+        import gpytorch
+        import torch
+
+        class Model(gpytorch.models.ExactGP):
+            def __init__(self, X, y, likelihood):
+                super().__init__(X, y, likelihood)
+                self.mean_module = gpytorch.means.ZeroMean()
+                self.covar_module = gpytorch.kernels.RBFKernel()
+
+            def forward(self, X):
+                return gpytorch.distributions.MultivariateNormal(self.mean_module(X), self.covar_module(X))
+
+        self._likelihood = gpytorch.likelihoods.GaussianLikelihood(
+            noise_constraint=gpytorch.constraints.GreaterThan(1e-8)
+        ).double()
+        self._model = Model(torch.tensor(X), torch.tensor(y), self._likelihood).double()
+        self._model.covar_module.lengthscale = (2.0 * GAMMA) ** -0.5
+        self._likelihood.noise = 1.0 / C
+        self._model.eval()
+        # what a prediction needs is made at the first one
+        self.predict(X[:1])
+        return self
+
+    def predict(self, X):
+        import gpytorch
+        import torch
+
+        with (
+            torch.no_grad(),
+            gpytorch.settings.fast_pred_var(False),
+            gpytorch.settings.skip_posterior_variances(),
+        ):
+            return self._model(torch.tensor(X)).mean.numpy()
 
 
 def _from(module, name):
