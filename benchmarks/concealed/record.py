@@ -10,7 +10,7 @@ from benchmarks.concealed.distances.between import APART
 from benchmarks.concealed.distances.detectable import of_times, scene_of, standing_out
 from benchmarks.concealed.plant import EFFECTS, Course, Plant, sensors
 from benchmarks.concealed.plant.columns import COLUMNS
-from benchmarks.concealed.plant.fluids import OIL_DENSITY
+from benchmarks.concealed.plant.fluids import OIL_DENSITY, properties
 from benchmarks.concealed.plant.hardware import relative_capacity
 from benchmarks.concealed.plant.march import A_SECOND, COMMAND, METER
 from benchmarks.concealed.plant.rig import WARM_UP
@@ -161,10 +161,11 @@ def _plain(plant, table):
     """Flow [m3/h] of a plain simulation of the user's: the sheet, recorded opening and pressures."""
     sheet = plant.written
     kv = sheet["kv_rated"] * relative_capacity(sheet, np.clip(table["X"] / 100.0, 0.0, 1.0))
-    density = OIL_DENSITY / 1000.0 if plant.fluid == "oil" else 0.998
+    density, _, floor = properties(plant.fluid, np.asarray(table["T1"], dtype=float))
     drop = np.maximum(table["P1"] - table["P2"], 0.0) * 1e-2
-    choked = sheet["fl"] ** 2 * np.maximum(table["P1"] * 1e-2, 0.0)
-    return np.round(kv * np.sqrt(np.minimum(drop, choked) / density), 4)
+    # without vapour pressure and density hot water would choke elsewhere, which is physics left out
+    choked = sheet["fl"] ** 2 * np.maximum(table["P1"] * 1e-2 - floor * 1e-5, 0.0)
+    return np.round(kv * np.sqrt(np.minimum(drop, choked) / (1e-3 * density)), 4)
 
 
 def _spoilt(table, case):

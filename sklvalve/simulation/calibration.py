@@ -11,7 +11,7 @@ import numpy as np
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.recording import InputError
 from sklvalve.simulation.electric import is_electric, motor_parameters
-from sklvalve.simulation.given import given_flow_parameters, given_opening_parameters
+from sklvalve.simulation.given import chain_for, given_flow_parameters, given_opening_parameters
 from sklvalve.simulation.given_trim import GivenTrim
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.trim import LearntTrim, SheetTrim
@@ -44,7 +44,8 @@ def choose_trim(recording, valve, tolerance):
     if "flow" not in recording:
         return LearntTrim(np.array([0.0, 1.0]), 1.0, knots=(0.0, 1.0))
     if "simulated_flow" in recording:
-        return GivenTrim.of(recording, valve, tolerance)
+        chain = chain_for(recording, valve, None, choking="choked_flow" in valve.physics)
+        return GivenTrim.of(chain.given_capacity, recording, valve, tolerance)
     if drop_is_unknown(recording) or valve.characteristic in (None, "unknown"):
         opening = recording.get("opening")
         opening = recording["command"] if opening is None else opening
@@ -135,7 +136,8 @@ def flow_parameters(recording, valve, tolerance, trim, *, choking):
     """Parameters of trim, choking, pressures and meter that stay open."""
     if "simulated_flow" in recording:
         found = given_flow_parameters(recording, tolerance, span_of(recording["flow"]))
-        return (*found, *trim.all_parameters(), *_zero_of_drop(recording, tolerance))
+        choked = _choking(tolerance) if choking else ()
+        return (*found, *trim.all_parameters(), *_zero_of_drop(recording, tolerance), *choked)
     zero = tolerance.flow_zero * span_of(recording["flow"])
     found = [
         *trim.all_parameters(),
@@ -147,14 +149,16 @@ def flow_parameters(recording, valve, tolerance, trim, *, choking):
         shift = tolerance.position_zero
         found.append(Parameter("stem_zero", "1", -shift, shift, 0.0, spread=0.25 * shift))
     found += _zero_of_drop(recording, tolerance)
-    if choking:
-        low, high = 1.0 - tolerance.recovery, 1.0 + tolerance.recovery
-        found += [
-            Parameter("fl_scale", "1", low, high, 1.0, spread=0.5 * tolerance.recovery),
-            Parameter("fl_slope", "1", 0.0, 2.0 * tolerance.recovery, 0.05, spread=0.05),
-            Parameter("knee", "1", 3.0, 40.0, 12.0, spread=0.7, log=True),
-        ]
-    return tuple(found)
+    return (*found, *(_choking(tolerance) if choking else ()))
+
+
+def _choking(tolerance):
+    low, high = 1.0 - tolerance.recovery, 1.0 + tolerance.recovery
+    return (
+        Parameter("fl_scale", "1", low, high, 1.0, spread=0.5 * tolerance.recovery),
+        Parameter("fl_slope", "1", 0.0, 2.0 * tolerance.recovery, 0.05, spread=0.05),
+        Parameter("knee", "1", 3.0, 40.0, 12.0, spread=0.7, log=True),
+    )
 
 
 def _zero_of_drop(recording, tolerance):

@@ -217,19 +217,25 @@ class Chain:
         kv = self._through("capacity", kv, values)
         kv = self._through("line", kv, values)
         drop = self._through("pressures", self.dp, values) + values.get("dp_zero", 0.0)
-        # a knee of 16 rounds the corner by 4 %; harder ones cannot be told from a corner
-        choking = {"fl": np.full(len(stem), np.inf), "knee": np.full(len(stem), 16.0)}
-        if self.choking and self.margin is not None:
-            sheet = at_travel(self.valve.fl, plug) if np.ndim(self.valve.fl) else float(self.valve.fl or 0.9)
-            fl = sheet * values["fl_scale"] * (1.0 - values["fl_slope"] * plug)
-            choking = {"fl": np.broadcast_to(fl, len(stem)), "knee": np.full(len(stem), values["knee"])}
-        choking = self._through("choking", choking, values)
+        choking = self._through("choking", self._choking(plug, values), values)
         flow = FLOW_CONSTANT * kv * self._root_of_drop(drop, **choking)
         if self.recording.mass_flow:
             flow = flow * self.density
         flow = self._through("flow", flow, values)
         flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
         return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
+
+    def _choking(self, plug, values):
+        """F_L and hardness of the corner at an opening of the plug [1]."""
+        if not self.choking or self.margin is None:
+            # a knee of 16 rounds the corner by 4 %; harder ones cannot be told from a corner
+            return {"fl": np.full(len(plug), np.inf), "knee": np.full(len(plug), 16.0)}
+        fl = self._sheet_fl(plug) * values["fl_scale"] * (1.0 - values["fl_slope"] * plug)
+        return {"fl": np.broadcast_to(fl, len(plug)), "knee": np.full(len(plug), values["knee"])}
+
+    def _sheet_fl(self, plug):
+        """F_L of the sheet at an opening of the plug [1]."""
+        return at_travel(self.valve.fl, plug) if np.ndim(self.valve.fl) else float(self.valve.fl or 0.9)
 
     def capacity_at(self, plug):
         """kv of the trim at an opening of the plug, in the simulation that runs [m3/h]."""

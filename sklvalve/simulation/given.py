@@ -4,8 +4,10 @@
 Where a given flow follows the opening, the trim behind it is that of a type: one valve's own lies within the
 tolerance of it, as beside a simulation of the package.
 
-A given flow tells, by the plain turbulent equation, the capacity that it stands for in each row; effects of
-plug, capacity, line and pressures change that capacity or the drop, and the flow changes by the difference.
+A given flow tells, by the turbulent equation, and the choked one where the valve.toml says that it holds it,
+the capacity that it stands for in each row; effects of plug, capacity, line and pressures change that
+capacity or the drop, and the flow changes by the difference. Where it chokes, the valve's own F_L lies within
+the tolerance of the sheet's, and its corner is as soft as that of any valve.
 """
 
 import numpy as np
@@ -19,6 +21,8 @@ from sklvalve.simulation.stages import delayed, first_order_lag
 
 ROLES = ("simulated_flow", "simulated_opening")
 ACTUATOR_STAGES = ("signal", "actuator", "stem")
+# of the corner of a user's plain simulation, which is the smaller of two drops
+_SHARP = 200.0
 _CAPACITY_STAGES = ("position_sensor", "plug", "capacity", "line", "pressures", "choking")
 
 
@@ -60,14 +64,15 @@ class GivenChain(Chain):
     valve : Valve
     trim : GivenTrim, SheetTrim or LearntTrim
         A `GivenTrim` beside a given flow.
-    effects, onsets, choking
-        As in `Chain`; whether a given flow chokes is the user's matter.
+    effects, onsets
+        As in `Chain`.
+    choking : bool, default=False
+        Whether the given flow, or the simulation in its place, chokes.
     """
 
     def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False):
         self.given_flow = recording.get("simulated_flow")
         self.given_opening = recording.get("simulated_opening")
-        choking = choking and self.given_flow is None
         super().__init__(recording, valve, trim, effects=effects, onsets=onsets, choking=choking)
         self._given_capacity()
 
@@ -80,11 +85,27 @@ class GivenChain(Chain):
         if self.given_flow is None:
             return
         volume = self.given_flow / self.density if self.recording.mass_flow else self.given_flow
-        root = self._root_of_drop(self.dp, np.full(len(volume), np.inf), None)
+        root = self._root_of_drop(self.dp, **self._choking_given())
         driven = self._driven = np.abs(self.dp) > 1e-3 * np.nanmax(np.abs(self.dp))
         with np.errstate(divide="ignore", invalid="ignore"):
             self._kv = np.where(driven, volume / (FLOW_CONSTANT * root), 0.0)
         self._root = root
+
+    @property
+    def given_capacity(self):
+        """Capacity that the given flow stands for [m3/h]; NaN where no drop drives it."""
+        return np.where(self._driven, self._kv, np.nan)
+
+    def _choking_given(self):
+        """F_L of the sheet, where the given flow holds it, with a sharp corner."""
+        fl = np.full(len(self.dp), np.inf)
+        if self.choking and self.margin is not None:
+            fl = np.broadcast_to(self._sheet_fl(self._opening_seen()), len(self.dp))
+        return {"fl": fl, "knee": np.full(len(self.dp), _SHARP)}
+
+    def _opening_seen(self):
+        """Recorded opening; the middle of travel where there is none, which says which F_L of a table."""
+        return np.full(len(self.dp), 0.5) if self.measured is None else np.clip(self.measured, 0.0, 1.0)
 
     def lacks(self, effect):
         """What an effect would need of the user's simulation that it has not; empty where it can act."""
@@ -94,7 +115,7 @@ class GivenChain(Chain):
             return super().lacks(effect)
         if effect.stage == "choking" and effect.name in self.valve.physics:
             return "the F_L that the simulation given holds"
-        trial = GivenChain(self.recording, self.valve, self.trim, effects=(effect,))
+        trial = GivenChain(self.recording, self.valve, self.trim, effects=(effect,), choking=self.choking)
         try:
             values = {f"{effect.key}.{q.name}": q.starts[0] for q in effect.quantities(self)}
             trial.flow(values | {"given_gain": 1.0, "meter_lag": 0.1, "meter_ahead": 0.5})
@@ -154,13 +175,20 @@ class GivenChain(Chain):
             return values["given_gain"]
         return values["given_gain"] * self.trim.factor(np.clip(opening, 0.0, 1.0), values)
 
+    def _own_choking(self, values):
+        """F_L and corner of the valve itself, within the tolerance of those simulated."""
+        if "fl_scale" not in values:
+            return self._choking_given()
+        return self._choking(self._opening_seen(), values)
+
     def _more_drop(self, values):
-        """By what factor the zero of the pressures changes the flow; one where no drop drives it [1]."""
+        """By what factor the flow changes with the zero of the pressures and the valve's own choking [1]."""
         zero = values.get("dp_zero", 0.0)
-        if zero == 0.0:
+        if zero == 0.0 and "fl_scale" not in values:
             return 1.0
+        own = self._root_of_drop(self.dp + zero, **self._own_choking(values))
         with np.errstate(divide="ignore", invalid="ignore"):
-            ratio = np.sqrt(np.maximum((self.dp + zero) / self.dp, 0.0))
+            ratio = np.maximum(own / self._root, 0.0)
         return np.where(self._driven, ratio, 1.0)
 
     def _added(self, values, share, more_drop):
@@ -172,8 +200,7 @@ class GivenChain(Chain):
         kv = own + self._shift
         kv = self._through("line", self._through("capacity", kv, values), values)
         drop = self._through("pressures", self.dp, values) + values.get("dp_zero", 0.0)
-        choking = {"fl": np.full(len(drop), np.inf), "knee": np.full(len(drop), 16.0)}
-        choking = self._through("choking", choking, values)
+        choking = self._through("choking", self._own_choking(values), values)
         before = own * self._root * more_drop
         added = FLOW_CONSTANT * (kv * self._root_of_drop(drop, **choking) - before)
         return added * self.density if self.recording.mass_flow else added

@@ -4,7 +4,6 @@
 import numpy as np
 from sklearn.isotonic import IsotonicRegression
 
-from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.simulation.tolerance import Tolerance
 from sklvalve.simulation.trim import GRID, Deviation
 
@@ -40,9 +39,8 @@ class GivenTrim:
             self._deviation = Deviation(nominal, tolerance or Tolerance())
 
     @classmethod
-    def of(cls, recording, valve, tolerance=None):
-        """Trim that the simulated flow of a recording shows."""
-        kv = capacity_of(recording)
+    def of(cls, kv, recording, valve, tolerance=None):
+        """Trim that the capacity behind a simulated flow shows [m3/h], NaN where no drop drives it."""
         known = kv[np.isfinite(kv)]
         largest = float(np.quantile(np.abs(known), 0.99)) if len(known) else 1.0
         return cls(valve.kv_rated or max(largest, _SHUT), _curve(recording.get("opening"), kv), tolerance)
@@ -67,18 +65,6 @@ class GivenTrim:
         if self.curve is None or "trim_0" not in values:
             return 1.0
         return np.interp(opening, GRID, self._deviation.factor(values))
-
-
-def capacity_of(recording):
-    """Capacity that the simulated flow stands for by the turbulent equation [m3/h]; NaN without drop."""
-    flow = recording["simulated_flow"]
-    drop = np.full(len(flow), 1e5)
-    if "p1" in recording and "p2" in recording:
-        drop = np.abs(recording["p1"] - recording["p2"])
-    volume = flow / 1000.0 if recording.mass_flow else flow
-    with np.errstate(divide="ignore", invalid="ignore"):
-        kv = volume / (FLOW_CONSTANT * np.sqrt(drop / 1000.0))
-    return np.where(drop > 1e-3 * np.nanmax(drop), kv, np.nan)
 
 
 def _curve(opening, kv):
