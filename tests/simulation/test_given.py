@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sklearn.linear_model import LinearRegression
 
-from sklvalve import MissingPhysicsFinder
+from sklvalve import MissingPhysicsFinder, Valve
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.hypothesis import Member
@@ -84,6 +84,26 @@ def test_a_trim_within_its_tolerance_is_calibrated_and_one_beyond_it_is_not(reco
         left = bench.residuals(bench.fit(()))["flow"]
         off = np.std(recording["simulated_flow"] - own)
         assert (np.nanstd(left) < lost * off) == (bend < 0.1)
+
+
+def choking(fl):
+    """Signals of a valve that chokes in most rows, and its flow by the smaller of two drops [m3/s]."""
+    signals = frame()
+    signals["p2"] = 1.2e5 + 8e4 * (1.0 + np.sin(signals["time"] / 23.0))
+    driving = np.minimum(signals["p1"] - signals["p2"], fl**2 * (signals["p1"] - 0.955 * 2.3e3))
+    flow = FLOW_CONSTANT * 25.0 * signals["opening"] * np.sqrt(driving / 998.2)
+    return signals | {"temperature": np.full(N, 293.15), "flow": flow}
+
+
+@pytest.mark.parametrize(("own_fl", "least", "most"), [(0.82, 0.0, 0.005), (0.4, 0.05, 1.0)])
+def test_choking_stays_open_within_the_tolerance_of_the_sheet(own_fl, least, most):
+    simulated = choking(0.8)["flow"]
+    valve = Valve.from_dict({"valve": {"fl": 0.8}, "simulation": {"physics": ["choked_flow"]}})
+    recording = Recording.from_frame(choking(own_fl) | {"simulated_flow": simulated}, valve)
+    fitted = ValveSimulation(valve).fit(recording)
+    np.testing.assert_allclose(fitted.trim_.at([0.3, 0.5, 0.7]), [7.5, 12.5, 17.5], rtol=0.03)
+    off = np.sqrt(np.mean((fitted.simulate(recording)["flow"] / recording["flow"] - 1.0) ** 2))
+    assert least < off < most
 
 
 def test_zero_of_the_pressures_moves_the_given_flow(bench, recording):
