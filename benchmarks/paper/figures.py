@@ -11,6 +11,7 @@ from benchmarks.paper.tables import by_seed
 
 COLOURS = {"measured": "#222222", "series": "#d94801", "GaussianProcess": "#2171b5"}
 TRAINED_ON, SHOWN, SEED = 50, 240, 0
+TICKS = {"t/h": (0.1, 0.2, 0.5, 1, 2, 5), "kPa": (10, 20, 50, 100, 200, 500)}
 
 
 def draw(lines, folder):
@@ -46,7 +47,13 @@ def flow():
         bottom.axhline(0.0, color="#999999", lw=0.6)
     axes[0, 0].set_ylabel("flow [t/h]")
     axes[1, 0].set_ylabel("error [%]")
-    axes[0, 0].legend(frameon=False, title="grey: inside the trained box", title_fontsize=8)
+    figure.legend(
+        *axes[0, 0].get_legend_handles_labels(),
+        loc="outside upper center",
+        ncols=3,
+        frameon=False,
+        title="grey: inside the trained box",
+    )
     return figure
 
 
@@ -56,14 +63,15 @@ def over_rows(lines):
     for column, (name, task) in enumerate(TASKS.items()):
         for axis, place in zip(axes[:, column], ("inside", "outside"), strict=True):
             _rows_of(axis, lines, name, place)
-            axis.set(xscale="log", yscale="log", title=f"{name}: {place}")
-            axis.title.set_fontsize(8)
+            axis.set(xscale="log", yscale="log", ylim=(TICKS[task.unit][0], TICKS[task.unit][-1]))
+            axis.set_xticks(ROWS, [str(rows) for rows in ROWS])
+            axis.set_yticks(TICKS[task.unit], [f"{tick:g}" for tick in TICKS[task.unit]])
+            axis.minorticks_off()
+            axis.set_title(f"{name}: {place}", fontsize=8)
             axis.set_ylabel(f"RMSE [{task.unit}]")
     for axis in axes[1]:
-        axis.set_xticks(ROWS, [str(rows) for rows in ROWS])
-        axis.minorticks_off()
         axis.set_xlabel("rows to train on")
-    axes[0, 0].legend(frameon=False, fontsize=7)
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=4, frameon=False)
     return figure
 
 

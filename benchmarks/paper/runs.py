@@ -13,7 +13,7 @@ import numpy as np
 
 from sklvalve.damadics import ActuatorSimulator, Profile
 from sklvalve.damadics.excitation import Recorded, standard, step_test
-from sklvalve.damadics.simulator import SPANS
+from sklvalve.damadics.simulator import TEMPERATURE_SPAN
 
 #: After which the stem has come from rest to where the command wants it [s].
 SETTLED = 60
@@ -98,6 +98,7 @@ class Signals:
 def simulated(excitation, seconds, faults, rng):
     """Signals of so many seconds after the stem has settled."""
     simulator = ActuatorSimulator()
+    actuator = simulator.actuator
     run = simulator.simulate(SETTLED + seconds, excitation, faults, random_state=rng.integers(2**32))
     rows = slice(SETTLED, None)
     t, command = run["t"][rows], 1.0 - run["CV"][rows]
@@ -105,13 +106,13 @@ def simulated(excitation, seconds, faults, rng):
     measured = {
         "opening": 1.0 - run["X"][rows],
         "command": command,
-        "p1": SPANS["P1"] * run["P1"][rows],
-        "p2": SPANS["P2"] * run["P2"][rows],
-        "temperature": ICE + SPANS["T1"] * run["T1"][rows],
-        "flow": SPANS["F"] / HOUR * run["F"][rows],
+        "p1": actuator.pressure_range * run["P1"][rows],
+        "p2": actuator.pressure_range * run["P2"][rows],
+        "temperature": ICE + TEMPERATURE_SPAN * run["T1"][rows],
+        "flow": actuator.flow_range / HOUR * run["F"][rows],
     }
     clean = {
-        "opening": 1.0 - run["x"][rows] / simulator.actuator.stroke,
+        "opening": 1.0 - run["x"][rows] / actuator.stroke,
         "command": command,
         "p1": drivers["P1"],
         "p2": drivers["P2"],
