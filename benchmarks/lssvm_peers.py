@@ -51,7 +51,7 @@ def peers():
     wide = RBF((2.0 * GAMMA) ** -0.5, "fixed") + WhiteKernel(1.0 / C, "fixed")
     makers = {
         "LSSVMRegressor": machine,
-        "LSSVMRegressorCV, C and gamma its own": lambda: _from("sklvalve", "LSSVMRegressorCV")(random_state=0),
+        "LSSVMRegressorCV, all its own": lambda: _from("sklvalve", "LSSVMRegressorCV")(random_state=0),
         "KernelRidge": ridge,
         "GaussianProcessRegressor": lambda: GaussianProcessRegressor(wide, optimizer=None),
         "SVR": lambda: SVR(C=10.0, gamma=GAMMA, epsilon=0.01),
