@@ -7,6 +7,8 @@ frame of as many rows: ``detection``, and a column for each diagnosis, named by 
 recorded until then and no more; ours does not. ``told_`` keeps what was behind the decisions.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from benchmarks.damadics.naming import LESS_FLOW, MORE_FLOW, OF_THE_ACTUATOR, OF_THE_MEDIUM, faults_of
@@ -16,23 +18,29 @@ from sklvalve import MissingPhysicsFinder
 from sklvalve.damadics import FAULTS
 from sklvalve.recording import InputError
 
-# the finder is asked so long after an alarm, then after twice the time again; it gets what was recorded before
-# the alarm, and the last of what came after [s]
+# the finder is asked so long after an alarm, then after four times that; it gets what was recorded
+# before the alarm, and the last of what came after [s]
 _FIRST_ASKED, _BEFORE, _AFTER = 300, 600, 600
-# before an alarm an effect may have begun [s]
-_EARLIER = 60.0
+# an alarm must stand so long before it points at anything, and its flow is judged over so long [s]
+_POINTS_AFTER, _JUDGED_OVER = 10, 100
 # rows that make a piece
 _FEWEST = 120
-# a name is believed where its simulation halves the error of rows held out twice
-_PROVEN = 0.25
+# a name is believed where its simulation leaves no more error than this, on rows held out: of that of the
+# sound run, or of that without the name
+_OF_SOUND, _OF_NOMINAL = 2.0, 0.05
 
 
 class ValveDetector:
-    """Watch against a simulation, then `MissingPhysicsFinder` on the sound run and the last minutes together.
+    """Watch against a simulation, then `MissingPhysicsFinder` on what was recorded before and after an alarm.
+
+    Each second, the most telling first: a cause that is measured, P1, P2 or T1, outside its sound range
+    points at the fault that moves it, and nothing else is asked; the flow beside that of the recorded
+    position points at what takes or adds flow; the position alone, at the actuator. The finder narrows this
+    where what it names is proven on held-out rows.
 
     Parameters
     ----------
-    simulation : {"sheet", "learnt", "nominal"}, default="learnt"
+    simulation : {"learnt", "nominal"}, default="learnt"
     finder : bool, default=True
         Whether the finder is asked; without it the faults are those of the side that alarms.
 
@@ -44,6 +52,11 @@ class ValveDetector:
 
     def __init__(self, simulation="learnt", finder=True):
         self.simulation, self.finder = simulation, finder
+
+    @property
+    def needs_nominal(self):
+        """Whether X must hold the stem of the generator's own sound run, X_nominal."""
+        return SIMULATIONS[self.simulation].nominal
 
     def fit(self, X):
         """Calibrate on the first half of a sound frame, learn limits on the second."""
@@ -70,9 +83,9 @@ class ValveDetector:
 
     def _spell(self, X, begin, end, alarms, residuals):
         """Start, stop and faults of each part of an alarm; a part ends where what is told changes."""
-        moments = _moments(begin, end) if self.finder else []
+        moments = _moments(begin, end, end == len(X)) if self.finder else []
         name, parts, at = None, [], begin
-        of_side = _sides(alarms, residuals, begin, end)
+        of_side = _sides(alarms, _means(residuals["flow"]), min(begin + _POINTS_AFTER, end), end)
         for moment in [*moments, end]:
             for start, stop, side in of_side:
                 low, high = max(start, at), min(stop, moment)
@@ -93,10 +106,9 @@ class ValveDetector:
         except InputError as error:
             self.told_.append(told | {"verdict": "refused", "reasons": [str(error)]})
             return None
-        since = begin - rows[0][0] - _EARLIER
-        new = [e for e in found["effects"] if given.sound or (e["onset"] or -1.0) >= since]
-        classes = [[member["name"] for member in effect["members"]] for effect in new]
-        proven = found["verdict"] == "named" and bool(new) and _proven(found["fit"], new)
+        effects = found["effects"]
+        classes = [[member["name"] for member in effect["members"]] for effect in effects]
+        proven = found["verdict"] == "named" and self._proven(found["fit"], effects)
         named = frozenset.union(*map(faults_of, classes)) if proven else None
         told |= {"verdict": found["verdict"], "p": found["mismatch"]["p_value"], "classes": classes}
         told |= {"proven": proven, "reasons": found.get("reasons", [])}
@@ -104,50 +116,55 @@ class ValveDetector:
         self.told_.append(told)
         return named
 
+    def _proven(self, fit, effects):
+        """Whether the simulation with the effects leaves little of the error in what they change."""
+        touched = {c for effect in effects for c, size in effect["size"].items() if size > 1e-3 and c in fit}
+        errors = [(self.watch_.errors_[c], fit[c]["rmse"]) for c in touched]
+        return bool(errors) and all(
+            e["corrected"] <= max(_OF_SOUND * sound, _OF_NOMINAL * e["nominal"]) for sound, e in errors
+        )
+
 
 def _recorded(begin, moment):
     """First row and end of what the finder gets: in one piece where an alarm is young, else in two."""
     first, late = max(begin - _BEFORE, SETTLES), max(moment - _AFTER, begin)
     if late <= begin or begin - first < _FEWEST:
-        return [(min(first, moment - _AFTER), moment)]
+        return [(max(min(first, moment - _AFTER), 0), moment)]
     return [(first, begin), (late, moment)]
 
 
-def _proven(fit, effects):
-    """Whether the simulation with the effects leaves little of the error in what they change."""
-    touched = {c for effect in effects for c, size in effect["size"].items() if size > 1e-3 and c in fit}
-    errors = [fit[c]["rmse"] for c in touched]
-    return bool(errors) and all(e["corrected"] <= _PROVEN * e["nominal"] for e in errors)
-
-
-def _sides(alarms, residuals, begin, end):
-    """Start, stop and faults of the stretches of an alarm in which the same signals alarm."""
-    rows = np.column_stack([alarms[name][begin:end] for name in (*CAUSES, "flow", "opening")])
+def _sides(alarms, flow, begin, end):
+    """Start, stop and faults of the stretches of an alarm in which the same signals alarm, the same way."""
+    rows = np.column_stack([*(alarms[name] for name in (*CAUSES, "flow", "opening")), flow > 0.0])[begin:end]
     changes = np.flatnonzero((rows[1:] != rows[:-1]).any(axis=1)) + 1 + begin
-    edges = [begin, *changes, end]
-    return [
-        (start, stop, _side(rows[start - begin], residuals["flow"][start:stop]))
-        for start, stop in zip(edges[:-1], edges[1:], strict=True)
-    ]
+    edges = [begin, *changes, end] if len(rows) else []
+    return [(start, stop, _side(rows[start - begin])) for start, stop in pairwise(edges)]
 
 
-def _side(high, flow):
+def _side(high):
     """Faults that the signals that alarm point at, the most telling first: causes, flow, position."""
-    causes = [OF_THE_MEDIUM[cause] for cause, alarm in zip(CAUSES, high[: len(CAUSES)], strict=True) if alarm]
-    if causes:
-        return frozenset.union(*causes)
-    if high[-2]:
-        return MORE_FLOW if np.nanmean(flow) > 0.0 else LESS_FLOW
+    *causes, flow, _, more = high
+    elsewhere = [OF_THE_MEDIUM[cause] for cause, alarm in zip(CAUSES, causes, strict=True) if alarm]
+    if elsewhere:
+        return frozenset.union(*elsewhere)
+    if flow:
+        return MORE_FLOW if more else LESS_FLOW
     return OF_THE_ACTUATOR
 
 
-def _moments(begin, end):
-    """Rows at which the finder is asked: 300 s after an alarm, 600, 1200 and so on, and at its end."""
+def _means(left):
+    """Means over the last seconds, of shape (n,)."""
+    total = np.concatenate([np.zeros(_JUDGED_OVER), np.cumsum(np.nan_to_num(left))])
+    return (total[_JUDGED_OVER:] - total[:-_JUDGED_OVER]) / _JUDGED_OVER
+
+
+def _moments(begin, end, ends):
+    """Rows at which the finder is asked: 300 s after an alarm, 1200, 4800 and so on, and at the very end."""
     after, moments = _FIRST_ASKED, []
     while begin + after < end:
         moments.append(begin + after)
-        after *= 2
-    return [*moments, end - 1] if moments and end - 1 > moments[-1] else moments
+        after *= 4
+    return [*moments, end - 1] if ends and moments and moments[-1] < end - 1 else moments
 
 
 def _spells(high):

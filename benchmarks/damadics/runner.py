@@ -2,28 +2,33 @@
 """Any detector on the scenarios: what it is given, and the line that is kept of each."""
 
 import time
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
 
 from sklvalve.damadics import make_damadics, scenario_indices, scenario_of
 
-#: Columns that a detector sees: time [s], the six signals, the flow with gaps where its meter ends, and the
-#: stem of the generator's own sound run, which only a detector that is told so may use.
-SIGNALS = ("time", "CV", "P1", "P2", "T1", "X", "F", "F_in_range", "X_nominal")
+#: Columns that a detector sees: time [s], the six signals, and the flow with gaps where its meter ends. One
+#: whose ``needs_nominal`` is true also gets the stem of the generator's own sound run, X_nominal.
+SIGNALS = ("time", "CV", "P1", "P2", "T1", "X", "F", "F_in_range")
 #: Sigma of a transducer's noise, share of its span [1], and what is invisible beside it [1].
 NOISE, INVISIBLE = 1.414e-3, 2e-3
-_SOUND_RUN, _SETTLED = 3600.0, 905
+#: What the line of sound hours has in place of a scenario.
+SOUND = "sound hours"
+HOUR, _SETTLED = 3600.0, 905
 
 
-def sound_run(seed, duration=_SOUND_RUN):
-    """Frame without a fault, as a detector sees it."""
-    return _seen(make_damadics(None, duration=duration, nominal=True, random_state=seed))
+def run_for(detector, name, seed, duration=None):
+    """Frame of a scenario, or without a fault where its name is None, as a detector sees it."""
+    nominal = getattr(detector, "needs_nominal", False)
+    frame = make_damadics(name, duration=duration, nominal=nominal, random_state=seed)
+    return frame[[*SIGNALS, "X_nominal"] if nominal else list(SIGNALS)]
 
 
-def scenario_run(name, seed):
-    """Frame of a scenario as a detector sees it."""
-    return _seen(make_damadics(name, nominal=True, random_state=seed))
+def fitted(detector, seed):
+    """A detector, fitted to a sound hour."""
+    return detector.fit(run_for(detector, None, seed, HOUR))
 
 
 def score(detector, name, seed):
@@ -40,48 +45,48 @@ def score(detector, name, seed):
     Returns
     -------
     line : dict
-        ``scenario``, ``fault``, the eighteen ``indices``, ``pointed`` (the faults pointed at when last
-        something was), ``named`` (the smallest diagnosis pointed at after the fault began), ``visible`` (what
-        the fault does, see `visibility`), ``told`` (of ours) and ``seconds``.
+        ``scenario``, ``fault``, ``seed``, the eighteen ``indices``, ``pointed`` (each set of faults that was
+        pointed at after the fault began -> seconds for which it was, the last of them last), ``told`` (of
+        ours), ``seconds`` of the processor.
     """
-    frame = scenario_run(name, seed)
+    frame = run_for(detector, name, seed)
     began = time.process_time()
     decisions = detector.predict(frame)
     seconds = time.process_time() - began
     detection = decisions["detection"].to_numpy()
     isolation = decisions.drop(columns="detection")
     diagnoses = [column.split("+") for column in isolation]
-    t = frame["time"].to_numpy()
-    found = scenario_indices(name, t, detection, isolation.to_numpy(), diagnoses=diagnoses)
+    t, known = frame["time"].to_numpy(), scenario_of(name)
+    found = scenario_indices(known, t, detection, isolation.to_numpy(), diagnoses=diagnoses)
     return {
         "scenario": name,
-        "fault": scenario_of(name).fault,
+        "fault": known.fault,
         "seed": seed,
         "indices": found.to_dict(),
-        "pointed": _pointed(isolation.to_numpy() > 0.5, diagnoses, t >= scenario_of(name).profile.begins),
+        "pointed": _pointed(isolation.to_numpy() > 0.5, diagnoses, t >= known.profile.begins),
         "told": getattr(detector, "told_", []),
         "seconds": seconds,
     }
 
 
-def false_alarms(detector, seed, duration=_SOUND_RUN):
+def false_alarms(detector, seed):
     """Share of a sound hour, past 300 s, in which a fitted detector alarms [1]."""
-    frame = sound_run(seed, duration)
+    frame = run_for(detector, None, seed, HOUR)
     high = detector.predict(frame)["detection"].to_numpy() > 0.5
     return float(high[frame["time"].to_numpy() >= 300.0].mean())
 
 
 @lru_cache(maxsize=64)
 def visibility(name):
-    """What a scenario's fault changes: rms of each signal without noise, past 905 s, share of its span.
+    """What a scenario's fault changes where it has its full strength: rms from 5 s to 600 s, without noise.
 
     Returns
     -------
     changes : dict
-        ``X``, ``F``, ``P1``, ``P2``, ``T1`` [1].
+        ``X``, ``F``, ``P1``, ``P2``, ``T1``, shares of their spans [1].
     """
     spans = {"X": 100.0, "F": 40.0, "P1": 4000.0, "P2": 4000.0, "T1": 200.0}
-    faulty = make_damadics(name, noise=False)
+    faulty = make_damadics(replace(scenario_of(name).profile, takes=0.0), noise=False)
     sound = make_damadics(None, duration=len(faulty), noise=False)
     return {
         signal: float(np.sqrt(np.mean((faulty[signal] - sound[signal])[_SETTLED:] ** 2)) / span)
@@ -89,18 +94,15 @@ def visibility(name):
     }
 
 
-def _seen(frame):
-    return frame[list(SIGNALS)]
-
-
 def _pointed(high, diagnoses, late):
-    """Faults of each set of diagnoses that was pointed at after the fault began, with the seconds it stood."""
+    """Each set of faults that was pointed at after the fault began, with the seconds for which it was."""
     stood = {}
     for row in high[late]:
-        faults = sorted({f for group, up in zip(diagnoses, row, strict=True) if up for f in group}, key=_number)
-        key = " ".join(faults)
-        stood[key] = stood.get(key, 0) + 1
-    return {key: seconds for key, seconds in stood.items() if key}
+        faults = {fault for group, up in zip(diagnoses, row, strict=True) if up for fault in group}
+        key = " ".join(sorted(faults, key=_number))
+        if key:
+            stood[key] = stood.pop(key, 0) + 1
+    return stood
 
 
 def _number(fault):
