@@ -138,9 +138,10 @@ def _undecided(d: dict) -> str:
         return " ".join(
             ["This recording cannot tell whether anything is missing.", *(d.get("reasons") or [])]
         )
+    place = _place(d, d["location"]["blocks"])
     sentence = (
         f"Something is missing ({p_words(d['mismatch'].get('p_value'))}), but this recording cannot "
-        f"tell what: it acts {_place(d, d['location']['blocks'])}"
+        f"tell what{f': it acts {place}' if place else ''}"
     )
     likely = sorted(
         (member for effect in d.get("effects") or [] for member in effect["members"]),
