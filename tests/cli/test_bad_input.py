@@ -11,6 +11,7 @@ from numpy.linalg import LinAlgError
 
 from sklvalve.cli import main
 from tests.cli import stand_in
+from tests.cli.refusal import refused
 
 DIAGNOSE = ["diagnose", "recording.csv", "--valve", "valve.toml", "--out", "out"]
 
@@ -121,22 +122,11 @@ ARGUMENTS = {
 }
 
 
-def _refused(arguments, words, capsys):
-    before = sorted(os.listdir("."))
-    assert main(arguments) == 2
-    shown = capsys.readouterr()
-    assert words in shown.err
-    assert shown.err.startswith("sklvalve: ")
-    assert shown.err.count("\n") == 1
-    assert shown.out == ""
-    assert sorted(os.listdir(".")) == before
-
-
 @pytest.mark.parametrize(("content", "words"), RECORDINGS.values(), ids=RECORDINGS)
 @pytest.mark.parametrize("arguments", [DIAGNOSE, ["screen", *DIAGNOSE[1:4]]], ids=["diagnose", "screen"])
 def test_recording(folder, capsys, content, words, arguments):
     (folder / "recording.csv").write_text(content)
-    _refused(arguments, words, capsys)
+    refused(arguments, words, capsys)
 
 
 @pytest.mark.parametrize(("content", "words"), UNDIAGNOSABLE.values(), ids=UNDIAGNOSABLE)
@@ -144,45 +134,45 @@ def test_recording_that_can_be_screened_only(folder, capsys, content, words):
     (folder / "recording.csv").write_text(content)
     assert main(["screen", *DIAGNOSE[1:4]]) == 0
     capsys.readouterr()
-    _refused(DIAGNOSE, words, capsys)
+    refused(DIAGNOSE, words, capsys)
 
 
 @pytest.mark.parametrize(("content", "words"), VALVES.values(), ids=VALVES)
 def test_valve(folder, capsys, content, words):
     (folder / "valve.toml").write_text(content)
-    _refused(DIAGNOSE, words, capsys)
+    refused(DIAGNOSE, words, capsys)
 
 
 @pytest.mark.parametrize("arguments", [DIAGNOSE, ["screen", *DIAGNOSE[1:4]]], ids=["diagnose", "screen"])
 def test_liquid_that_would_boil_before_the_valve(folder, capsys, arguments):
     (folder / "valve.toml").write_text(stand_in.VALVE + "[fluid]\nvapour_pressure = 2339\n")
-    _refused(arguments, "vapour_pressure = 2339 kPa, but p1 lies around 500 kPa", capsys)
+    refused(arguments, "vapour_pressure = 2339 kPa, but p1 lies around 500 kPa", capsys)
 
 
 @pytest.mark.parametrize(("arguments", "words"), ARGUMENTS.values(), ids=ARGUMENTS)
 def test_arguments(folder, capsys, arguments, words):
-    _refused(arguments, words, capsys)
+    refused(arguments, words, capsys)
 
 
 @pytest.mark.parametrize(("until", "rows"), [("100", 1), ("218", 119)])
 def test_too_few_rows_before_a_time(folder, capsys, until, rows):
     (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(150)))
     words = f"--until {until}: only {rows} of 150 rows of recording.csv stand at or before it"
-    _refused([*DIAGNOSE, "--until", until], words, capsys)
-    _refused([*DIAGNOSE, "--until", until], "give 219.0 or a later time", capsys)
+    refused([*DIAGNOSE, "--until", until], words, capsys)
+    refused([*DIAGNOSE, "--until", until], "give 219.0 or a later time", capsys)
     assert main([*DIAGNOSE, "--until", "219"]) == 0
 
 
 @pytest.mark.parametrize("rows", [20, 119])
 def test_few_rows_are_told_how_many_a_diagnosis_needs(folder, capsys, rows):
     (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(rows)))
-    _refused(DIAGNOSE, f"{rows} rows are too few for a diagnosis; give at least 120", capsys)
+    refused(DIAGNOSE, f"{rows} rows are too few for a diagnosis; give at least 120", capsys)
     assert main(["screen", *DIAGNOSE[1:4]]) == 0
 
 
 def test_result_that_is_a_folder(folder, capsys):
     os.makedirs("out/report.html")
-    _refused(DIAGNOSE, "no plain file", capsys)
+    refused(DIAGNOSE, "no plain file", capsys)
     assert os.listdir("out") == ["report.html"]
 
 
@@ -191,12 +181,12 @@ def test_unwritable_folder(folder, capsys, monkeypatch):
         raise PermissionError(13, "Permission denied")
 
     monkeypatch.setattr("sklvalve.cli.staging.tempfile.mkdtemp", denied)
-    _refused(DIAGNOSE, "cannot be written (Permission denied)", capsys)
+    refused(DIAGNOSE, "cannot be written (Permission denied)", capsys)
 
 
 def test_mistake_of_the_reader_for_missing_pandas(folder, capsys, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "pandas", None)
-    _refused(DIAGNOSE, 'pip install "sklvalve[io]"', capsys)
+    refused(DIAGNOSE, 'pip install "sklvalve[io]"', capsys)
 
 
 @pytest.mark.parametrize("error", [OverflowError(34, "too large"), LinAlgError("no convergence")])
@@ -205,7 +195,7 @@ def test_numbers_that_break_down_all_the_same(folder, capsys, monkeypatch, error
         raise error
 
     monkeypatch.setattr(stand_in.Finder, "fit", breaks)
-    _refused(DIAGNOSE, "break the computation down", capsys)
+    refused(DIAGNOSE, "break the computation down", capsys)
 
 
 @pytest.mark.parametrize(
@@ -218,7 +208,7 @@ def test_error_that_nobody_foresaw(folder, capsys, monkeypatch, error):
     monkeypatch.delenv("SKLVALVE_DEBUG", raising=False)
     monkeypatch.setattr("sklvalve.recording.read_recording", breaks)
     monkeypatch.setattr("sys.flags", SimpleNamespace(dev_mode=False))
-    _refused(["screen", *DIAGNOSE[1:4]], f"an error that nobody foresaw ({type(error).__name__}: ", capsys)
+    refused(["screen", *DIAGNOSE[1:4]], f"an error that nobody foresaw ({type(error).__name__}: ", capsys)
     monkeypatch.setenv("SKLVALVE_DEBUG", "1")
     with pytest.raises(type(error)):
         main(["screen", *DIAGNOSE[1:4]])

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Exports and arguments that cannot be used: status 2, one sentence with place and mend, nothing written."""
 
-import os
-
 import pytest
 
-from sklvalve.cli import main
+from tests.cli.refusal import refused
 from tests.recording.historian.exports import course, iso, local, long_text, moments, wide_text
 
 TIMES = moments("2024-06-28 10:00:00", 60, 10)
@@ -98,28 +96,17 @@ def folder(tmp_path, monkeypatch):
     return tmp_path
 
 
-def _refused(arguments, words, capsys):
-    before = sorted(os.listdir("."))
-    assert main(arguments) == 2
-    shown = capsys.readouterr()
-    assert words in shown.err
-    assert shown.err.startswith("sklvalve: ")
-    assert shown.err.count("\n") == 1
-    assert shown.out == ""
-    assert sorted(os.listdir(".")) == before
-
-
 @pytest.mark.parametrize(("content", "more", "words"), EXPORTS.values(), ids=EXPORTS)
 def test_export(folder, capsys, content, more, words):
     (folder / "export.csv").write_bytes(content if isinstance(content, bytes) else content.encode())
     out = [] if "--out" in more else ["--out", "recording.csv"]
-    _refused(["import", "export.csv", *out, *more], words, capsys)
+    refused(["import", "export.csv", *out, *more], words, capsys)
 
 
 def test_missing_file_and_folder(folder, capsys):
-    _refused(["import", "absent.csv", "--out", "r.csv"], "absent.csv: no such file", capsys)
-    _refused(["import", ".", "--out", "r.csv"], "this is a folder; give the files", capsys)
-    _refused(["import", "absent.csv"], "--out", capsys)
+    refused(["import", "absent.csv", "--out", "r.csv"], "absent.csv: no such file", capsys)
+    refused(["import", ".", "--out", "r.csv"], "this is a folder; give the files", capsys)
+    refused(["import", "absent.csv"], "--out", capsys)
 
 
 @pytest.mark.parametrize(
@@ -132,11 +119,11 @@ def test_missing_file_and_folder(folder, capsys):
 def test_files_that_do_not_belong_together(folder, capsys, other, words):
     (folder / "export.csv").write_text(WIDE.replace("FIC1.PV", "FIC1.PV [m3/h]"))
     (folder / "other.csv").write_text(other)
-    _refused(["import", "export.csv", "other.csv", "--out", "r.csv"], words, capsys)
+    refused(["import", "export.csv", "other.csv", "--out", "r.csv"], words, capsys)
 
 
 def test_seconds_that_begin_anew(folder, capsys):
     text = wide_text(["F"], [str(row) for row in range(60)], [VALUES])
     for name in ("a.csv", "b.csv"):
         (folder / name).write_text(text)
-    _refused(["import", "a.csv", "b.csv", "--out", "r.csv"], "its seconds begin anew", capsys)
+    refused(["import", "a.csv", "b.csv", "--out", "r.csv"], "its seconds begin anew", capsys)

@@ -11,6 +11,7 @@ from sklvalve.cli import main
 from sklvalve.cli.simulate import _EPILOG
 from sklvalve.damadics import SCENARIOS, make_damadics, valve_sheet
 from sklvalve.recording import Valve, read_recording, read_valve
+from tests.cli.refusal import refused
 
 pd = pytest.importorskip("pandas", reason='needs pip install "sklvalve[io]"')
 
@@ -134,12 +135,7 @@ def test_what_is_refused_is_told_in_one_sentence_and_leaves_nothing(here, capsys
     os.makedirs("taken.csv")
     os.makedirs("other")
     (here / "other" / "valve.toml").write_text('[valve]\ntag = "FV-101"\n')
-    assert main(arguments) == 2
-    shown = capsys.readouterr()
-    assert words in shown.err
-    assert shown.err.startswith("sklvalve: ")
-    assert shown.err.count("\n") == 1
-    assert shown.out == ""
+    refused(arguments, words, capsys)
     assert sorted(os.listdir(here)) == ["file", "other", "taken.csv"]
     assert os.listdir("other") == ["valve.toml"]
 
