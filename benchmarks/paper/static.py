@@ -135,13 +135,16 @@ def _by_place(predict, drawn, task):
 
 
 def errors(y, predicted, per_unit):
-    """RMSE in the task's unit, MAPE and largest relative error [%], and rows without a finite number."""
+    """RMSE in the task's unit, MAPE and largest relative error [%], and rows without a finite number.
+
+    What predicts no row at all, as a mechanism whose parameter none of few rows tells, is infinitely wrong.
+    """
     known = np.isfinite(predicted)
     y, predicted = per_unit * y[known], per_unit * predicted[known]
     return {
-        "rmse": rmse(y, predicted),
-        "mape": mape(y, predicted),
-        "err_max": err_max(y, predicted),
+        "rmse": rmse(y, predicted) if known.any() else np.inf,
+        "mape": mape(y, predicted) if known.any() else np.inf,
+        "err_max": err_max(y, predicted) if known.any() else np.inf,
         "rows": len(y),
         "lost": int((~known).sum()),
     }

@@ -14,6 +14,9 @@ from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.verdict import class_of, effect_entry
 from sklvalve.simulation.simulation import learnt_rest
 
+# what strays within this share of a recording is taken to have been there before
+_AT_FIRST = 0.1
+
 
 @dataclass(frozen=True, eq=False)
 class Judgement:
@@ -43,6 +46,8 @@ class Judgement:
         Those that come closest to it.
     closest_leaves : LeftOver or None
         What they leave over of it.
+    strays : StemRest or None
+        Where the stem is further off than any sound one, and nothing that was tried tells why.
     """
 
     verdict: str
@@ -58,6 +63,7 @@ class Judgement:
     left: object = None
     closest: list = field(default_factory=list)
     closest_leaves: object = None
+    strays: object = None
 
     @property
     def found(self):
@@ -86,6 +92,8 @@ def flagged_rows(workbench, judgement):
     if unknown is not None and not judgement.findings:
         rest = np.abs(learnt_rest(unknown.correction, model.chain, model.values))
         flagged = rest > 0.25 * np.quantile(rest, 0.99)
+    if judgement.strays is not None:
+        flagged = flagged | judgement.strays.rows
     events = events_of(workbench.recording) if told_by_events(judgement.findings) else None
     if events is not None:
         flagged = flagged | events.flagged
@@ -105,11 +113,15 @@ def content_of(
     rest = unknown if unknown is not None else judgement.left
     if not blocks and rest is not None:
         blocks = ["valve" if rest.channel == "flow" else "actuator"]
+    if not blocks and judgement.strays is not None:
+        blocks = ["actuator"]
     classes = [class_of(f) for f in judgement.findings]
     location = {"blocks": blocks, "regions": [], "onset": None, "intervals": []}
     if found:
         more = {"alpha": alpha, "random_state": random_state}
         location = location_of(workbench, judgement.model, unknown, blocks, **more)
+    if judgement.strays is not None and not judgement.findings:
+        location |= _when_it_strays(judgement)
     joined = _recordings(whole)
     if joined:
         # times are of their common clock, and read by the recording that they fall into
@@ -135,11 +147,21 @@ def content_of(
     }
     if mend:
         content["reasons"] = [mend]
+    elif judgement.strays is not None:
+        content["reasons"] = [judgement.strays.reason]
     if rest is not None:
         content["unknown"] = _unknown_entry(whole, judgement) if unknown is not None else _unlearnt(rest)
     if judgement.left is not None:
         content["unknown"] |= _beyond_noise(whole, workbench, judgement)
     return content
+
+
+def _when_it_strays(judgement):
+    """Onset and intervals of a location, where the stem strays [s from the first sample]."""
+    clock = judgement.model.chain.clock - judgement.model.chain.clock[0]
+    rows, last = judgement.strays.intervals, len(clock) - 1
+    seconds = [[float(clock[a]), float(clock[min(b, last)])] for a, b in rows]
+    return {"onset": seconds[0][0] if rows[0][0] > _AT_FIRST * len(clock) else None, "intervals": seconds}
 
 
 def _recordings(whole):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a finder is given, checked, and laid out on the workbench."""
 
+from copy import copy
 from dataclasses import replace
 from numbers import Integral
 
@@ -25,6 +26,8 @@ _BY_THE_DROP = frozenset(
         *("position_sensor_bias_loop", "position_sensor_gain_loop", "sensor_lag"),
     )
 )
+# but what a large play does to a flow from a moment on, a drop does that changes then
+_PLAYS = frozenset(("backlash", "positioner_feedback_play"))
 # and without a position those as well that shift or end the stem's travel
 _BY_THE_DROP_UNSEEN = _BY_THE_DROP | frozenset(
     (
@@ -127,6 +130,13 @@ def _made_by_the_drop(workbench):
     return _BY_THE_DROP_UNSEEN if workbench.coupled else _BY_THE_DROP
 
 
+def _throughout(effect):
+    """The same effect, there from the first row on or not at all."""
+    steady = copy(effect)
+    steady.may_begin = False
+    return steady
+
+
 def candidates(workbench, wanted, data):
     """Effects of the catalogue that a recording can speak for, and what the others would need.
 
@@ -179,7 +189,9 @@ def candidates(workbench, wanted, data):
             # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
             untestable.setdefault(effect.name, "opening, or a data sheet of the actuator")
         elif effect.possible(workbench.plain) and workbench.channels_touched(effect):
-            found.append(effect)
+            of_flow_alone = workbench.channels_touched(effect) == ("flow",)
+            steady = by_the_drop and of_flow_alone and effect.key in _PLAYS
+            found.append(_throughout(effect) if steady else effect)
         else:
             untestable.setdefault(effect.name, effect.requires)
     tested = {e.name for e in found}

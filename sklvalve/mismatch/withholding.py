@@ -46,10 +46,14 @@ def withheld(judgement, data):
         judgement = replace(judgement, left=None, closest=[])
     blamed = [f"what a historian left out of {role}" for role in redrawn]
     blamed += [f"the coarse steps of {role}" for role in _roles(data, "quantised")]
-    beyond = unknown is not None or judgement.left is not None
+    # and no coarse reading is as far off as a stem that strays
+    strays = judgement.strays is not None and "opening" not in spoilt
+    beyond = unknown is not None or judgement.left is not None or strays
     if not blamed or beyond or judgement.verdict in ("no_mismatch", "named"):
         return judgement, None
-    silent = replace(judgement, verdict="cannot_tell", p_value=None, findings=[], model=judgement.nominal)
+    silent = replace(
+        judgement, verdict="cannot_tell", p_value=None, findings=[], model=judgement.nominal, strays=None
+    )
     return silent, (
         f"The recording differs from the simulation, but {' and '.join(blamed)} may be all of it: diagnose a "
         "recording without that."

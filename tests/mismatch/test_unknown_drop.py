@@ -41,6 +41,22 @@ def test_play_is_named_without_pressures():
     assert found.effects == (("backlash",),)
 
 
+@pytest.mark.parametrize(
+    ("lacking", "key", "may_begin"),
+    [
+        ((), "backlash", True),
+        (("p1", "p2"), "backlash", False),
+        (("p1", "p2"), "backlash_linkage", True),
+        (("p1", "p2", "opening"), "positioner_feedback_play", False),
+    ],
+)
+def test_play_that_begins_is_no_other_than_a_drop_that_changes(healthy, lacking, key, may_begin):
+    # so where the flow alone speaks of it, it is there from the first row on or not at all
+    bench = prepared_workbench(_without(healthy, *lacking))
+    found, _ = candidates(bench, ["backlash", "positioner_feedback_fault"], [])
+    assert {e.key: e.may_begin for e in found}[key] is may_begin
+
+
 def test_the_sheet_is_held_against_the_flow_only_where_the_drop_is_known(healthy):
     assert isinstance(prepared_workbench(_without(healthy)).trim, SheetTrim)
     assert isinstance(prepared_workbench(_without(healthy, "p2")).trim, LearntTrim)

@@ -12,7 +12,7 @@ import numpy as np
 
 from benchmarks.concealed.distances.calibration import nuisance_of
 from benchmarks.concealed.plant.effects import EFFECTS, NAMED
-from benchmarks.concealed.plant.rig import Course
+from benchmarks.concealed.plant.rig import WARM_UP, Course
 
 APART = 14.0
 # what is further off than this, and than a coarse grid of sizes gets wrong, is looked at no closer
@@ -91,7 +91,7 @@ def _least(scene, name, course, change, nuisance, alone):
     for channel in set(touched) - set(change):
         # where nothing has moved, what an explanation would move speaks against it
         nuisance[channel] = nuisance_of(scene, channel)
-        change[channel], alone[channel] = np.zeros(scene.plant.rows), 0.0
+        change[channel], alone[channel] = np.zeros(scene.n - WARM_UP), 0.0
     low = max(effect.free if course.kind == "start" else 0.0, 0.004 * effect.most)
     signs = (1.0, -1.0) if effect.signed else (1.0,)
     best = sum(alone.values())
