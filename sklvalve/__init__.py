@@ -4,6 +4,7 @@
 
 from importlib import import_module as _import_module
 
+#: Version of the package.
 __version__ = "0.1.0"
 
 # Loaded at first use, so that `import sklvalve` stays well under a second and needs the core only.

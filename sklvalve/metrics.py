@@ -87,7 +87,7 @@ def mape(y_true, y_pred, *, min_flow=None, sample_weight=None):
 
     Notes
     -----
-    .. math:: \mathrm{MAPE} = 100 \sum_i w_i |y_i - \hat y_i| / |y_i| \Big/ \sum_i w_i
+    .. math:: \mathrm{MAPE} = 100 \, \frac{\sum_i w_i |y_i - \hat y_i| / |y_i|}{\sum_i w_i}
 
     Equation 19 of the paper with the magnitude in the denominator. It never exceeds :func:`err_max` with the
     same cut-off.
@@ -194,5 +194,10 @@ def _percentage(y_true, y_pred):
 
 
 neg_rmse_scorer = make_scorer(rmse, greater_is_better=False)
+"""`rmse` with the sign turned, as ``scoring`` of scikit-learn's model selection: larger is better."""
+
 neg_mape_scorer = make_scorer(mape, greater_is_better=False)
+"""`mape` with the sign turned, as ``scoring`` of scikit-learn's model selection: larger is better."""
+
 neg_err_max_scorer = make_scorer(err_max, greater_is_better=False)
+"""`err_max` with the sign turned, as ``scoring`` of scikit-learn's model selection: larger is better."""

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import pytest
 
 ROOT = Path(__file__).parents[1]
+MADE_BY_SPHINX = {"_build", "auto_examples", "generated"}
 FENCE = re.compile(r"^```(\w+)[^\n]*\n(.*?)^```\s*$", re.MULTILINE | re.DOTALL)
 
 
@@ -24,9 +25,15 @@ class Block(NamedTuple):
     code: str
 
 
+def _pages() -> list[Path]:
+    docs = ROOT / "docs"
+    written = [p for p in docs.rglob("*.md") if not MADE_BY_SPHINX & set(p.relative_to(docs).parts)]
+    return [ROOT / "README.md", *sorted(written)]
+
+
 def _blocks(language: str) -> list[Block]:
     found = []
-    for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
+    for page in _pages():
         text = page.read_text(encoding="utf-8")
         for match in FENCE.finditer(text):
             if match[1] == language:

@@ -197,4 +197,5 @@ EFFECTS = {
     "hydrate_pulses": Concealed(None, "valve", "flow", 0.04, 0.25, "1", _hydrate_pulses),
 }
 
+#: Names of the effects that `make_valve_recording` can conceal.
 CONCEALABLE = tuple(EFFECTS)

@@ -63,7 +63,7 @@ class ParallelHybridRegressor(RegressorMixin, BaseEstimator):
         Parameter used in ``forward``; None where ``predict`` is used.
     n_features_in_ : int
         Number of columns seen in `fit`.
-    feature_names_in_ : ndarray of shape (n_features_in_,)
+    feature_names_in_ : ndarray of shape (`n_features_in_`,)
         Their names, where X had names.
 
     See Also

@@ -65,7 +65,7 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         Fitted copy of the regressor.
     n_features_in_ : int
         Number of columns seen in `fit`.
-    feature_names_in_ : ndarray of shape (n_features_in_,)
+    feature_names_in_ : ndarray of shape (`n_features_in_`,)
         Their names, where X had names.
 
     See Also

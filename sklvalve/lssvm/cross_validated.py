@@ -65,7 +65,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
     dual_coef_, intercept_, X_fit_
         Of `estimator_`.
     n_features_in_ : int
-    feature_names_in_ : ndarray of shape (n_features_in_,)
+    feature_names_in_ : ndarray of shape (`n_features_in_`,)
 
     See Also
     --------
@@ -74,7 +74,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
 
     References
     ----------
-    .. [1] G. C. Cawley, N. L. C. Talbot, Neural Networks 17 (2004) 1467.
+    .. [1] Cawley, G. C., N. L. C. Talbot, Neural Networks 17 (2004) 1467.
 
     Examples
     --------

@@ -36,7 +36,7 @@ class HeldOutErrors:
 
     References
     ----------
-    .. [1] G. C. Cawley, N. L. C. Talbot, Fast exact leave-one-out cross-validation of sparse least-squares
+    .. [1] Cawley, G. C., N. L. C. Talbot, Fast exact leave-one-out cross-validation of sparse least-squares
        support vector machines, Neural Networks 17 (2004) 1467.
     """
 

@@ -85,7 +85,7 @@ def fit_nystrom(passes, *, C, bias, n_landmarks, length, tol, max_iter, random_s
 
     References
     ----------
-    .. [1] A. Rudi, L. Carratino, L. Rosasco, FALKON: an optimal large scale kernel method, NIPS 2017.
+    .. [1] Rudi, A., L. Carratino, L. Rosasco, FALKON: an optimal large scale kernel method, NIPS 2017.
     """
     look = passes.look(
         most=min(_DRAWN_PER_LANDMARK * n_landmarks, _MOST_SEARCHED),

@@ -44,9 +44,9 @@ def pivoted_cholesky(between, X, diagonal, *, rank, left, random_state, n_jobs=N
 
     References
     ----------
-    .. [1] Y. Chen, E. N. Epperly, J. A. Tropp, R. J. Webber, Randomly pivoted Cholesky, Comm. Pure Appl.
+    .. [1] Chen, Y., E. N. Epperly, J. A. Tropp, R. J. Webber, Randomly pivoted Cholesky, Comm. Pure Appl.
        Math. (2025), arXiv 2207.06503.
-    .. [2] E. N. Epperly, J. A. Tropp, R. J. Webber, Embrace rejection: kernel matrix approximation by
+    .. [2] Epperly, E. N., J. A. Tropp, R. J. Webber, Embrace rejection: kernel matrix approximation by
        accelerated randomly pivoted Cholesky, arXiv 2410.03969.
     """
     raise_unless_finite(diagonal)

@@ -87,8 +87,8 @@ class Predicting:
 
         References
         ----------
-        .. [1] R. F. Barber et al., Predictive inference with the jackknife+, Annals of Statistics 49 (2021).
-        .. [2] V. Vovk, A. Gammerman, G. Shafer, Algorithmic learning in a random world, Springer, 2005.
+        .. [1] Barber et al., Predictive inference with the jackknife+, Annals of Statistics 49 (2021).
+        .. [2] Vovk, V., A. Gammerman, G. Shafer, Algorithmic learning in a random world, Springer, 2005.
         """
         if not 0.0 < coverage < 1.0:
             raise ValueError(f"coverage must lie between 0 and 1, got {coverage!r}.")

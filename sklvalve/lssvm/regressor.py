@@ -103,7 +103,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         Of "nystrom" and "online" what is left of their own equations.
     n_features_in_ : int
         Number of columns seen in `fit`.
-    feature_names_in_ : ndarray of shape (n_features_in_,)
+    feature_names_in_ : ndarray of shape (`n_features_in_`,)
         Names of the columns, where X had names.
 
     See Also
@@ -127,9 +127,9 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
 
     References
     ----------
-    .. [1] J. A. K. Suykens et al., Least Squares Support Vector Machines, World Scientific, 2002.
+    .. [1] Suykens et al., Least Squares Support Vector Machines, World Scientific, 2002.
     .. [2] H.-Q. Wang et al., An unbiased LSSVM model for classification and regression, Soft Computing, 2010.
-    .. [3] M. Diaz et al., Robust, randomized preconditioning for kernel ridge regression, arXiv 2304.12465.
+    .. [3] Diaz et al., Robust, randomized preconditioning for kernel ridge regression, arXiv 2304.12465.
 
     Examples
     --------

@@ -27,7 +27,7 @@ def trust(errors):
 
     References
     ----------
-    .. [1] J. A. K. Suykens et al., Weighted least squares support vector machines: robustness and sparse
+    .. [1] Suykens et al., Weighted least squares support vector machines: robustness and sparse
        approximation, Neurocomputing 48 (2002) 85.
 
     Examples

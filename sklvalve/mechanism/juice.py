@@ -40,7 +40,7 @@ def juice_density(temperature, brix, *, warn=True):
 
     References
     ----------
-    .. [1] Y. Choi and M. R. Okos, Effects of temperature and composition on the thermal properties of foods,
+    .. [1] Choi, Y. and M. R. Okos, Effects of temperature and composition on the thermal properties of foods,
        in Food Engineering and Process Applications 1, Elsevier, 1986.
 
     Examples
@@ -79,7 +79,7 @@ def juice_vapour_pressure(temperature, brix, *, warn=True):
 
     References
     ----------
-    .. [1] R. S. Norrish, An equation for the activity coefficients and equilibrium relative humidities of
+    .. [1] Norrish, R. S., An equation for the activity coefficients and equilibrium relative humidities of
        water in confectionery syrups, J. Food Technology 1 (1966) 25-39.
 
     Examples
@@ -120,7 +120,7 @@ def juice_kinematic_viscosity(temperature, brix, *, warn=True):
 
     References
     ----------
-    .. [1] J. Genotelle, Expression de la viscosité des solutions sucrées, Industries alimentaires et
+    .. [1] Genotelle, J., Expression de la viscosité des solutions sucrées, Industries alimentaires et
        agricoles 95 (1978).
 
     Examples

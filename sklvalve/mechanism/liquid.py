@@ -223,8 +223,8 @@ def liquid_kv(
     :math:`\Delta p_{choked} = F_L^2 (p_1 - F_F p_v)`. Between reducers, with q the result above for turbulent
     and for choked flow,
 
-    .. math:: K_v = \max\left(q_t \Big/ \sqrt{1 - \tfrac{\sum\zeta}{N_2 d^4} q_t^2},\;
-              q_c \Big/ \sqrt{1 - \tfrac{F_L^2 \zeta_i}{N_2 d^4} q_c^2}\right)
+    .. math:: K_v = \max\left(\frac{q_t}{\sqrt{1 - \tfrac{\sum\zeta}{N_2 d^4} q_t^2}},\;
+              \frac{q_c}{\sqrt{1 - \tfrac{F_L^2 \zeta_i}{N_2 d^4} q_c^2}}\right)
 
     Each form asks for what the flow needs at least, so the larger one is the one that holds. Viscosity makes
     F_R depend on the answer: a bracketed iteration that always ends.

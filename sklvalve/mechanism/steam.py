@@ -96,7 +96,7 @@ def steam_kinematic_viscosity(temperature, *, warn=True):
 
     Notes
     -----
-    .. math:: \eta = \eta_0(T)\, \exp\!\Big[\bar\rho \sum_{ij} H_{ij}\, (1/\bar T - 1)^i (\bar\rho - 1)^j\Big]
+    .. math:: \eta = \eta_0(T)\, \exp\Bigl[\bar\rho \sum_{ij} H_{ij}\, (1/\bar T - 1)^i (\bar\rho - 1)^j\Bigr]
 
     with :math:`\bar T = T/T_c` and :math:`\bar\rho = \rho/\rho_c`. The critical enhancement, which matters
     within a degree of the critical point, is left out.

@@ -98,7 +98,7 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         Names of the columns that `transform` gives.
     n_features_in_ : int
         Number of columns seen in `fit`.
-    feature_names_in_ : ndarray of shape (n_features_in_,)
+    feature_names_in_ : ndarray of shape (`n_features_in_`,)
         Their names, where all are strings.
 
     See Also

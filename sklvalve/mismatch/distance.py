@@ -14,6 +14,8 @@ from sklvalve.mismatch.onset import row_losses
 DISTINGUISHABLE = 14.0
 # what a simulation of an effect gets wrong of it, share of its size: so much passes for something else
 SHARE_MISTAKEN = 0.15
+# and of one inside positioner and actuator, of whose air and friction a sheet tells less
+_OF_STROKES = 0.3
 # stretches are longer than whatever a valve remembers, and so many that a few make a scatter
 _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
@@ -83,7 +85,7 @@ def distance_of_strokes(workbench, best, other, without):
     best, other, without : Model
         Two hypotheses with the effect or its rival, and that without either.
     """
-    share = max(SHARE_MISTAKEN, min(_left_of_opening(workbench, best, without), 1.0))
+    share = max(_OF_STROKES, min(_left_of_opening(workbench, best, without), 1.0))
     between = distance(best, other, best.log_likelihood - without.log_likelihood, share)
     if between < DISTINGUISHABLE:
         return between

@@ -34,7 +34,7 @@ def assemble(columns: Mapping[str, object], valve: Valve, source: str) -> Parts:
     InputError
         Naming the column, and the row where there is one.
     """
-    time = _column(columns, valve.time, "the time", source)
+    time = _column(columns, valve.time, "the time", source, "time in [recording]")
     length = len(np.asarray(time))
     signals: Signals = {}
     for role, signal in valve.roles.items():
@@ -43,7 +43,9 @@ def assemble(columns: Mapping[str, object], valve: Valve, source: str) -> Parts:
             where = f"{valve.source}: [recording.{role}]"
         else:
             where = f"{source}: column {signal.column!r} ({role})"
-            values = to_numbers(_column(columns, signal.column, role, source), where)
+            values = to_numbers(
+                _column(columns, signal.column, role, source, f"column in [recording.{role}]"), where
+            )
             if len(values) != length:
                 raise InputError(f"{where}: {len(values)} values, but {length} times; give one for each time")
             _require_finite(values, where)
@@ -56,13 +58,13 @@ def assemble(columns: Mapping[str, object], valve: Valve, source: str) -> Parts:
     return Parts(time, signals, constants, _flows_by_mass(valve))
 
 
-def _column(columns: Mapping[str, object], name: str, role: str, source: str) -> object:
+def _column(columns: Mapping[str, object], name: str, role: str, source: str, key: str) -> object:
     if name in columns:
         return columns[name]
     listed = ", ".join(columns)
     near = hint(name, columns)
-    more = f"{near} (columns: {listed})" if near.startswith("did") else f"columns are {listed}"
-    raise InputError(f"{source}: there is no column {name!r} for {role}; {more}")
+    more = f"{near} (columns: {listed})" if near.startswith("did") else f"the columns are {listed}"
+    raise InputError(f"{source}: there is no column {name!r} for {role}; correct {key}: {more}")
 
 
 def _require_finite(values: NDArray[np.float64], where: str) -> None:

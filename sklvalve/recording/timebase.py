@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.recording.columns import is_gap, to_numbers
-from sklvalve.recording.errors import InputError
+from sklvalve.recording.errors import IMPORTED, InputError
 
 
 class TimeBase(NamedTuple):
@@ -144,7 +144,7 @@ def _moment(stamp: object, where: str) -> datetime:
         pass
     more = ""
     if re.match(r"\d{1,2}[./]\d{1,2}[./]\d{2,4}", str(stamp)):
-        more = ", which also leaves no doubt between day and month"
+        more = f", which leaves no doubt between day and month, {IMPORTED} such times"
     raise InputError(
         f"{where}: {stamp!r} is no time; write seconds, or ISO 8601 such as 2024-06-28T14:35:00{more}"
     )

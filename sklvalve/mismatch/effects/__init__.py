@@ -52,6 +52,7 @@ from sklvalve.mismatch.effects.viscosity_change import ViscosityChange
 from sklvalve.mismatch.effects.viscous_flow import ViscousFlow
 from sklvalve.mismatch.effects.wrong_characteristic import WrongCharacteristic
 
+#: Every form of every effect that a search takes up, as instances of `Effect`.
 CATALOGUE = (
     Backlash(),
     LinkageBacklash(),

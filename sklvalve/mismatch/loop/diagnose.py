@@ -22,7 +22,7 @@ _ALIKE = 7.0  # half the profile-likelihood distance from which explanations are
 def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     r"""Say whether the valve of a loop sticks, from command and flow (or another process value) alone.
 
-    .. math:: y = \sum_i c_i\, G_i x + d, \quad c_i \ge 0, \quad x = \text{stick\_slip}(u; S, J)
+    .. math:: y = \sum_i c_i\, G_i x + d, \quad c_i \ge 0, \quad x = \text{stick-slip}(u; S, J)
 
     The stem :math:`x` is either the command or sticks behind it; the process is any mixture of responses
     that do not turn back, of the sign with which the controller can hold the loop; the noise :math:`d` is a

@@ -30,7 +30,7 @@ def _stems(command, bands, rests, start):
 def stick_slip(command, stick, slip, start=None):
     """Position of a stem that sticks, and slips when the command has left it far enough behind.
 
-    The stem rests while the command is within a band of it and then jumps:
+    The stem rests while the command is within a band of it and then jumps::
 
         |u - x| <= (stick + slip) / 2 : x stays;  else  x = u -+ (stick - slip) / 2
 
