@@ -2,10 +2,11 @@
 """``sklvalve demo``: conceals an effect, finds it from the files alone, then tells the truth."""
 
 import json
-from argparse import Namespace
+from argparse import Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.diagnose import RESULTS, diagnose, require_extras
 from sklvalve.cli.parser import folder, seed
 
@@ -37,6 +38,10 @@ DRAWN = (
 )
 # of the draws one that conceals an effect which the recording does tell
 _SEED = 24
+_EXAMPLES = """examples:
+  sklvalve demo
+  sklvalve demo --seed 7 --out another
+"""
 _FILES = ("recording.csv", "later.csv", "valve.toml", "truth.json")
 
 
@@ -48,6 +53,8 @@ def add_parser(commands) -> None:
         description="Record a simulated valve loop in which an effect drawn by the seed (or none) is "
         "concealed, by a simulator that shares no code with the diagnosis; diagnose the files; then tell "
         "what was concealed and whether the finding is right.",
+        epilog=_EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "--out", type=folder, default="sklvalve-demo", metavar="DIR", help="folder (default: %(default)s)"
@@ -55,6 +62,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--seed", type=seed, default=_SEED, metavar="N", help="of the draw (default: %(default)s)"
     )
+    add_json_argument(parser, "diagnosis, truth and judgement")
     parser.set_defaults(run=run)
 
 
@@ -73,18 +81,24 @@ def run(args: Namespace) -> int:
         made.frame.to_csv(staging.path("recording.csv"), index=False)
         made.later.to_csv(staging.path("later.csv"), index=False)
         staging.path("valve.toml").write_text(to_toml(made.valve), encoding="utf-8")
-        print(f"Recorded a valve loop with something, or nothing, concealed in it (seed {args.seed}).\n")
+        if not args.json:
+            print(f"Recorded a valve loop with something, or nothing, concealed in it (seed {args.seed}).\n")
 
         recording = read_recording(staging.path("recording.csv"), staging.path("valve.toml"))
         finder = diagnose(recording, staging, until=None, seed=0)
         found = finder.diagnosis_.to_dict()
-        print(to_text(found))
-        print(_on_later(finder, staging.path("later.csv"), staging.path("valve.toml")))
+        if not args.json:
+            print(to_text(found))
+            print(_on_later(finder, staging.path("later.csv"), staging.path("valve.toml")))
 
         # the same draw again, and only now with its truth
         truth = make_valve_recording(**settings).truth
         staging.path("truth.json").write_text(json.dumps(truth, indent=1) + "\n", encoding="utf-8")
         staging.commit()
+    if args.json:
+        told = {"diagnosis": found, "truth": truth, "judgement": judge(found, truth)}
+        print(as_json({"schema": "sklvalve.demo/1", "written": args.out} | told))
+        return 0
     print(f"\nThe truth     {tell(truth)}\n              {judge(found, truth)}")
     print(f"\nThe report is {Path(args.out) / 'report.html'}; all files are in {args.out}")
     return 0

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``sklvalve diagnose``: what a simulation leaves out, as JSON, a report and a corrected model."""
 
-import json
-from argparse import Namespace
+from argparse import Namespace, RawDescriptionHelpFormatter
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.known import add_valve_argument, after_a_draft, known_valve, mended_by_a_draft, tell
 from sklvalve.cli.parser import folder, seed
 
 if TYPE_CHECKING:
     from sklvalve.cli.staging import Staging
-    from sklvalve.mismatch import MissingPhysicsFinder
+    from sklvalve.mismatch import Diagnosis, MissingPhysicsFinder
     from sklvalve.recording import Recording
 
 RESULTS = ("diagnosis.json", "report.html", "corrected_model.skops")
@@ -20,6 +22,12 @@ _NO_MODEL = (
     "No corrected_model.skops: a loop known by its command and its value only has no simulation of the valve "
     "to correct."
 )
+_EXAMPLES = """examples:
+  sklvalve diagnose recording.csv
+  sklvalve diagnose recording.csv --valve fv101.toml --out results
+  sklvalve diagnose recording.csv --until 2024-06-28T12:00:00
+  sklvalve diagnose monday.csv tuesday.csv --valve fv101.toml --json > found.json
+"""
 
 
 def add_parser(commands) -> None:
@@ -29,6 +37,8 @@ def add_parser(commands) -> None:
         help="find out which physics the simulation of a valve leaves out",
         description="Compare a recording with the valve's simulation, name what the simulation leaves out, "
         "and write diagnosis.json, report.html and corrected_model.skops.",
+        epilog=_EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "recording",
@@ -36,8 +46,14 @@ def add_parser(commands) -> None:
         nargs="+",
         help="a .csv, .csv.gz or .parquet file; several of one valve are diagnosed together",
     )
-    parser.add_argument("--valve", required=True, metavar="VALVE.toml", help="what is known of the valve")
-    parser.add_argument("--out", type=folder, required=True, metavar="DIR", help="folder for the results")
+    add_valve_argument(parser)
+    parser.add_argument(
+        "--out",
+        type=folder,
+        default="results",
+        metavar="DIR",
+        help="folder for the results (default: %(default)s)",
+    )
     parser.add_argument(
         "--until",
         metavar="TIME",
@@ -48,7 +64,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--exit-code", action="store_true", help="end with status 1 where there is a mismatch"
     )
-    parser.add_argument("--json", action="store_true", help="print diagnosis.json instead of the text")
+    add_json_argument(parser, "diagnosis.json")
     parser.set_defaults(run=run)
 
 
@@ -56,34 +72,47 @@ def run(args: Namespace) -> int:
     """Diagnose a recording."""
     from sklvalve.cli.staging import Staging
     from sklvalve.mismatch.loop import is_loop
-    from sklvalve.recording import join_recordings, read_recording, read_valve, require_diagnosable
+    from sklvalve.recording import join_recordings, read_recording, require_diagnosable
     from sklvalve.report import to_text
 
     require_extras()
-    valve = read_valve(args.valve)
-    recording = join_recordings([read_recording(path, valve) for path in args.recording])
-    rows = _rows_until(recording, args.until)
-    loop = is_loop(recording.slice(0, rows))
-    if not loop:
-        require_diagnosable(recording.slice(0, rows))
+    first = args.recording[0]
+    known = known_valve(args.valve, first)
+    with mended_by_a_draft(known, first):
+        recording = join_recordings([read_recording(path, known.valve) for path in args.recording])
+        rows = _rows_until(recording, args.until)
+        loop = is_loop(recording.slice(0, rows))
+        if not loop:
+            require_diagnosable(recording.slice(0, rows))
     with Staging(args.out, RESULTS) as staging:
-        finder = diagnose(recording, staging, until=rows, seed=args.seed)
+        tell(known)
+        finder = diagnose(recording, staging, until=rows, seed=args.seed, assumed=known.assumed)
         written = staging.commit()
     found = finder.diagnosis_.to_dict()
     if args.json:
-        print(_json(found))
+        print(as_json(found))
     else:
         print(to_text(found))
         print(f"\nWritten: {', '.join(str(path) for path in written)}")
         if loop:
             print(_NO_MODEL)
+        if known.assumed:
+            print(after_a_draft(first))
     return int(args.exit_code and found["verdict"] != "no_mismatch")
 
 
 def diagnose(
-    recording: "Recording", staging: "Staging", *, until: int | None, seed: int
+    recording: "Recording",
+    staging: "Staging",
+    *,
+    until: int | None,
+    seed: int,
+    assumed: Sequence[dict[str, object]] = (),
 ) -> "MissingPhysicsFinder":
-    """Diagnose a recording and lay the results down in a staging folder; a loop has no corrected model."""
+    """Diagnose a recording and lay the results down in a staging folder; a loop has no corrected model.
+
+    What was `assumed` of the valve goes before the findings about the data.
+    """
     from threadpoolctl import threadpool_limits
 
     from sklvalve.cli.progress import progress
@@ -95,6 +124,8 @@ def diagnose(
     with progress() as callback, threadpool_limits(1, user_api="blas"):
         finder = MissingPhysicsFinder(random_state=seed, callback=callback)
         finder.fit(recording, until=until)
+        if assumed:
+            finder.diagnosis_ = _with_assumed(finder.diagnosis_, assumed)
         files = [piece.source for piece in recording.pieces] or [recording.source]
         tag, source = recording.valve.tag, ", ".join(Path(file).name for file in files)
         write_report(staging.path("report.html"), finder.diagnosis_, title=tag, source=source)
@@ -102,9 +133,17 @@ def diagnose(
             save_model(staging.path("corrected_model.skops"), finder)
         else:
             staging.drop("corrected_model.skops")
-        text = _json(finder.diagnosis_.to_dict())
+        text = as_json(finder.diagnosis_.to_dict())
         staging.path("diagnosis.json").write_text(text + "\n", encoding="utf-8")
     return finder
+
+
+def _with_assumed(diagnosis: "Diagnosis", assumed: Sequence[dict[str, object]]) -> "Diagnosis":
+    from sklvalve.mismatch import Diagnosis
+
+    content = diagnosis.to_dict()
+    told = [{key: each[key] for key in ("finding", "role", "detail")} for each in assumed]
+    return Diagnosis(content | {"data": told + content.get("data", [])}, diagnosis.traces)
 
 
 def require_extras() -> None:
@@ -139,7 +178,3 @@ def _rows_until(recording: "Recording", time: str | None) -> int | None:
             f"it, too few to find anything in; give {recording.stamps[FEWEST_ROWS - 1]} or a later time"
         )
     return rows
-
-
-def _json(found: dict) -> str:
-    return json.dumps(found, indent=1, ensure_ascii=False, allow_nan=False)

@@ -4,13 +4,29 @@
 import os
 import sys
 import warnings
+from argparse import RawDescriptionHelpFormatter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from sklvalve.cli import demo, diagnose, import_export, init, predict, screen, simulate
+from sklvalve.cli import completion, demo, diagnose, import_export, init, predict, screen, simulate
 from sklvalve.cli.parser import Parser, UsageError
 
 _DESCRIPTION = "Find, name, model and prove the physics that a control-valve simulation leaves out."
+_EXAMPLES = """examples:
+  sklvalve demo                                    conceal an effect in a simulated recording, and find it
+  sklvalve diagnose recording.csv                  a report from a recording, by the names of its columns
+  sklvalve import export.csv --out recording.csv   make a historian's export a recording
+  sklvalve diagnose --help                         more of one command
+"""
+
+
+class _Help(RawDescriptionHelpFormatter):
+    """Help that keeps each command and its words on one line."""
+
+    def __init__(self, prog: str) -> None:
+        super().__init__(prog)
+        # argparse forgets that commands stand further in than options
+        self._action_max_length = len("    completion")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -97,12 +113,17 @@ def _run(argv: Sequence[str] | None) -> int:
 
 def build_parser() -> Parser:
     """Parser of all commands."""
-    parser = Parser(prog="sklvalve", description=_DESCRIPTION)
+    parser = Parser(
+        prog="sklvalve",
+        description=_DESCRIPTION,
+        epilog=_EXAMPLES,
+        formatter_class=_Help,
+    )
     parser.add_argument("--version", action="version", version=f"sklvalve {_version()}")
     commands = parser.add_subparsers(
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
-    for module in (import_export, init, screen, diagnose, predict, simulate, demo):
+    for module in (import_export, init, screen, diagnose, predict, simulate, demo, completion):
         module.add_parser(commands)
     return parser
 

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``sklvalve import``: a historian's export made a clean recording, and what was done to it."""
 
-import json
 import math
 from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
+
+from sklvalve.cli.as_json import add_json_argument, as_json
 
 _EXAMPLES = """examples:
   sklvalve import export.csv --out recording.csv
@@ -57,12 +58,13 @@ def add_parser(commands) -> None:
         metavar="TAG",
         help="draw a straight line between its reports",
     )
-    parser.add_argument("--json", action="store_true", help="print the account as JSON instead of the text")
+    add_json_argument(parser, "the account")
     parser.set_defaults(run=run)
 
 
 def run(args: Namespace) -> int:
     """Import an export."""
+    from sklvalve.cli.progress import progress
     from sklvalve.cli.staging import Staging
     from sklvalve.recording.historian import ImportSettings, import_export
     from sklvalve.recording.historian.summary import summary
@@ -80,9 +82,12 @@ def run(args: Namespace) -> int:
         hold=tuple(args.hold),
         linear=tuple(args.linear),
     )
-    made = import_export(args.export, settings)
-    told = json.dumps(made.account, indent=1, ensure_ascii=False, allow_nan=False)
-    with Staging(out.parent, (out.name, beside.name), called=f"--out {out.name} in") as staging:
+    with (
+        Staging(out.parent, (out.name, beside.name), called=f"--out {out.name} in") as staging,
+        progress() as say,
+    ):
+        made = import_export(args.export, settings, say)
+        told = as_json(made.account)
         write_recording(staging.path(out.name), made.stamps, made.columns)
         staging.path(beside.name).write_text(told + "\n", encoding="utf-8")
         staging.commit()

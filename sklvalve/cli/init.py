@@ -6,6 +6,9 @@ from argparse import Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.known import SHEET
+
 if TYPE_CHECKING:
     from sklvalve.recording.draft import Draft, RecordingColumns
 
@@ -27,7 +30,7 @@ def add_parser(commands) -> None:
     )
     parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
     parser.add_argument(
-        "--out", default="valve.toml", metavar="VALVE.toml", help="the draft (default: %(default)s)"
+        "--out", metavar="VALVE.toml", help=f"the draft (default: {SHEET} beside the recording)"
     )
     parser.add_argument(
         "--tag", metavar="TAG", help="of the valve; needed where the recording holds several valves"
@@ -36,6 +39,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--force", action="store_true", help="replace a draft, or a valve.toml, that is there"
     )
+    add_json_argument(parser, "the roles and what is to be filled in")
     parser.set_defaults(run=run)
 
 
@@ -50,14 +54,18 @@ def run(args: Namespace) -> int:
     told = read_recording_columns(read_columns(args.recording).columns, args.recording)
     _require_tag(args.tag, told)
     answers = Answers(tag=args.tag)
-    if not args.yes and sys.stdin.isatty() and sys.stdout.isatty():
+    # what is asked stands on standard output, where --json leaves room for nothing else
+    if not (args.yes or args.json) and sys.stdin.isatty() and sys.stdout.isatty():
         answers = ask(told, answers)
     draft = draft_valve(told, answers)
     refusal = _refusal(draft, args.recording, out)
     with Staging(out.parent, [out.name], called=f"--out {out.name} in") as staging:
         staging.path(out.name).write_text(draft.text, encoding="utf-8")
         staging.commit()
-    _tell(draft, args.recording, out, refusal)
+    if args.json:
+        print(as_json(_content(draft, out, refusal)))
+    else:
+        _tell(draft, args.recording, out, refusal)
     return 0
 
 
@@ -65,7 +73,7 @@ def _target(args: Namespace) -> Path:
     """Path of the draft, refused where a file stands there already."""
     from sklvalve.recording import InputError
 
-    out = Path(args.out)
+    out = Path(args.recording).parent / SHEET if args.out is None else Path(args.out)
     if out.suffix != ".toml":
         raise InputError(f"--out {out}: the draft is TOML; name the file .toml")
     if out.exists() and not args.force:
@@ -103,6 +111,19 @@ def _refusal(draft: "Draft", recording: str, out: Path) -> str | None:
     except InputError as error:
         return str(error)
     return None
+
+
+def _content(draft: "Draft", out: Path, refusal: str | None) -> dict[str, object]:
+    return {
+        "schema": "sklvalve.init/1",
+        "written": str(out),
+        "roles": {
+            role: {"column": each.column.name, "why": each.why, "sure": each.sure}
+            for role, each in draft.roles.items()
+        },
+        "to_fill_in": list(draft.to_fill_in),
+        "not_enough": refusal,
+    }
 
 
 def _tell(draft: "Draft", recording: str, out: Path, refusal: str | None) -> None:

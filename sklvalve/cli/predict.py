@@ -3,10 +3,12 @@
 
 import csv
 import math
-from argparse import Namespace
+from argparse import Namespace, RawDescriptionHelpFormatter
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
+
+from sklvalve.cli.as_json import add_json_argument, as_json
 
 if TYPE_CHECKING:
     from sklvalve.recording import Recording, Valve
@@ -15,6 +17,10 @@ if TYPE_CHECKING:
 _COLUMNS = {"opening": "opening", "flow": "flow", "flow_from_command": "flow"}
 # what the flow through a valve cannot be known without; other columns may be missing from the file
 _NEEDED = ("p1", "p2", "temperature", "simulated_flow", "simulated_opening")
+_EXAMPLES = """examples:
+  sklvalve predict later.csv --model results/corrected_model.skops --out predictions.csv
+  sklvalve predict later.csv --model results/corrected_model.skops --out before.csv --nominal
+"""
 
 
 def add_parser(commands) -> None:
@@ -24,6 +30,8 @@ def add_parser(commands) -> None:
         help="predict opening and flow with a corrected model",
         description="Write time, opening (free run from the command), flow (from the recorded opening; from "
         "the command where none was recorded) and flow_from_command, in the recording's own units.",
+        epilog=_EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
     )
     parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
     parser.add_argument(
@@ -33,6 +41,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--nominal", action="store_true", help="leave the found effects out: the calibrated data sheet alone"
     )
+    add_json_argument(parser, "what was written")
     parser.set_defaults(run=run)
 
 
@@ -65,10 +74,12 @@ def run(args: Namespace) -> int:
         with staging.path(out.name).open("w", encoding="utf-8", newline="") as file:
             write_table(file, recording.stamps, columns)
         staging.commit()
-    print(f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})")
-    if not args.nominal:
-        for words in _not_yet(model["corrected"], recording):
-            print(words)
+    notes = [] if args.nominal else _not_yet(model["corrected"], recording)
+    if args.json:
+        told = {"written": str(out), "rows": len(recording), "columns": ["time", *columns], "notes": notes}
+        print(as_json({"schema": "sklvalve.predict/1"} | told))
+    else:
+        print("\n".join([f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})", *notes]))
     return 0
 
 

@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+_FOREVER = 1e9  # s
+
 
 @contextmanager
 def progress() -> Iterator[Callable[[str, float], None] | None]:
@@ -14,12 +16,20 @@ def progress() -> Iterator[Callable[[str, float], None] | None]:
         return
     try:
         from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     except ImportError:  # the work can do without its bar
         yield None
         return
-    columns = TextColumn("{task.description:<36}"), BarColumn(), TimeElapsedColumn()
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+    columns = (
+        TextColumn("{task.description:<36}"),
+        BarColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    # stages differ in speed: the time left is told by all that was done so far
+    console = Console(stderr=True)
+    with Progress(*columns, console=console, transient=True, speed_estimate_period=_FOREVER) as bar:
         task = bar.add_task("reading", total=1.0)
 
         def callback(stage: str, done: float) -> None:

@@ -1,7 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``sklvalve screen``: what is wrong with the data themselves."""
 
-from argparse import Namespace
+from argparse import Namespace, RawDescriptionHelpFormatter
+from typing import TYPE_CHECKING
+
+from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell
+
+if TYPE_CHECKING:
+    from sklvalve.recording import Recording
+
+_EXAMPLES = """examples:
+  sklvalve screen recording.csv
+  sklvalve screen recording.csv --valve fv101.toml --json > findings.json
+"""
 
 
 def add_parser(commands) -> None:
@@ -11,32 +23,60 @@ def add_parser(commands) -> None:
         help="say what is wrong with the data themselves",
         description="Look for gaps, frozen, clipped, coarse or compressed signals, swapped or mistaken units "
         "and shifted clocks; nothing is changed.",
+        epilog=_EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
     )
     parser.add_argument("recording", metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
-    parser.add_argument("--valve", required=True, metavar="VALVE.toml", help="what is known of the valve")
+    add_valve_argument(parser)
+    add_json_argument(parser, "the findings")
     parser.set_defaults(run=run)
 
 
 def run(args: Namespace) -> int:
     """Screen a recording."""
+    from sklvalve.recording import read_recording, screen_recording
+
+    known = known_valve(args.valve, args.recording)
+    with mended_by_a_draft(known, args.recording):
+        recording = read_recording(args.recording, known.valve)
+    tell(known)
+    findings = screen_recording(recording)
+    if args.json:
+        print(as_json(_content(recording, [*known.assumed, *findings])))
+    else:
+        _tell(recording, known.assumed, findings)
+    return 0
+
+
+def _content(recording: "Recording", findings: list[dict[str, object]]) -> dict[str, object]:
+    return {
+        "schema": "sklvalve.screen/1",
+        "recording": recording.source,
+        "rows": len(recording),
+        "first": recording.stamps[0],
+        "last": recording.stamps[-1],
+        "roles": list(recording),
+        "data": findings,
+    }
+
+
+def _tell(
+    recording: "Recording", assumed: list[dict[str, object]], findings: list[dict[str, object]]
+) -> None:
     from textwrap import fill
 
-    from sklvalve.recording import read_recording, screen_recording
     from sklvalve.report.words import role_words
 
-    recording = read_recording(args.recording, args.valve)
-    findings = screen_recording(recording)
     held = ", ".join(role_words(role) for role in recording)
     first, last = recording.stamps[0], recording.stamps[-1]
-    print(fill(f"{args.recording}: {len(recording)} rows from {first} to {last}, holding {held}.", 96))
-    if not findings:
-        print("Nothing is wrong with the data.")
-    for found in findings:
+    print(fill(f"{recording.source}: {len(recording)} rows from {first} to {last}, holding {held}.", 96))
+    for found in [*assumed, *findings]:
         kind, role = str(found["finding"]).replace("_", " "), found["role"]
         signal = role_words(None if role is None else str(role))
         sentence = f"{signal} ({kind}): {found['detail']}{_rows(found['rows'])}."
         print(fill(sentence[:1].upper() + sentence[1:], 96, initial_indent="- ", subsequent_indent="  "))
-    return 0
+    if not findings:
+        print("Nothing is wrong with the data.")
 
 
 def _rows(spans: object, limit: int = 3) -> str:

@@ -6,9 +6,9 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import InputError
+from sklvalve.recording.errors import IMPORTED, InputError
 
-_MEND = "correct it, or leave the cell empty where nothing was measured"
+_MEND = f"correct it, leave the cell empty where nothing was measured, {IMPORTED} such texts as gaps"
 _GAPS = ("", "nan", "none", "<na>", "nat")
 
 
@@ -71,5 +71,5 @@ def _not_a_number(item: object, mend: str) -> str:
     if len(shown) > 60:
         shown = shown[:57] + "..."
     if isinstance(item, str) and re.fullmatch(r"\s*[+-]?\d+,\d+\s*", item):
-        return f"{shown} is no number; write decimals with a point"
+        return f"{shown} is no number; write decimals with a point, {IMPORTED} commas"
     return f"{shown} is no number; {mend}"

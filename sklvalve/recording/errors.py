@@ -4,6 +4,9 @@
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+#: What reads files that are no recordings yet.
+IMPORTED = "or run sklvalve import, which reads"
+
 
 class InputError(ValueError):
     """Input that cannot be used as it is, and that the person who gave it can mend.

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import InputError
+from sklvalve.recording.errors import IMPORTED, InputError, hint
 
 SUFFIXES = (".csv", ".csv.gz", ".parquet")
 
@@ -47,6 +47,8 @@ def read_columns(path: str | PathLike[str]) -> Columns:
     """
     file = Path(path)
     name = file.name.lower()
+    if file.is_dir():
+        raise InputError(f"{file}: this is a folder; give the file of the recording in it")
     if not name.endswith(SUFFIXES):
         raise InputError(
             f"{file}: expected a file named .csv, .csv.gz or .parquet; save the recording as one of these"
@@ -54,7 +56,7 @@ def read_columns(path: str | PathLike[str]) -> Columns:
     try:
         content = file.read_bytes()
     except FileNotFoundError:
-        raise InputError(f"{file}: no such file; give the path of the recording") from None
+        raise InputError(f"{file}: no such file; {_nearest(file)}") from None
     except OSError as error:
         raise InputError(f"{file}: cannot be read ({error.strerror}); give a file that can") from None
     if not content:
@@ -66,6 +68,15 @@ def read_columns(path: str | PathLike[str]) -> Columns:
     if not columns or not len(next(iter(columns.values()))):
         raise InputError(f"{file}: there is a header but no row under it; export the recording again")
     return Columns(columns, hashlib.sha256(content).hexdigest())
+
+
+def _nearest(file: Path) -> str:
+    """A recording in the same folder that may be meant, or what to give."""
+    if file.parent.is_dir():
+        near = hint(file.name, [each.name for each in file.parent.iterdir() if each.name.endswith(SUFFIXES)])
+        if near.startswith("did"):
+            return near
+    return "give the path of the recording"
 
 
 def _pandas():
@@ -125,7 +136,8 @@ def _header(file: Path, text: str) -> list[str]:
     for mark, called in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and mark in header[0]:
             raise InputError(
-                f"{file}: the columns are separated by {called}; separate them by commas, decimals by points"
+                f"{file}: the columns are separated by {called}; separate them by commas, decimals by "
+                f"points, {IMPORTED} such files"
             )
     return header
 
@@ -155,7 +167,7 @@ def _too_long(named: int, place: str = "the lines below it hold more") -> str:
     if named == 1:
         return (
             f"the file is no table: line 1 names one column, {place}; put the names of the columns into the "
-            "first line, separated by commas, with nothing above them"
+            f"first line, separated by commas, with nothing above them, {IMPORTED} such files"
         )
     return (
         f"the table is uneven: line 1 names {named} columns, {place}; give every row {named} cells, "

@@ -219,6 +219,8 @@ def read_valve(path: str | PathLike[str]) -> Valve:
     40.0
     """
     file = Path(path)
+    if file.name.lower().endswith((".csv", ".csv.gz", ".parquet")):
+        raise InputError(f"{file}: this is named as a recording is; give the valve.toml")
     try:
         content = file.read_bytes()
     except FileNotFoundError:
@@ -248,4 +250,7 @@ def _toml_sentence(file: Path, text: str, message: str) -> str:
         lines = text.splitlines() or [""]
         line, column = len(lines), len(lines[-1]) + 1
     reason = message.split(" (at ")[0]
-    return f"{file}: line {line}, column {column} is no valid TOML ({reason}); correct that line"
+    return (
+        f"{file}: line {line}, column {column} is no valid TOML ({reason}); correct that line: texts stand "
+        'in quotes, as in unit = "kPa", and decimals have a point'
+    )

@@ -5,7 +5,7 @@ from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
 from sklvalve.report.rows import moves
 from sklvalve.report.sentence import closest, gain, helped, no_noise, size_words
-from sklvalve.report.words import block_words, class_words, either, number, p_words, percent, sure
+from sklvalve.report.words import block_words, class_words, either, number, p_words, percent, role_words, sure
 
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 
@@ -38,14 +38,19 @@ def headline(d: dict) -> str:
 
 
 def glance(d: dict) -> list[tuple[str, str]]:
-    """How sure the finding is, what it brings and what to do next: (question, answer).
+    """How sure the finding is, what to do next, what it brings and what was assumed: (question, answer).
 
     Parameters
     ----------
     d : dict
         A diagnosis as ``Diagnosis.to_dict()`` gives it.
     """
-    asked = {"How sure": _sureness(d), "What to do next": _next(d), "What it brings": _brings(d)}
+    asked = {
+        "How sure": _sureness(d),
+        "What to do next": _next(d),
+        "What it brings": _brings(d),
+        "What was assumed": _assumed(d),
+    }
     return [(question, words) for question, words in asked.items() if words]
 
 
@@ -162,6 +167,20 @@ def _next(d: dict) -> str:
     if d["verdict"] == "named":
         return "No further test is needed to tell what it is: look for it at the valve."
     return ""
+
+
+def _assumed(d: dict) -> str:
+    """Where nobody said what is known of the valve, on what the finding rests."""
+    found: dict[str, list[str]] = {"assumed": [], "guessed": []}
+    for each in d.get("data") or []:
+        if each["finding"] in found:
+            found[each["finding"]].append(role_words(each["role"]))
+    if not (found["assumed"] or found["guessed"]):
+        return ""
+    told = "No data sheet was given, and the columns were read by their names and values."
+    if found["guessed"]:
+        told += f" Partly a guess: {either(found['guessed'], 'and')}."
+    return f"{told} All of it stands below, under the data themselves."
 
 
 def _brings(d: dict) -> str:

@@ -15,6 +15,7 @@ import numpy as np
 from sklvalve.report import figures, proof, rows
 from sklvalve.report.displays.base import Diagnosed
 from sklvalve.report.headline import glance, headline
+from sklvalve.report.intervals import interval_figures
 from sklvalve.report.signals import as_shown
 from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
@@ -124,6 +125,7 @@ def _pictures(d: dict, traces: dict) -> dict[str, Any]:
         "maps": [],
         "unexplained_picture": None,
         "improvements": figures.improvement_figures(d),
+        "intervals": interval_figures(d),
         "trends": None,
     }
     if not traces:

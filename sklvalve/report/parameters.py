@@ -3,6 +3,7 @@
 
 from collections.abc import Callable
 from math import exp
+from typing import NamedTuple
 
 from sklvalve.recording.units import from_si, quantity_of, to_si
 from sklvalve.report.words import number
@@ -61,8 +62,31 @@ _OF_EFFECT: dict[tuple[str, str], _Words] = {
 }
 
 
+class Parameter(NamedTuple):
+    """A parameter as it is shown: in `unit`, with the ends of its 95 % interval, None where it has none."""
+
+    name: str
+    value: float | None
+    low: float | None
+    high: float | None
+    unit: str
+
+    @property
+    def words(self) -> str:
+        """Value, unit and interval."""
+        text = number(self.value) + (f" {self.unit}" if self.unit else "")
+        if self.low is not None and self.high is not None:
+            text += f" [{number(self.low)} to {number(self.high)}]"
+        return text
+
+
 def parameters(effect: dict, d: dict) -> list[tuple[str, str]]:
-    """Parameters of an entry of ``effects``: (name, value with its 95 % interval), the effect's size first.
+    """Parameters of an entry of ``effects`` in words: (name, value with its 95 % interval)."""
+    return [(shown.name, shown.words) for shown in shown_parameters(effect, d)]
+
+
+def shown_parameters(effect: dict, d: dict) -> list[Parameter]:
+    """Parameters of an entry of ``effects`` with their 95 % intervals, the effect's size first.
 
     Those that only their equation gives a meaning are left to diagnosis.json.
 
@@ -81,7 +105,7 @@ def parameters(effect: dict, d: dict) -> list[tuple[str, str]]:
     ]
 
 
-def _shown(who: str, name: str, item: dict, d: dict) -> tuple[str, str]:
+def _shown(who: str, name: str, item: dict, d: dict) -> Parameter:
     unit = item.get("unit") or "1"
     low, high = item.get("ci95") or (None, None)
     plain: _Words = (name.replace("_", " "), 1.0, "" if unit == "1" else unit)
@@ -92,10 +116,7 @@ def _shown(who: str, name: str, item: dict, d: dict) -> tuple[str, str]:
         factor, shown = float(from_si(to_si(1.0, unit, quantity), flow_unit, quantity)), flow_unit
         words = "offset" if name == "bias" else words
     value, low, high = (_turned(v, factor) for v in (item["value"], low, high))
-    text = number(value) + (f" {shown}" if shown else "")
-    if low is not None and high is not None:
-        text += f" [{number(low)} to {number(high)}]"
-    return words, text
+    return Parameter(words, value, low, high, shown)
 
 
 def _turned(value: float | None, factor: float | Callable[[float], float]) -> float | None:

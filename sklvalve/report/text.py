@@ -5,6 +5,7 @@ import re
 from textwrap import fill
 
 from sklvalve.report import proof, rows
+from sklvalve.report.headline import glance, headline
 from sklvalve.report.sentence import summary_sentence
 
 __all__ = ["summary_sentence", "to_markdown", "to_text"]
@@ -12,6 +13,13 @@ __all__ = ["summary_sentence", "to_markdown", "to_text"]
 _WIDTH = 96
 _INDENT = 14
 _MANY = 8
+# what the top of a report tells besides the finding, in the width of a label
+_LABELS = {
+    "How sure": "How sure",
+    "What to do next": "Do next",
+    "What it brings": "It brings",
+    "What was assumed": "Assumed",
+}
 # what Markdown or HTML would act upon: marks, tags, entities, the address of a link
 _MARKS = re.compile(r"[\\`*]|(?<!\w)_|_(?!\w)|<(?=[A-Za-z/!?])|&(?=#?\w+;)|(?<=\])\(")
 
@@ -35,9 +43,13 @@ def to_text(d: dict) -> str:
     >>> mismatch = {"detected": False, "p_value": 0.43, "alpha": 0.01}
     >>> print(to_text({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}}))
     Finding       Nothing is missing: simulation and recording agree within noise and data-sheet
-                  tolerances (p = 0.43).
+                  tolerances.
+    How sure      A difference as large comes by chance in 43 % of recordings of a healthy valve (p
+                  = 0.43).
+    Do next       Nothing needs to be done.
     """
-    lines = [_line("Finding", summary_sentence(d))]
+    lines = [_line("Finding", headline(d))]
+    lines += [_line(_LABELS[what], words) for what, words in glance(d)]
     found = rows.explanations(d)
     for count, item in enumerate(found, start=1):
         label = "Candidate" if d["verdict"] == "cannot_tell" else "Explanation"
@@ -58,7 +70,6 @@ def to_text(d: dict) -> str:
     lines += _block([_line(label, words) for label, words in rows.places(d)])
     lines += _block(_error_lines(d))
     lines += _block([_line("Not testable", _listed(_by_need(d)))] if rows.untestable(d) else [])
-    lines += _block([_line("Next test", d["next_test"])] if d.get("next_test") else [])
     lines += _block(
         [
             _line("Data" if first else "", f"{role}, {finding}: {detail}")
@@ -85,9 +96,14 @@ def to_markdown(d: dict) -> str:
     >>> from sklvalve.report import to_markdown
     >>> mismatch = {"detected": False, "p_value": 0.43, "alpha": 0.01}
     >>> print(to_markdown({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}}))
-    **Nothing is missing: simulation and recording agree within noise and data-sheet tolerances (p = 0.43).**
+    **Nothing is missing: simulation and recording agree within noise and data-sheet tolerances.**
+    <BLANKLINE>
+    - How sure: A difference as large comes by chance in 43 % of recordings of a healthy valve (p = 0.43).
+    - What to do next: Nothing needs to be done.
     """
-    parts = [f"**{_safe(summary_sentence(d))}**"]
+    parts = [f"**{_safe(headline(d))}**"]
+    besides = [f"- {what}: {_safe(words)}" for what, words in glance(d)]
+    parts += ["\n".join(besides)] if besides else []
     for item in rows.explanations(d):
         lines = [f"### {_safe(item.name[:1].upper() + item.name[1:])} ({item.sure}, {_safe(item.blocks)})"]
         if item.sentence:
@@ -111,8 +127,6 @@ def to_markdown(d: dict) -> str:
         parts.append("### Proof\n\n" + "\n\n".join([table, *map(_safe, rows.proof_notes(d))]))
     if rows.untestable(d):
         parts.append("### Not testable\n\n" + _table(("effect", "needs"), rows.untestable(d)))
-    if d.get("next_test"):
-        parts.append(f"### Next test\n\n{_safe(d['next_test'])}")
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
         parts.append("### The data themselves\n\n" + table)

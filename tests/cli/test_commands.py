@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
+import re
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -17,11 +19,13 @@ def test_help_lists_the_commands_and_loads_no_numbers():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
-    for command in ("demo", "diagnose", "import", "init", "predict", "screen", "simulate"):
+    for command in ("completion", "demo", "diagnose", "import", "init", "predict", "screen", "simulate"):
         assert f"    {command} " in run.stdout
 
 
-@pytest.mark.parametrize("command", ["demo", "diagnose", "import", "init", "predict", "screen", "simulate"])
+@pytest.mark.parametrize(
+    "command", ["completion", "demo", "diagnose", "import", "init", "predict", "screen", "simulate"]
+)
 def test_each_command_has_help(command, capsys):
     assert main([command, "--help"]) == 0
     assert capsys.readouterr().out.startswith(f"usage: sklvalve {command}")
@@ -62,8 +66,12 @@ def test_progress_is_shown_to_a_person(monkeypatch, capsys):
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     monkeypatch.setenv("TERM", "xterm")
     with progress() as callback:
-        callback("calibrating", 0.5)
-        callback("comparing", 1.0)
+        callback("calibrating", 0.25)
+        time.sleep(0.2)
+        callback("comparing", 0.5)
+        time.sleep(0.2)
+        callback("comparing", 0.75)
     shown = capsys.readouterr()
     assert "comparing" in shown.err
+    assert re.search(r"left\W[^-]*0:00:0\d", re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", shown.err))
     assert shown.out == ""

@@ -4,10 +4,6 @@
 import csv
 import json
 import os
-import signal
-import subprocess
-import sys
-import time
 
 import numpy as np
 import pytest
@@ -76,24 +72,3 @@ def test_prediction_from_the_command_alone_is_the_free_run(diagnosed):
 def test_without_a_recorded_opening_the_flow_is_that_from_the_command(diagnosed):
     alone = _predicted(diagnosed, "commands.csv")
     np.testing.assert_allclose(alone["flow"], alone["flow_from_command"], rtol=1e-6)
-
-
-@pytest.mark.skipif(os.name != "posix", reason="sends the signal of Ctrl-C as POSIX systems do")
-def test_ctrl_c_leaves_nothing(tmp_path):
-    # a process started in the background may have been told to ignore the signal: not so here
-    code = (
-        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-        "from sklvalve.cli import main; sys.exit(main(['demo', '--out', 'out']))"
-    )
-    work = subprocess.Popen(
-        [sys.executable, "-c", code], cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
-    for _ in range(600):
-        if os.listdir(tmp_path):  # results are being made
-            break
-        time.sleep(0.05)
-    time.sleep(0.5)
-    work.send_signal(signal.SIGINT)
-    _, shown = work.communicate(timeout=60)
-    assert (work.returncode, shown) == (130, "interrupted; nothing was written\n")
-    assert os.listdir(tmp_path) == []

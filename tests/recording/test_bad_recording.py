@@ -129,7 +129,7 @@ def test_missing_file_and_folder(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         read_recording(tmp_path / "none.csv", valve)
     (tmp_path / "folder.csv").mkdir()
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="this is a folder"):
         read_recording(tmp_path / "folder.csv", valve)
 
 

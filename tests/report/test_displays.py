@@ -133,6 +133,27 @@ def test_explanations_stand_in_order_with_their_shares(diagnosis):
     assert [text.get_text() for text in made.ax_.texts] == ["> 99 %", "61 %", "36 %"]
 
 
+def test_what_to_do_next_stands_below_the_explanations():
+    made = ExplanationDisplay.from_diagnosis(examples.diagnosis(examples.named()))
+    assert made.ax_.get_xlabel() == "probability\n\nTo tell more: Close the valve for 60 s."
+
+
+def test_pairs_of_a_plan_are_drawn_from_now_to_expected(diagnosis):
+    pair = SimpleNamespace(names=("seat_leakage", "bypass_open"), now=2.0, expected=31.25)
+    plan = SimpleNamespace(sentence="Close the valve at two pressure drops.", pairs=[pair])
+    made = ExplanationDisplay.from_diagnosis(diagnosis, plan=plan)
+    first, second = made.ax_
+    assert "To tell more: Close the valve at two pressure drops." in " ".join(second.get_xlabel().split())
+    assert "To tell more" not in first.get_xlabel()
+    assert [label.get_text() for label in second.get_yticklabels()] == ["seat leakage or an open bypass"]
+    assert any(np.array_equal(line.get_xdata(), [2.0, 31.25]) for line in second.lines)
+    assert [text.get_text() for text in second.texts] == ["2 to 31.2"]
+    assert any(np.array_equal(line.get_xdata(), [14.0, 14.0]) for line in second.lines)
+    finder = MissingPhysicsFinder()
+    finder.diagnosis_ = diagnosis
+    assert len(ExplanationDisplay.from_estimator(finder, plan=plan).ax_) == 2
+
+
 def test_nothing_found_is_told_in_words():
     made = ExplanationDisplay.from_diagnosis(examples.diagnosis(examples.no_mismatch()))
     assert "no effect of the catalogue was found" in [text.get_text() for text in made.ax_.texts]

@@ -14,6 +14,7 @@ from sklvalve.report import write_report
 from sklvalve.report.displays.improvement import improvements_of
 from sklvalve.report.drawing import decimate
 from sklvalve.report.html import render
+from sklvalve.report.intervals import interval_figures
 from sklvalve.report.signals import outline, residual_map, where_present
 from tests.report import examples
 
@@ -81,7 +82,8 @@ def test_page_is_whole_small_and_alone(make, tmp_path):
         if name in ("href", "xlink:href") or (value or "").startswith("url("):
             target = re.search(r"#([^)]+)", value)[1]
             assert target in page.ids
-    assert page.tags.count("svg") == 6 + len(improvements_of(make()))
+    intervals = len([picture for picture in interval_figures(make()) if picture])
+    assert page.tags.count("svg") == 6 + len(improvements_of(make())) + intervals
     assert all(value for name, value in page.attributes if name == "aria-label")
 
 
@@ -104,7 +106,8 @@ def test_without_traces_the_page_has_its_words():
     page = render(made)
     assert "seat leakage" in page
     assert "<script" not in page
-    assert page.count("<svg") == 1
+    # errors, and the interval of the leak
+    assert page.count("<svg") == 2
 
 
 def test_where_nothing_was_corrected_there_is_no_before_and_after():

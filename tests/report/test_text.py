@@ -5,6 +5,7 @@ import json
 import pytest
 
 from sklvalve.report import summary_sentence, to_markdown, to_text
+from sklvalve.report.headline import headline
 from sklvalve.report.html import render
 from tests.report import examples
 
@@ -119,6 +120,32 @@ def test_opening_as_a_fraction_is_told_in_percent():
     made["fit"]["opening"]["rmse"] = {"nominal": 0.021, "black_box": None, "corrected": 0.004}
     assert "falls from 2.1 to 0.4 %." in summary_sentence(made)
     assert "opening RMSE [% of travel]" in to_text(made)
+
+
+def test_text_and_markdown_begin_with_the_report_s_own_sentence():
+    made = examples.named()
+    first = headline(made)
+    assert " ".join(to_text(made).split()).startswith(f"Finding {first} How sure 97 % sure that it is one")
+    assert to_markdown(made).startswith(f"**{first}**\n\n- How sure: 97 % sure that it is one")
+    assert "It brings With it the flow error on 1440 unseen rows falls from 1.9 to 0.22 m3/h." in " ".join(
+        to_text(made).split()
+    )
+
+
+def test_what_was_assumed_is_told_at_the_top_and_in_full_below():
+    made = examples.named()
+    made["data"] = [
+        {"finding": "assumed", "role": "command", "detail": "column 'OP'"},
+        {"finding": "guessed", "role": "p1", "detail": "unit 'bar'"},
+    ]
+    words = "Partly a guess: inlet pressure."
+    assert words in to_markdown(made).split("###")[0]
+    text = to_text(made)
+    assert (
+        f"Assumed No data sheet was given, and the columns were read by their names and values. {words}"
+        in (" ".join(text.split()))
+    )
+    assert "inlet pressure, guessed: unit 'bar'" in text
 
 
 def test_unknown_verdict_is_refused():

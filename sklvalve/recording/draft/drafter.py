@@ -7,7 +7,7 @@ from pathlib import Path
 
 from sklvalve.recording.draft.columns import RecordingColumns
 from sklvalve.recording.draft.roles import Assignment, assign_roles, tag_of
-from sklvalve.recording.draft.sheet import Sheet
+from sklvalve.recording.draft.sheet import Sheet, Stated
 from sklvalve.recording.draft.signals import (
     drafted_units,
     write_missing_outlet,
@@ -26,13 +26,13 @@ _SHEET: tuple[tuple[str, object, str, str], ...] = (
         "kv_rated",
         40.0,
         "m3/h; estimated where it is missing",
-        "data sheet; without it no loss of capacity is told",
+        "without it no loss of capacity is told",
     ),
     (
         "characteristic",
         "equal_percentage",
         "or linear, quick_opening, parabolic; estimated if missing",
-        "data sheet; without it a leak or a worn trim passes for the trim",
+        "without it a leak or a worn trim passes for the trim",
     ),
     ("rangeability", 50.0, "largest over smallest controllable capacity, for equal_percentage", ""),
     ("travel", 38.1, "mm, of the stem; needed where a position is recorded as a length", ""),
@@ -67,10 +67,11 @@ class Answers:
 
 @dataclass(frozen=True)
 class Draft:
-    """Text of a valve.toml, the roles in it, and what is left to fill in or to check."""
+    """Text of a valve.toml, the roles in it, its lines with their reasons, what to fill in or to check."""
 
     text: str
     roles: dict[str, Assignment]
+    stated: tuple[Stated, ...]
     to_fill_in: tuple[str, ...]
 
 
@@ -111,7 +112,7 @@ def draft_valve(told: RecordingColumns, answers: Answers = Answers()) -> Draft:
     sheet.known("time", told.time, "the column of the times")
     write_signals(sheet, roles, drafted_units(roles, answers.units), answers.travel)
     _write_missing(sheet, told, roles, answers)
-    return Draft(sheet.text(), roles, tuple(sheet.to_fill_in))
+    return Draft(sheet.text(), roles, tuple(sheet.stated), tuple(sheet.to_fill_in))
 
 
 def _write_valve(sheet: Sheet, roles: Mapping[str, Assignment], answers: Answers) -> None:
@@ -129,7 +130,7 @@ def _write_valve(sheet: Sheet, roles: Mapping[str, Assignment], answers: Answers
         if answer is not None:
             sheet.known(key, answer, f"as answered; {what}")
         else:
-            sheet.open(key, example, what, fill=f"[valve] {key}: {needed}" if needed else "")
+            sheet.open(key, example, what, fill=f"data sheet; {needed}" if needed else "")
     sheet.section("fluid", "water, unless said otherwise")
     sheet.open("name", "water", "or density = ... [kg/m3] and vapour_pressure = ... [kPa, absolute]")
 

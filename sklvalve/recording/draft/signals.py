@@ -48,9 +48,9 @@ def write_signals(sheet: Sheet, roles: Roles, drafted: Mapping[str, Told], trave
         doubt = "" if unit.sure else f"[recording.{role}] unit of {assignment.column.shown}: {unit.why}"
         sheet.known("unit", shown, unit.why, check=doubt)
         if role in OPENING_ROLES:
-            _write_sense(sheet, role, senses[role])
+            _write_sense(sheet, senses[role])
         elif quantity_of(shown) == "pressure" and ROLES[role] == ("pressure",):
-            _write_gauge(sheet, role, evidence.gauge(assignment.column, shown))
+            _write_gauge(sheet, evidence.gauge(assignment.column, shown))
 
 
 def write_open_pressure(sheet: Sheet, column: Column) -> None:
@@ -142,18 +142,18 @@ def _pressures_backwards(roles: Roles, units: Mapping[str, Told]) -> str:
     return ""
 
 
-def _write_sense(sheet: Sheet, role: str, told: Told) -> None:
+def _write_sense(sheet: Sheet, told: Told) -> None:
     if told.value is not None:
         sheet.known("sense", told.value, told.why)
     else:
-        question = f"does a larger number shut the valve? ({told.why}; it opens it without this line)"
-        fill = f"[recording.{role}] sense: does a larger number shut the valve?"
-        sheet.open("sense", "closing", question, fill=fill)
+        question = "does a larger number shut the valve?"
+        why = f"{question} ({told.why}; without an answer it opens it)"
+        sheet.open("sense", "closing", why, fill=question)
 
 
-def _write_gauge(sheet: Sheet, role: str, told: Told) -> None:
+def _write_gauge(sheet: Sheet, told: Told) -> None:
     if told.value is not None:
         sheet.known("gauge", told.value == "true", told.why)
     else:
-        question = "is it above the atmosphere? (absolute without this line)"
-        sheet.open("gauge", True, question, fill=f"[recording.{role}] gauge: is it above the atmosphere?")
+        question = "is it above the atmosphere?"
+        sheet.open("gauge", True, f"{question} (absolute without an answer)", fill=question)

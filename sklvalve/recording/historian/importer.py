@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An export's way to a clean recording: text, table, series, points, base; and the account of it."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from os import PathLike
 
@@ -24,6 +24,9 @@ from sklvalve.recording.tags import read_unit
 _MOST_ROWS = 5_000_000
 # rows without any value that are kept in between; a recording may lack rows, but need not in every short gap
 _LONGEST_EMPTY = 100
+# shares of the time that are gone by when files are tables, their decimal mark and their times are known, and
+# the points of each tag are joined, and laid on one base (long and wide exports of 16 and 33 MB)
+_READ, _MARKED, _TIMED, _GATHERED, _ALIGNED = 0.35, 0.5, 0.8, 0.85, 0.95
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,9 @@ class Imported:
 
 
 def import_export(
-    paths: Sequence[str | PathLike[str]], settings: ImportSettings = ImportSettings()
+    paths: Sequence[str | PathLike[str]],
+    settings: ImportSettings = ImportSettings(),
+    callback: Callable[[str, float], None] | None = None,
 ) -> Imported:
     """Make the files of a historian's export one clean recording.
 
@@ -90,6 +95,8 @@ def import_export(
     paths : sequence of str or path-like
         Text files, in long format (tag, time, value, quality) or wide (a column for each tag).
     settings : ImportSettings
+    callback : callable or None, default=None
+        Called as ``callback(stage, done)`` with a plain word and the share done.
 
     Returns
     -------
@@ -116,15 +123,25 @@ def import_export(
     >>> made.account["tags"]["FIC1.PV"]["bad"]
     {'quality Bad': 1}
     """
+    say = callback or _silent
     reads = [read_text(path, settings.encoding) for path in paths]
-    files = [(table, read_layout(table)) for table in map(read_table, reads)]
+    files = []
+    for number, read in enumerate(reads):
+        say(f"reading {read.file.name}", _READ * number / len(reads))
+        table = read_table(read)
+        files.append((table, read_layout(table)))
+    say("reading the numbers", _READ)
     marks = [_mark(table, layout, settings.decimal) for table, layout in files]
+    say("reading the times", _MARKED)
     timeline = Timeline(files, settings.zone, settings.day_first)
+    say("joining the reports of each tag", _TIMED)
     tags = gather_points(files, [mark.mark for mark in marks], timeline, settings.keep_uncertain)
     kept = usable(tags, str(reads[0].file))
     held = methods(kept, settings.hold, settings.linear)
+    say("laying all tags on one time base", _GATHERED)
     base, period, silence, aligned = _on_one_base(kept, held, settings, str(reads[0].file))
 
+    say("writing", _ALIGNED)
     some = _rows_to_keep(np.any([np.isfinite(each.values) for each in aligned.values()], axis=0))
     stamps = timeline.stamps(base[some])
     account = {
@@ -138,6 +155,10 @@ def import_export(
         "left_out": {tag: why_left_out(points) for tag, points in tags.items() if tag not in kept},
     }
     return Imported(stamps, {_column(kept[tag]): each.values[some] for tag, each in aligned.items()}, account)
+
+
+def _silent(stage: str, done: float) -> None:
+    """Where nobody listens."""
 
 
 def _on_one_base(

@@ -1,0 +1,15 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``--json``: what a command found or made, as one JSON document alone on standard output."""
+
+import json
+from argparse import ArgumentParser
+
+
+def add_json_argument(parser: ArgumentParser, what: str) -> None:
+    """Declare ``--json``."""
+    parser.add_argument("--json", action="store_true", help=f"print {what} as JSON instead of the text")
+
+
+def as_json(content: dict) -> str:
+    """Text of a JSON document: one space a level, letters as they are, no NaN."""
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)

@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is known of the valve: by the valve.toml given, by that beside the recording, or by columns alone."""
+
+import sys
+import tomllib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from shlex import quote
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from sklvalve.recording import Valve
+    from sklvalve.recording.draft import Draft, RecordingColumns
+
+SHEET = "valve.toml"
+# what must be told of a valve before anything can be compared: two of these
+_COMPARED = ("command", "opening", "flow", "process_value")
+
+
+class Known(NamedTuple):
+    """The valve; what of it nobody said, as findings about the data; what was taken instead of ``--valve``.
+
+    Nothing is assumed where a valve.toml was read; the note is empty where it was given.
+    """
+
+    valve: "Valve"
+    assumed: list[dict[str, object]]
+    note: str
+
+
+def add_valve_argument(parser) -> None:
+    """Declare ``--valve``."""
+    parser.add_argument(
+        "--valve",
+        metavar="VALVE.toml",
+        help=f"what is known of the valve (default: {SHEET} beside the recording; without one, what the "
+        "columns' names and values tell, and the report says what was assumed)",
+    )
+
+
+def known_valve(given: str | None, recording: str) -> Known:
+    """Read what is known of a valve.
+
+    Parameters
+    ----------
+    given : str or None
+        Path of a valve.toml; None looks for one beside the recording, and else drafts it from the columns.
+    recording : str
+
+    Returns
+    -------
+    known : Known
+
+    Raises
+    ------
+    InputError
+        If the valve.toml cannot be used; or there is none and the columns tell too little, or of two valves.
+    """
+    from sklvalve.recording import read_valve
+
+    if given is not None:
+        return Known(read_valve(given), [], "")
+    beside = Path(recording).parent / SHEET
+    if beside.is_file():
+        note = f"{beside}, which lies beside the recording, tells of the valve; give another by --valve"
+        return Known(read_valve(beside), [], note)
+    return _drafted(recording)
+
+
+@contextmanager
+def mended_by_a_draft(known: Known, recording: str) -> Iterator[None]:
+    """Where there is no valve.toml in which to mend what is refused, say how to come by one."""
+    from sklvalve.recording import InputError
+
+    try:
+        yield
+    except InputError as error:
+        if not known.assumed:
+            raise
+        raise InputError(f"{error} (there is no {SHEET} yet: {_init(recording)} drafts one)") from None
+
+
+def tell(known: Known) -> None:
+    """Say on standard error what was taken instead of ``--valve``; only once nothing is refused any more."""
+    if known.note:
+        print(f"note: {known.note}", file=sys.stderr)
+
+
+def after_a_draft(recording: str) -> str:
+    """What to do once a recording was read by its columns alone."""
+    return (
+        f"Next: {_init(recording)} writes what was assumed into a {SHEET}; correct it, fill in the data "
+        "sheet, and give the same command again, which finds it there"
+    )
+
+
+def _drafted(recording: str) -> Known:
+    from sklvalve.recording import Valve
+    from sklvalve.recording.draft import assumptions, draft_valve, read_recording_columns
+    from sklvalve.recording.reader import read_columns
+
+    told = read_recording_columns(read_columns(recording).columns, recording)
+    _require_one_valve(told, recording)
+    draft = draft_valve(told)
+    valve = Valve.from_dict(tomllib.loads(draft.text), source=SHEET)
+    _require_enough(valve, told, recording)
+    note = (
+        f"no --valve is given and no {SHEET} lies beside the recording, so that its columns are read by "
+        f"their names: {_taken(draft)}; all that is assumed stands among the findings about the data"
+    )
+    return Known(valve, assumptions(draft), note)
+
+
+def _require_one_valve(told: "RecordingColumns", recording: str) -> None:
+    """One valve among several is not for a program to choose."""
+    from sklvalve.recording import InputError
+
+    loops = dict.fromkeys(each.reading.loop for each in told.columns if each.reading.role == "command")
+    if len(loops) > 1:
+        names = [loop for loop in loops if loop]
+        raise InputError(
+            f"{recording}: the columns are of several valves ({', '.join(names)}) and no {SHEET} chooses "
+            f"one; run {_init(recording)} --tag {quote(names[0])}, then diagnose with the draft"
+        )
+
+
+def _require_enough(valve: "Valve", told: "RecordingColumns", recording: str) -> None:
+    from sklvalve.recording import InputError
+
+    held = [role for role in _COMPARED if role in valve.roles]
+    if len(held) < 2:
+        names = ", ".join(repr(column.name) for column in told.columns[:8])
+        only = f"only the {held[0]}" if held else "neither command, opening nor flow"
+        raise InputError(
+            f"{recording}: there is no {SHEET}, and the columns' names ({names}) tell {only}; "
+            f"run {_init(recording)}, which asks, and say which column is which"
+        )
+
+
+def _taken(draft: "Draft") -> str:
+    from sklvalve.report.words import role_words
+
+    return ", ".join(f"{each.column.name!r} the {role_words(role)}" for role, each in draft.roles.items())
+
+
+def _init(recording: str) -> str:
+    return f"sklvalve init {quote(recording)}"

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Ctrl-C, sent as a signal in the midst of each command that takes long: nothing is half written."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+from sklvalve.datasets import make_valve_recording
+from sklvalve.datasets.concealed import to_toml
+from tests.recording.historian.exports import course, iso, moments, wide_text
+
+for _module in ("pandas", "jinja2", "matplotlib", "skops"):
+    pytest.importorskip(_module, reason='needs pip install "sklvalve[all]"')
+if os.name != "posix":
+    pytest.skip("sends the signal of Ctrl-C as POSIX systems do", allow_module_level=True)
+
+# a process started in the background may have been told to ignore the signal: not so here
+CODE = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from sklvalve.cli import main; sys.exit(main(sys.argv[1:]))"
+)
+
+
+@pytest.fixture(scope="module")
+def inputs():
+    """Files that keep each command busy for some seconds, by name."""
+    made = make_valve_recording("clogging", 0.5, loop="wide", n_samples=2400, n_later=0, random_state=3)
+    rows = 60_000
+    values = course(rows)
+    columns = ["FIC1.PV [m3/h]", "FIC1.OP [%]"]
+    return {
+        "recording.csv": made.frame.to_csv(index=False),
+        "valve.toml": to_toml(made.valve),
+        "export.csv": wide_text(columns, iso(moments("2024-06-28 10:00:00", rows, 10)), [values, values]),
+    }
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "demo --out out",
+        "diagnose recording.csv --out out",
+        "import export.csv --out clean.csv",
+        "simulate --duration 864000 --out made/run.csv",
+    ],
+    ids=lambda words: words.split()[0],
+)
+def test_ctrl_c_leaves_nothing(tmp_path, inputs, words):
+    for name, content in inputs.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
+    work = subprocess.Popen(
+        [sys.executable, "-c", CODE, *words.split()],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    for _ in range(1200):
+        if set(os.listdir(tmp_path)) - set(inputs):  # results are being made
+            break
+        time.sleep(0.05)
+    time.sleep(0.5)
+    assert work.poll() is None
+    work.send_signal(signal.SIGINT)
+    _, shown = work.communicate(timeout=60)
+    assert work.returncode == 130
+    assert [line for line in shown.splitlines() if not line.startswith("note: ")] == [
+        "interrupted; nothing was written"
+    ]
+    assert sorted(os.listdir(tmp_path)) == sorted(inputs)
