@@ -81,7 +81,9 @@ def _paying(lines, cells):
         left_out = {}
         for line in lines:
             if (line["scenario"], line["task"], line["rows"]) == cell:
-                left_out.setdefault(line["model"], {})[line["seed"]] = line.get("left_out")
+                # what could not be learnt is not chosen
+                error = line.get("left_out")
+                left_out.setdefault(line["model"], {})[line["seed"]] = np.inf if error is None else error
         shown = [_paid(by_seed(lines, *cell, place)) for place in PLACES]
         shown += [_paid(by_seed(lines, *cell, place), left_out) for place in PLACES[:2]]
         yield f"| {' | '.join(map(str, cell))} | {' | '.join(shown)} |"
