@@ -77,6 +77,18 @@ def _line(detector, name, seed):
     return score(detector, name, seed)
 
 
+def _made_by(parser, detector):
+    """Function by the name that was given; what is none is one sentence and an exit."""
+    module, _, function = detector.partition(":")
+    try:
+        make = getattr(importlib.import_module(module), function)
+    except (ImportError, AttributeError, ValueError, TypeError) as error:
+        parser.error(f"--detector {detector}: expected MODULE:FUNCTION that can be imported ({error})")
+    if not callable(make):
+        parser.error(f"--detector {detector}: expected a function that makes a detector, got {make!r}")
+    return make
+
+
 def main(arguments=None):
     """Run it; returns the exit status."""
     parser = argparse.ArgumentParser(
@@ -93,16 +105,20 @@ def main(arguments=None):
     parser.add_argument("--jobs", type=int, default=1, help="processes (default: 1)")
     parser.add_argument("--tables", action="store_true", help="measure nothing, print what is there")
     options = parser.parse_args(arguments)
+    if options.folder.exists() and not options.folder.is_dir():
+        parser.error(f"{options.folder} is a file; name a folder")
     name, make = options.simulation, lambda: ValveDetector(options.simulation, not options.watch_only)
     if options.detector:
-        module, _, function = options.detector.partition(":")
-        name, make = options.detector.replace(":", "."), getattr(importlib.import_module(module), function)
+        name, make = options.detector.replace(":", "."), _made_by(parser, options.detector)
     if options.seed != SCENARIO_SEED:
         name = f"{name}-{options.seed}"
     if not options.tables:
         file = options.folder / f"{name}{'-watch' if options.watch_only else ''}.jsonl"
         measure(make, file, options.only, options.seed, options.jobs)
-    for file in sorted(options.folder.glob("*.jsonl")):
+    files = sorted(options.folder.glob("*.jsonl"))
+    if not files:
+        parser.error(f"{options.folder} holds no results; name the folder of a run, or leave --tables out")
+    for file in files:
         print(tables(file.stem, lines_of(file)))
     return 0
 

@@ -7,12 +7,17 @@ FILE is the hour as text with the columns of `COLUMNS`, percent of closing. The 
 recorded command, pressures and temperature, with nothing fitted; errors are counted past the first half
 minute, in which it comes from rest. The finder is then fitted on the first 45 minutes, with what three
 engineers might know, and the last 15 show what the corrected simulation gains over the calibrated nominal.
+Beside it an LS-SVM on the same rows: position by command and pressure drop, now and before, and flow by
+pressures, temperature and position.
 """
 
 import sys
+from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
+from benchmarks.damadics.simulations import LOOKS_BACK, black_box, stem_inputs
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.damadics import ActuatorSimulator, lublin_sheet, preset, valve_sheet
 from sklvalve.damadics.excitation import Recorded
@@ -82,6 +87,21 @@ def gains(hour, sheet):
     return summary_sentence(finder.diagnosis_.to_dict()), errors
 
 
+def black_boxes(hour):
+    """Rms errors of LS-SVMs of the first 45 minutes on the last 15, position [%] and flow [t/h]."""
+    recording = Recording.from_frame(hour, Valve.from_dict(sheets()["plant's data sheet"]))
+    at_once = np.column_stack([recording[role] for role in ("p1", "p2", "temperature", "opening")])
+    errors = []
+    for inputs, role, factor in (
+        (stem_inputs(recording), "opening", 100.0),
+        (at_once, "flow", 3.6),
+    ):
+        first, late = slice(LOOKS_BACK, _FITTED), slice(_FITTED, None)
+        model = black_box(inputs[first], recording[role][first])
+        errors.append(factor * rmse(recording[role][late], model.predict(inputs[late])))
+    return tuple(errors)
+
+
 def main(file):
     """Print the tables."""
     hour = read_hour(file)
@@ -91,6 +111,8 @@ def main(file):
         f"free run of the benchmark's simulator: X rmse {rmse(hour['X'][late], stem[late]):.3f} %, "
         f"F rmse {rmse(hour['F'][late], flow[late]):.3f} t/h"
     )
+    position, of_flow = black_boxes(hour)
+    print(f"LS-SVM, on the last 15 minutes: X rmse {position:.3f} %, F rmse {of_flow:.3f} t/h")
     hour["X_nominal"] = stem
     print("| known | signal | calibrated nominal | corrected | cut by |")
     print("|---|---|---|---|---|")
@@ -107,4 +129,6 @@ def main(file):
 if __name__ == "__main__":
     if len(sys.argv) != 2:
         sys.exit(__doc__)
+    if not Path(sys.argv[1]).is_file():
+        sys.exit(f"Expected the file of the hour, got {sys.argv[1]!r}, which is not there; name one that is.")
     main(sys.argv[1])

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
+import pandas as pd
 
 from sklvalve.damadics import make_damadics, scenario_indices, scenario_of
 
@@ -27,8 +28,49 @@ def run_for(detector, name, seed, duration=None):
 
 
 def fitted(detector, seed):
-    """A detector, fitted to a sound hour."""
-    return detector.fit(run_for(detector, None, seed, HOUR))
+    """A detector, fitted to a sound hour: what its ``fit`` returns, or itself where that is nothing."""
+    made = detector.fit(run_for(detector, None, seed, HOUR))
+    return detector if made is None else made
+
+
+def decisions_of(detector, frame):
+    """Decisions of a fitted detector on a frame of n rows.
+
+    Returns
+    -------
+    detection : ndarray of shape (n,)
+    isolation : ndarray of shape (n, m) or None
+        None where the detector tells no faults apart.
+    diagnoses : list of m lists of str
+        Faults of each column.
+
+    Raises
+    ------
+    ValueError
+        If what ``predict`` returns is neither a frame with a column ``detection`` and a column for each
+        diagnosis nor an array of n decisions.
+    """
+    made = detector.predict(frame)
+    if not hasattr(made, "columns"):
+        made = pd.DataFrame({"detection": _alone(made, len(frame))})
+    if "detection" not in made.columns:
+        raise ValueError(
+            "predict must return a frame with a column 'detection', got the columns "
+            f"{', '.join(map(str, made.columns)) or 'of none'}."
+        )
+    isolation = made.drop(columns="detection")
+    diagnoses = [str(column).split("+") for column in isolation]
+    return made["detection"].to_numpy(), isolation.to_numpy() if diagnoses else None, diagnoses
+
+
+def _alone(decisions, rows):
+    decisions = np.asarray(decisions)
+    if decisions.shape != (rows,):
+        raise ValueError(
+            "predict must return a frame with a column 'detection' and one for each diagnosis, or one "
+            f"decision for each of {rows} rows, got the shape {decisions.shape}."
+        )
+    return decisions
 
 
 def score(detector, name, seed):
@@ -48,22 +90,27 @@ def score(detector, name, seed):
         ``scenario``, ``fault``, ``seed``, the eighteen ``indices``, ``pointed`` (each set of faults that was
         pointed at after the fault began -> seconds for which it was, the last of them last), ``told`` (of
         ours), ``seconds`` of the processor.
+
+    Raises
+    ------
+    ValueError
+        If the decisions are not what they should be.
     """
     frame = run_for(detector, name, seed)
     began = time.process_time()
-    decisions = detector.predict(frame)
+    detection, isolation, diagnoses = decisions_of(detector, frame)
     seconds = time.process_time() - began
-    detection = decisions["detection"].to_numpy()
-    isolation = decisions.drop(columns="detection")
-    diagnoses = [column.split("+") for column in isolation]
     t, known = frame["time"].to_numpy(), scenario_of(name)
-    found = scenario_indices(known, t, detection, isolation.to_numpy(), diagnoses=diagnoses)
+    found = scenario_indices(known, t, detection, isolation, diagnoses=diagnoses or None)
+    pointed = {}
+    if isolation is not None:
+        pointed = _pointed(isolation > 0.5, diagnoses, t >= known.profile.begins)
     return {
         "scenario": name,
         "fault": known.fault,
         "seed": seed,
         "indices": found.to_dict(),
-        "pointed": _pointed(isolation.to_numpy() > 0.5, diagnoses, t >= known.profile.begins),
+        "pointed": pointed,
         "told": getattr(detector, "told_", []),
         "seconds": seconds,
     }
@@ -72,7 +119,7 @@ def score(detector, name, seed):
 def false_alarms(detector, seed):
     """Share of a sound hour, past 300 s, in which a fitted detector alarms [1]."""
     frame = run_for(detector, None, seed, HOUR)
-    high = detector.predict(frame)["detection"].to_numpy() > 0.5
+    high = decisions_of(detector, frame)[0] > 0.5
     return float(high[frame["time"].to_numpy() >= 300.0].mean())
 
 

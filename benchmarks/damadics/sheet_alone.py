@@ -47,4 +47,7 @@ def main(seeds):
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 5)
+    asked = sys.argv[1] if len(sys.argv) > 1 else "5"
+    if not asked.isdecimal():
+        sys.exit(f"Expected a number of seeds, got {asked!r}.")
+    main(int(asked))

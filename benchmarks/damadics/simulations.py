@@ -19,7 +19,22 @@ from sklvalve.simulation import ValveSimulation
 
 # how far back the learnt stem looks at the command, and at the pressure drop [s]
 _COMMANDS, _DROPS = (0, 1, 2, 3, 5, 8, 13), (0, 1, 2, 3, 4, 5, 6, 7)
+#: Rows of which the first have no full past.
+LOOKS_BACK = max(_COMMANDS)
 _GRID = {"lssvmregressor__C": [100.0, 1000.0], "lssvmregressor__gamma": [0.01, 0.03, 0.1]}
+
+
+def black_box(inputs, target):
+    """LS-SVM of consecutive rows, tuned on blocks of them."""
+    model = make_pipeline(StandardScaler(), LSSVMRegressor())
+    search = GridSearchCV(model, _GRID, cv=TimeSeriesSplit(3, gap=LOOKS_BACK))
+    return search.fit(inputs, target).best_estimator_
+
+
+def stem_inputs(recording):
+    """Command and pressure drop, now and before, that tell the stem, of shape (n, 15)."""
+    signals = (recording["command"], _COMMANDS), (recording["p1"] - recording["p2"], _DROPS)
+    return np.column_stack([_before(values, lag) for values, lags in signals for lag in lags])
 
 
 class Nominal:
@@ -56,24 +71,16 @@ class Learnt(Nominal):
     def fit(self, recording):
         """Calibrate, and learn the stem."""
         super().fit(recording)
-        after = max(_COMMANDS)
-        model = make_pipeline(StandardScaler(), LSSVMRegressor())
-        search = GridSearchCV(model, _GRID, cv=TimeSeriesSplit(3, gap=after))
-        search.fit(self._inputs(recording)[after:], recording["opening"][after:])
-        self.stem = search.best_estimator_
+        self.stem = black_box(stem_inputs(recording)[LOOKS_BACK:], recording["opening"][LOOKS_BACK:])
         return self
 
     def opening(self, recording):
         """Opening under the command of a recording, of shape (n,) [1]."""
-        return self.stem.predict(self._inputs(recording))
+        return self.stem.predict(stem_inputs(recording))
 
     def for_finder(self):
         """What a `MissingPhysicsFinder` is to hold against a recording."""
         return lambda recording: {"opening": self.opening(recording)}
-
-    def _inputs(self, recording):
-        signals = (recording["command"], _COMMANDS), (recording["p1"] - recording["p2"], _DROPS)
-        return np.column_stack([_before(values, lag) for values, lags in signals for lag in lags])
 
 
 SIMULATIONS = {"learnt": Learnt, "nominal": Nominal}

@@ -39,8 +39,8 @@ def measure(folder, wanted, report=print):
     folder.mkdir(parents=True, exist_ok=True)
     file = folder / "results.jsonl"
     whole = whole_lines(file)
-    if whole:
-        # what a stopped run has left of a line would spoil the next one
+    if file.exists():
+        # what a stopped run has left of a line, be it the first, would spoil the next one
         file.write_text("".join(whole))
     done = {tuple(json.loads(line)["cell"]) for line in whole}
     left = [cell for cell in wanted if cell not in done]

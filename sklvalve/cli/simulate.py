@@ -1,24 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``sklvalve simulate``: a recording of the DAMADICS benchmark's actuator, sound or with a fault."""
 
-from argparse import Namespace, RawDescriptionHelpFormatter
+from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.parser import folder, seconds, seed
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-    from sklvalve.damadics import Profile
+    from sklvalve.damadics import LevelLoop, Profile
     from sklvalve.damadics.scenarios import Scenario
 
 _SHEET = "valve.toml"
+# a loop's level and stem have come to rest by then [s]
+_SETTLES = 300
 _PROFILES = ("abrupt", "incipient", "short", "medium", "long")
 _DESCRIPTION = """\
 Record the actuator of the DAMADICS benchmark once a second, sound, in one of the benchmark's scenarios, or
 with a fault of your own, and write beside it the valve.toml with which sklvalve diagnose reads it. The
-column X_nominal is the stem of the sound actuator: the simulation that the diagnosis corrects."""
+column X_nominal is the stem of the sound actuator: the simulation that the diagnosis corrects. A --loop
+has none, for its command would be another one: it is diagnosed by its data sheet, and recorded only once
+it has settled."""
 _EPILOG = """\
 scenarios: a fault and its size, f7_big or f2_incipient; the fault begins after 900 s
   small, medium, big  f1 f7 f8 f10 f12 f13 f14 f16 f18 f19
@@ -29,6 +34,7 @@ examples:
   sklvalve simulate --out run/sound.csv --seed 1
   sklvalve simulate --scenario f13_incipient --out run/f13.csv.gz
   sklvalve simulate --fault f7 --strength 0.5 --begins 300 --duration 1800 --out run/f7.parquet
+  sklvalve simulate --loop --out loop/sound.csv
   sklvalve diagnose run/f13.csv.gz --valve run/valve.toml --out results"""
 
 
@@ -52,7 +58,7 @@ def add_parser(commands) -> None:
         type=float,
         metavar="X",
         help="of the fault, from 0 or -1 to 1 (default: 0.75 where it comes at once, else 1, of the "
-        "benchmark's sign)",
+        "benchmark's sign); one such as -1e-1 is written --strength=-1e-1",
     )
     parser.add_argument(
         "--profile",
@@ -71,18 +77,27 @@ def add_parser(commands) -> None:
         "--actuator", type=int, choices=(1, 2, 3), default=3, help="3 is the benchmark's own (default)"
     )
     parser.add_argument("--loop", action="store_true", help="the valve holds the level of a tank")
+    parser.add_argument(
+        "--settled",
+        type=_settled,
+        metavar="SECONDS",
+        help="whole seconds that the actuator has run from rest before the recording begins (default: 300 in "
+        "a --loop, else 0, as the benchmark has it)",
+    )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the noise (default: 0)")
     parser.add_argument("--without-noise", action="store_true", help="of the sensors")
     parser.add_argument(
         "--extended", action="store_true", help="add chamber pressure, controller output and true values"
     )
+    add_json_argument(parser, "what was written")
     parser.set_defaults(run=run)
 
 
 def run(args: Namespace) -> int:
     """Simulate and write."""
+    from sklvalve.cli.progress import progress
     from sklvalve.cli.staging import Staging
-    from sklvalve.damadics import LevelLoop, make_damadics, preset, valve_sheet
+    from sklvalve.damadics import make_damadics, valve_sheet
     from sklvalve.damadics.scenarios import Scenario
     from sklvalve.datasets.concealed import to_toml
     from sklvalve.recording import InputError
@@ -94,30 +109,58 @@ def run(args: Namespace) -> int:
             f"--duration {args.duration:g}: {profile.fault} begins after {profile.begins:g} s; give more, or "
             "an earlier --begins"
         )
-    if args.loop and args.actuator != 3:
-        raise InputError(
-            f"--loop: its pump and tank belong to actuator 3, got --actuator {args.actuator}; leave one out"
-        )
-    nominal = not args.loop  # a loop has no sound twin: its command would be another one
+    loop = _loop(args)
+    # without a simulated stem the start from rest would be found to be a fault
+    settled = args.settled if args.settled is not None else _SETTLES if loop else 0
     tag = f"DAMADICS actuator {args.actuator}"
-    sheet = to_toml(valve_sheet(preset(args.actuator), nominal=nominal, tag=tag))
+    sheet = to_toml(valve_sheet(args.actuator, nominal=not loop, tag=tag))
     out = _target(args.out, sheet)
-    with Staging(out.parent, [out.name, _SHEET], called=f"--out {out.name} in") as staging:
+    with Staging(out.parent, [out.name, _SHEET], called=f"--out {out.name} in") as staging, progress() as say:
         frame = make_damadics(
             scenario,
             duration=args.duration,
+            settled=settled,
             actuator=args.actuator,
-            loop=LevelLoop() if args.loop else None,
+            loop=loop,
             extended=args.extended,
-            nominal=nominal,
+            nominal=not loop,
             noise=not args.without_noise,
             random_state=args.seed,
+            callback=say,
         )
         _write(frame, staging.path(out.name))
         staging.path(_SHEET).write_text(sheet, encoding="utf-8")
         staging.commit()
-    print(f"Written: {out} ({len(frame)} rows, {_told(profile)}) and {out.parent / _SHEET}")
+    sheet_file = out.parent / _SHEET
+    if args.json:
+        written = {"written": [str(out), str(sheet_file)], "rows": len(frame), "fault": _content(profile)}
+        print(as_json({"schema": "sklvalve.simulate/1"} | written))
+    else:
+        begun = f" begun {settled} s after a start from rest," if settled else ""
+        print(f"Written: {out} ({len(frame)} rows,{begun} {_told(profile)}) and {sheet_file}")
     return 0
+
+
+def _settled(text: str) -> int:
+    """Whole seconds, 0 or more."""
+    if not text.isdecimal():
+        raise ArgumentTypeError(f"expected whole seconds, 0 or more; got {text!r}")
+    return int(text)
+
+
+def _loop(args: Namespace) -> "LevelLoop | None":
+    """The benchmark's loop, where it is asked for and fits the actuator."""
+    from sklvalve.damadics import LevelLoop, preset
+    from sklvalve.recording import InputError
+
+    if not args.loop:
+        return None
+    loop = LevelLoop()
+    try:
+        loop.require_fit(preset(args.actuator))
+    except ValueError as error:
+        raise InputError(f"--loop --actuator {args.actuator}: {str(error).rstrip('.')}") from None
+    return loop
 
 
 def _scenario(args: Namespace) -> "Scenario | Profile | None":
@@ -155,10 +198,12 @@ def _target(name: str, sheet: str) -> Path:
     if not out.name.endswith(SUFFIXES):
         raise InputError(f"--out {out}: expected a file named .csv, .csv.gz or .parquet; name it so")
     beside = out.parent / _SHEET
-    if beside.is_file() and beside.read_text(encoding="utf-8", errors="replace") != sheet:
-        raise InputError(
-            f"--out {out}: {beside} describes another valve and would be replaced; name another folder"
-        )
+    there = beside.read_text(encoding="utf-8", errors="replace") if beside.is_file() else sheet
+    if there != sheet:
+        # the tag stands in the line below the first
+        same = there.splitlines()[:2] == sheet.splitlines()[:2]
+        what = "this valve's recordings of the other kind, --loop or not," if same else "another valve"
+        raise InputError(f"--out {out}: {beside} describes {what} and would be replaced; name another folder")
     return out
 
 
@@ -171,12 +216,19 @@ def _write(frame: "DataFrame", path: Path) -> None:
     frame.to_csv(path, index=False, float_format="%.7g", compression=packing)
 
 
+def _content(profile: "Profile | None") -> dict[str, object] | None:
+    if profile is None:
+        return None
+    return {key: getattr(profile, key) for key in ("fault", "strength", "begins", "takes")}
+
+
 def _told(profile: "Profile | None") -> str:
     """What is wrong with the actuator, in a few words."""
     from sklvalve.damadics import FAULTS
 
     if profile is None:
         return "no fault"
-    how = "at once" if profile.takes == 0.0 else f"growing to 1 in {profile.takes:g} s"
+    takes = abs(profile.strength) * profile.takes
+    how = "at once" if takes == 0.0 else f"grown in {takes:g} s"
     title = FAULTS[profile.fault].title
     return f"{profile.fault}, {title}, of {profile.strength:g} from {profile.begins:g} s on, {how}"

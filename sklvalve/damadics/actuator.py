@@ -3,10 +3,16 @@
 
 from collections import namedtuple
 from dataclasses import astuple, dataclass, fields, replace
+from math import factorial
 
 import numpy as np
 
 from sklvalve.damadics import march
+from sklvalve.damadics.checks import number
+
+# constants that may be nothing, and those that are told by yes and no; all others are above nothing
+_MAY_BE_ZERO = ("supply", "least_supply", "leak", "preload", "play", "slope", "plug", "bypass_kv")
+_YES_OR_NO = ("stick_slip", "leakage_adds")
 
 
 @dataclass(frozen=True)
@@ -57,7 +63,7 @@ class Actuator:
     hold : float
         Time between two samples of the positioner [s].
     setpoint_lag : float
-        Of each of two lags of the set-point [s].
+        Of each of two lags of the set-point [s]; one step, 0.0025 s, is next to none.
     kv : float
         Capacity of the open valve [m3/h at 1 bar].
     slope : float
@@ -73,6 +79,11 @@ class Actuator:
         Of the transmitters of P1 and P2 [Pa].
     flow_range : float
         Of the flow meter [t/h].
+
+    Raises
+    ------
+    ValueError
+        If a constant is no number that can be, or the stem would not be stable in steps of 0.0025 s.
     """
 
     effective_area: float = 0.0290
@@ -106,8 +117,22 @@ class Actuator:
     flow_range: float = 40.0
 
     def __post_init__(self):
-        if not self.breakaway >= 1.0:
-            raise ValueError(f"breakaway must be 1 or more, got {self.breakaway!r}.")
+        for name in (field.name for field in fields(self)):
+            value = getattr(self, name)
+            if name in _YES_OR_NO:
+                if value not in (False, True):
+                    raise ValueError(f"{name} must be True or False, got {value!r}.")
+            else:
+                number(name, value, 0.0, above=name not in _MAY_BE_ZERO)
+        number("breakaway", self.breakaway, 1.0)
+        number("setpoint_lag", self.setpoint_lag, march.STEP)
+        # dry friction is taken in an implicit step, which is stable whatever the friction
+        if not self.stick_slip and not _settles(self):
+            raise ValueError(
+                f"The stem must be stable in steps of {march.STEP} s, which it is not with "
+                f"mass={self.mass!r}, spring={self.spring!r} and viscous={self.viscous!r}; the benchmark's "
+                "viscous is 750 times its mass."
+            )
 
     def packed(self):
         """The same as numbers by name, for compiled code."""
@@ -121,6 +146,21 @@ class Actuator:
             self.atmosphere * self.dead_volume / (self.gas_constant * self.air_temperature)
         )
         return state
+
+
+def _settles(actuator):
+    """Whether a free stem comes to rest: speed and position by Runge-Kutta, spring of the step before.
+
+    Air and jet make the stem about as stiff again as its spring does.
+    """
+    rates = march.STEP * np.array([[-actuator.viscous / actuator.mass, 0.0], [1.0, 0.0]])
+    powers = [np.linalg.matrix_power(rates, n) for n in range(5)]
+    moves = sum(power / factorial(n) for n, power in enumerate(powers))
+    pushes = march.STEP * sum(power / factorial(n + 1) for n, power in enumerate(powers[:4]))
+    step = np.zeros((3, 3))
+    step[:2, :2], step[2, 1] = moves, 1.0
+    step[:2, 2] = pushes @ [-2.0 * actuator.spring / actuator.mass, 0.0]
+    return np.isfinite(step).all() and np.abs(np.linalg.eigvals(step)).max() < 1.0
 
 
 #: The fields of an `Actuator`, all floats: what compiled code takes as `par`.
@@ -139,9 +179,15 @@ def preset(actuator):
     Returns
     -------
     actuator : Actuator
-        For 1 and 2 no source has a tuned simulator: area, dead volume and relay are *proposed* in proportion
-        to the diaphragm (1290 against 290 cm2), the spring for the same bench set of 20 to 100 kPa, capacity
-        and plug by what is known of the valves. The ranges are those of the plant's transmitters.
+        For 1 and 2 no source has a tuned simulator: area, dead volume, relay and the leak of f9 and f10 are
+        *proposed* in proportion to the diaphragm (1290 against 290 cm2), the spring for the same bench set of
+        20 to 100 kPa, capacity and plug by what is known of the valves, the bypass in proportion to the
+        capacity. The ranges are those of the plant's transmitters.
+
+    Raises
+    ------
+    ValueError
+        If there is no such actuator.
 
     Examples
     --------
@@ -153,7 +199,7 @@ def preset(actuator):
         2: {"kv": 110.0, "plug": 0.1, "flow_range": 80.0},
         3: {},
     }
-    if actuator not in known:
+    if actuator not in tuple(known):
         raise ValueError(f"actuator must be 1, 2 or 3, got {actuator!r}.")
     if actuator == 3:
         return Actuator()
@@ -165,7 +211,16 @@ def preset(actuator):
         dead_volume=larger * base.dead_volume,
         most_air=larger * base.most_air,
         nozzle=larger * base.nozzle,
+        leak=larger * base.leak,
         spring=larger * base.spring,
+        bypass_kv=known[actuator]["kv"] / base.kv * base.bypass_kv,
         pressure_range=1e6,
         **known[actuator],
     )
+
+
+def constants_of(actuator):
+    """Constants of an `Actuator`, of one of the three by its number, or of the benchmark's own for None."""
+    if isinstance(actuator, Actuator):
+        return actuator
+    return Actuator() if actuator is None else preset(actuator)

@@ -31,6 +31,11 @@ def pointed_at(isolation, diagnoses, n):
         If a diagnosis holds no fault or an unknown one, two hold the same, or the table has another shape or
         other values than it should.
     """
+    if not np.size(list(isolation.keys()) if hasattr(isolation, "keys") else isolation):
+        raise ValueError(
+            "isolation must hold a column for each diagnosis, got none; leave it out where only detection is "
+            "judged."
+        )
     named = hasattr(isolation, "keys")
     columns = list(isolation.keys()) if named else list(FAULTS)
     table = np.column_stack([isolation[name] for name in columns]) if named else isolation

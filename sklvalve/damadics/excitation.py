@@ -7,6 +7,18 @@ import numpy as np
 
 #: Signals that drive the actuator, with their units.
 DRIVERS = {"CV": "1", "P1": "Pa", "P2": "Pa", "T1": "degC", "Pz": "Pa"}
+#: What they may be: the spans of the benchmark's transducers and a tenth more to both sides.
+LIMITS = {
+    "CV": (-0.1, 1.1),
+    "P1": (-4e5, 4.4e6),
+    "P2": (-4e5, 4.4e6),
+    "T1": (-20.0, 220.0),
+    "Pz": (-1e5, 1.1e6),
+}
+_UNITS = {
+    "CV": "a share of closing, 1 where the valve is shut; divide percents by 100",
+    "T1": "in degrees Celsius",
+} | dict.fromkeys(("P1", "P2", "Pz"), "in pascals")
 
 
 def standard(t):
@@ -94,9 +106,31 @@ def at_steps(excitation, t, supply):
     Raises
     ------
     ValueError
-        If one that has no default is missing.
+        If it is no function of time, one that has no default is missing, or a value is not finite or far
+        outside what a transducer shows, as percents are.
     """
-    given = {"Pz": supply} | excitation(t)
+    made = excitation(t) if callable(excitation) else excitation
+    if not isinstance(made, dict):
+        raise ValueError(
+            "The excitation must be a function of times that returns a dict of CV, P1, P2 and T1, or a "
+            f"LevelLoop, got {excitation!r}."
+        )
+    given = {"Pz": supply} | made
     if missing := [name for name in DRIVERS if name not in given]:
         raise ValueError(f"The excitation must give {', '.join(DRIVERS)}; there is no {', '.join(missing)}.")
-    return np.column_stack([np.broadcast_to(np.asarray(given[name], float), t.shape) for name in DRIVERS])
+    return np.column_stack([_sound(name, given[name], t) for name in DRIVERS])
+
+
+def _sound(name, values, t):
+    """A driver as floats, of the shape of the times."""
+    values, (low, high) = np.asarray(values, float), LIMITS[name]
+    whole = np.broadcast_to(values, t.shape)
+    if low <= values.min() and values.max() <= high:
+        return whole
+    at = np.flatnonzero(~((whole >= low) & (whole <= high)))[0]
+    value, when = whole[at], t[at]
+    if np.isfinite(value):
+        raise ValueError(
+            f"{name} must lie in [{low:g}, {high:g}], {_UNITS[name]}, got {value:g} at {when:g} s."
+        )
+    raise ValueError(f"{name} must be finite everywhere, got {value} at {when:g} s; fill its gaps first.")

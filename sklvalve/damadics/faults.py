@@ -2,8 +2,11 @@
 """The nineteen faults of the benchmark: what they are called, what they do, and how strong they are when."""
 
 from dataclasses import dataclass
+from numbers import Real
 
 import numpy as np
+
+from sklvalve.damadics.checks import number
 
 
 @dataclass(frozen=True)
@@ -101,6 +104,11 @@ class Profile:
         Time in which a strength of one would be reached [s]; zero is at once.
     ends : float
         After which it is gone [s].
+
+    Raises
+    ------
+    ValueError
+        If there is no such fault, its strength is outside its range, or its times are none that can be.
     """
 
     fault: str
@@ -112,10 +120,11 @@ class Profile:
     def __post_init__(self):
         if self.fault not in FAULTS:
             raise ValueError(f"fault must be one of f1 to f19, got {self.fault!r}.")
-        low = -1.0 if FAULTS[self.fault].signed else 0.0
-        if not low <= self.strength <= 1.0:
-            raise ValueError(f"The strength of {self.fault} must lie in [{low:g}, 1], got {self.strength!r}.")
-        if not (self.begins >= 0.0 and self.takes >= 0.0 and self.ends > self.begins):
+        number(
+            f"The strength of {self.fault}", self.strength, -1.0 if FAULTS[self.fault].signed else 0.0, 1.0
+        )
+        told = all(isinstance(time, Real) for time in (self.begins, self.takes, self.ends))
+        if not (told and self.begins >= 0.0 and 0.0 <= self.takes < np.inf and self.ends > self.begins):
             raise ValueError(
                 f"{self.fault} must begin at 0 or later, take no negative time, and end after it begins; got "
                 f"begins={self.begins!r}, takes={self.takes!r}, ends={self.ends!r}."
@@ -124,7 +133,7 @@ class Profile:
     def row(self):
         """As `march.strengths` wants it."""
         slope = 1.0 / self.takes if self.takes > 0.0 else 1e12
-        number, size = FAULTS[self.fault].number, abs(self.strength)
+        place, size = FAULTS[self.fault].number, abs(self.strength)
         # at once means at once, also at the very first step
         begins = self.begins if self.takes > 0.0 else self.begins - 1e-9
-        return [number, begins, self.ends, slope, size, float(np.sign(self.strength))]
+        return [place, begins, self.ends, slope, size, float(np.sign(self.strength))]

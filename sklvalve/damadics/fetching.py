@@ -178,7 +178,6 @@ def _archive(folder, archive):
     if path.is_file():
         _require_checksum(path, archive.sha256, f"{path}: delete it and fetch it again")
         return path
-    folder.mkdir(parents=True, exist_ok=True)
     with _draft(path) as draft:
         try:
             _download(archive.url, draft)
@@ -230,6 +229,15 @@ def _require_checksum(path, sha256, mend):
 def _draft(target):
     """A path to write to, which becomes the target once all is written."""
     draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
+    try:
+        draft.parent.mkdir(parents=True, exist_ok=True)
+        # a folder that cannot be written is told before anything is downloaded
+        draft.touch()
+    except OSError as error:
+        raise OSError(
+            f"{target.name} cannot be written to {str(target.parent)!r} ({error.strerror}); name a folder "
+            "that can be, as data_home."
+        ) from None
     try:
         yield draft
         os.replace(draft, target)

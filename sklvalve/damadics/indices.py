@@ -151,8 +151,8 @@ def performance_indices(t, detection, isolation=None, *, fault, zone, strength=N
     Raises
     ------
     ValueError
-        If a fault is unknown, an array has another shape or other values than it should, or the times do
-        not cover the zone.
+        If a fault is unknown, isolation holds no column, an array has another shape or other values than it
+        should, or the times do not cover the zone.
 
     Notes
     -----

@@ -2,6 +2,10 @@
 """Recordings of the three real actuators of the Lublin sugar factory, from their day files."""
 
 import copy
+import gzip
+import io
+import warnings
+import zlib
 from pathlib import Path
 
 import numpy as np
@@ -94,9 +98,17 @@ def read_lublin(day_file, actuator, *, roles=False, stamps=False):
     FileNotFoundError
         If there is no such file.
     ValueError
-        If it is no day file, there is no such actuator, or the file's name is no day where `stamps` need one.
+        If it is no day file or a damaged one, there is no such actuator, or the file's name is no day where
+        `stamps` need one.
+    OSError
+        If the file may not be read.
     ImportError
         If pandas is not installed.
+
+    Warns
+    -----
+    UserWarning
+        If seconds are missing between the first and the last; there are no rows for them.
 
     See Also
     --------
@@ -172,7 +184,7 @@ def lublin_sheet(actuator):
 
 
 def _of_actuator(table, actuator):
-    if actuator not in table:
+    if actuator not in tuple(table):
         raise ValueError(f"actuator must be 1, 2 or 3, got {actuator!r}.")
     return table[actuator]
 
@@ -192,22 +204,65 @@ def _table(path):
         raise ImportError(
             'Day files are read as data frames; install pandas with: pip install "sklvalve[io]"'
         ) from None
-    expected = f"Expected {_WIDTH} columns between tabs in {path}, a day file as it was published"
+    text = _text(path)
+    _require_whole(text, path)
     try:
-        table = pandas.read_csv(path, sep="\t", header=None, skipinitialspace=True, low_memory=False)
-    except (pandas.errors.ParserError, pandas.errors.EmptyDataError, UnicodeDecodeError, OSError) as error:
-        raise ValueError(f"{expected}; it cannot be read: {str(error).strip()}.") from None
-    if table.shape[1] != _WIDTH:
-        raise ValueError(f"{expected}; it has {table.shape[1]}.")
+        rows = io.BytesIO(text)
+        table = pandas.read_csv(
+            rows, sep="\t", header=None, skipinitialspace=True, low_memory=False, quoting=3
+        )
+    except (pandas.errors.ParserError, UnicodeDecodeError) as error:
+        raise ValueError(
+            f"Expected text in {path}, a day file as it was published, got what cannot be read: {error}."
+        ) from None
     return pandas, table
+
+
+def _text(path):
+    """The file's bytes, unpacked."""
+    try:
+        packed = path.read_bytes()
+    except OSError as error:
+        raise OSError(
+            f"The day file {str(path)!r} cannot be read ({error.strerror}); allow it, or name another."
+        ) from None
+    try:
+        return gzip.decompress(packed) if path.suffix == ".gz" else packed
+    except (EOFError, zlib.error, OSError) as error:
+        raise ValueError(
+            f"Expected a whole gzip file in {path}, got one that is cut or damaged ({error}); fetch it again."
+        ) from None
+
+
+def _require_whole(text, path):
+    """ValueError unless every row has all columns: pandas fills a short one with gaps."""
+    rows = text.splitlines() or [b""]
+    for number, row in enumerate(rows, 1):
+        if (many := row.count(b"\t") + 1) != _WIDTH and (row.strip() or number == 1):
+            raise ValueError(
+                f"Expected {_WIDTH} columns between tabs in row {number} of {path}, got {many}; give a day "
+                "file as it was published, plain or as .gz, and not cut."
+            )
 
 
 def _seconds(pandas, table, path):
     seconds = _numbers(pandas, table, 1, "time", path)
-    if not ((np.diff(seconds) > 0.0).all() and seconds[0] >= 0.0 and seconds[-1] < _DAY):
+    before = np.concatenate([[-1.0], seconds[:-1]])
+    wrong = np.flatnonzero(~((seconds > before) & (seconds >= 0.0) & (seconds < _DAY)))
+    if len(wrong):
+        at = wrong[0]
+        after = f" after {before[at]:g}" if at else ""
         raise ValueError(
             f"Expected seconds from midnight in column 1 of {path}, each later than the one before, got "
-            f"{seconds[0]:g} to {seconds[-1]:g}; give a day file as it was published."
+            f"{seconds[at]:g}{after} in row {at + 1}; give a day file as it was published."
+        )
+    gaps = np.flatnonzero(np.diff(seconds) > 1.0)
+    if len(gaps):
+        lacking = np.diff(seconds)[gaps].sum() - len(gaps)
+        warnings.warn(
+            f"{path} lacks {lacking:g} seconds at {len(gaps)} places, first after {seconds[gaps[0]]:g} s; "
+            "there are no rows for them.",
+            stacklevel=3,
         )
     return seconds
 
@@ -216,10 +271,10 @@ def _numbers(pandas, table, number, tag, path):
     """Column by its number from one, as floats."""
     column = table[number - 1]
     values = pandas.to_numeric(column, errors="coerce")
-    text = np.flatnonzero(values.isna() & column.notna())
+    text = np.flatnonzero((values.isna() & column.notna()) | np.isinf(values))
     if len(text):
         raise ValueError(
             f"Expected a number or NaN in row {text[0] + 1}, column {number} ({tag}) of {path}, got "
-            f"{column[text[0]]!r}."
+            f"{str(column[text[0]])!r}."
         )
     return values.to_numpy(float)

@@ -108,6 +108,6 @@ SCENARIOS = {scenario.name: scenario for scenario in _scenarios()}
 
 def scenario_of(name):
     """A scenario by its name; a ValueError tells which there are."""
-    if name not in SCENARIOS:
+    if name not in tuple(SCENARIOS):
         raise ValueError(f"scenario must be one of {', '.join(SCENARIOS)}; got {name!r}.")
     return SCENARIOS[name]

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from sklvalve.damadics.actuator import Actuator
+from sklvalve.damadics.actuator import constants_of
 from sklvalve.damadics.flow import RECOVERY, RECOVERY_AT, SHUTS_FROM
 
 
@@ -12,8 +12,8 @@ def valve_sheet(actuator=None, *, nominal=False, tag="DAMADICS"):
 
     Parameters
     ----------
-    actuator : Actuator, default=None
-        None is that of the benchmark.
+    actuator : Actuator, {1, 2, 3} or None, default=None
+        None is that of the benchmark, 3.
     nominal : bool, default=False
         Name the frame's ``X_nominal`` as the simulation that a diagnosis corrects, in place of its own of
         positioner and actuator. The benchmark's actuator is slower than a data sheet tells, and the jet
@@ -28,6 +28,11 @@ def valve_sheet(actuator=None, *, nominal=False, tag="DAMADICS"):
         benchmark's own, kv = kv_rated exp(-n (1 - opening)); F_L is the root of its recovery coefficient.
         Of what was measured only the six signals that a diagnosis may use are named.
 
+    Raises
+    ------
+    ValueError
+        If there is no such actuator.
+
     Examples
     --------
     >>> from sklvalve import Valve
@@ -36,7 +41,7 @@ def valve_sheet(actuator=None, *, nominal=False, tag="DAMADICS"):
     >>> valve.kv_rated, round(valve.rangeability, 1), valve.roles["opening"].sense
     (120.0, 148.4, 'closing')
     """
-    actuator = actuator or Actuator()
+    actuator = constants_of(actuator)
     recovery = sorted(zip((1.0 - RECOVERY_AT).round(6), np.sqrt(RECOVERY).round(6), strict=True))
     bench = actuator.spring / actuator.effective_area * actuator.preload
     sheet = {

@@ -4,9 +4,10 @@
 import numpy as np
 
 from sklvalve.damadics import march
-from sklvalve.damadics.actuator import Actuator
+from sklvalve.damadics.actuator import constants_of
+from sklvalve.damadics.checks import generator, number
 from sklvalve.damadics.excitation import at_steps, standard
-from sklvalve.damadics.faults import FAULTS
+from sklvalve.damadics.faults import FAULTS, Profile
 from sklvalve.damadics.loop import LevelLoop, march_loop
 
 #: Noise of a transducer, as a share of its span [1].
@@ -37,8 +38,8 @@ class ActuatorSimulator:
 
     Parameters
     ----------
-    actuator : Actuator, default=None
-        Its constants; None are those of the benchmark.
+    actuator : Actuator, {1, 2, 3} or None, default=None
+        Its constants, or those of a `preset`; None are those of the benchmark, 3.
     noise : bool, default=True
         Of the sensors, and of the command within the positioner.
     hum : bool, default=False
@@ -61,10 +62,12 @@ class ActuatorSimulator:
     def __init__(self, actuator=None, *, noise=True, hum=False, sign="library", pressure_span=1e6):
         if sign not in ("library", "help"):
             raise ValueError(f"sign must be 'library' or 'help', got {sign!r}.")
-        self.actuator, self.noise, self.hum = actuator or Actuator(), noise, hum
-        self.sign, self.pressure_span = sign, pressure_span
+        self.actuator, self.noise, self.hum = constants_of(actuator), noise, hum
+        self.sign, self.pressure_span = sign, number("pressure_span", pressure_span, 0.0, above=True)
 
-    def simulate(self, duration, excitation=standard, faults=(), *, step=1.0, random_state=None):
+    def simulate(
+        self, duration, excitation=standard, faults=(), *, step=1.0, random_state=None, callback=None
+    ):
         """Simulate from rest.
 
         Parameters
@@ -73,10 +76,14 @@ class ActuatorSimulator:
             [s]; the last row is the last multiple of `step` before it.
         excitation : callable or LevelLoop, default=standard
             Of an array of times [s], as in `sklvalve.damadics.excitation`; or a loop that the valve closes.
-        faults : sequence of Profile, default=()
+        faults : iterable of Profile, default=()
         step : float, default=1.0
             Between two rows [s], a multiple of 0.0025 s.
         random_state : int, Generator or None, default=None
+            Of the noise. It is drawn signal after signal, as long as each is: runs of one seed that differ in
+            their length or in the loop differ in their sensors' noise from the first row on.
+        callback : callable, default=None
+            Called as ``callback(done)`` with the share done.
 
         Returns
         -------
@@ -88,15 +95,18 @@ class ActuatorSimulator:
         Raises
         ------
         ValueError
-            If times are not what they should be, or the excitation misses a signal.
+            If times are not what they should be, the excitation misses a signal or gives one that cannot be,
+            or a loop does not fit the actuator.
         """
-        every = round(step / march.STEP)
+        every = round(number("step", step) / march.STEP)
         if every < 1 or abs(every * march.STEP - step) > 1e-9:
             raise ValueError(f"step must be a multiple of {march.STEP} s, got {step!r}.")
-        if not duration >= step:
+        if not number("duration", duration) >= step:
             raise ValueError(f"duration must be at least one step of {step} s, got {duration!r}.")
-        rng = np.random.default_rng(random_state)
-        table = self._marched(round(duration / march.STEP), excitation, faults, every, rng)
+        if isinstance(excitation, LevelLoop):
+            excitation.require_fit(self.actuator)
+        faults, rng = _profiles(faults), generator(random_state)
+        table = self._marched(round(duration / march.STEP), excitation, faults, every, rng, callback)
         names = (*march.COLUMNS, *(fault.fault for fault in faults), "level", "PV")
         told = dict(zip(names, table.T, strict=False))
         # of faults that are not there only what is never written, and so takes no memory
@@ -104,7 +114,7 @@ class ActuatorSimulator:
         t = step * np.arange(len(table))
         return {"t": t} | told | self._shown(t, told, rng)
 
-    def _marched(self, many, excitation, faults, every, rng):
+    def _marched(self, many, excitation, faults, every, rng, callback):
         """Rows of a march; a loop's have the level [m] and the measured level [1] behind."""
         par, state = self.actuator.packed(), self.actuator.at_rest()
         profiles = np.array([fault.row() for fault in faults]).reshape(-1, 6)
@@ -122,6 +132,8 @@ class ActuatorSimulator:
             else:
                 inputs = at_steps(excitation, t, self.actuator.supply)
                 march.march(first, inputs, noise, state, par, profiles, every, rows)
+            if callback is not None:
+                callback(min(first + chunk, many) / many)
         return out
 
     def _noise(self, t, rng):
@@ -144,7 +156,21 @@ class ActuatorSimulator:
             name: np.clip(np.clip(values, 0.0, 1.0) + self._noise(t, rng), 0.0, 1.0)
             for name, values in ideal.items()
         }
-        shown["Ps_shown"] = np.clip(told["Ps"] / self.pressure_span, 0.0, 1.0) * (1.0 + sign * told["f14"])
-        shown["Pz_shown"] = told["Pz"] * (1.0 - told["f16"]) / self.pressure_span
+        shown["CV"] = np.clip(told["CV"], 0.0, 1.0)
+        pressures = {
+            "Ps_shown": told["Ps"] * (1.0 + sign * told["f14"]),
+            "Pz_shown": told["Pz"] * (1.0 - told["f16"]),
+        }
+        shown |= {name: np.clip(values / self.pressure_span, 0.0, 1.0) for name, values in pressures.items()}
         shown["CVI_shown"] = 0.5 * (told["CVI"] + 1.0)
         return shown
+
+
+def _profiles(faults):
+    faults = tuple(faults) if hasattr(faults, "__iter__") else (faults,)
+    for fault in faults:
+        if not isinstance(fault, Profile):
+            raise ValueError(
+                f"faults must be several Profile, as `course` or a scenario's profile is, got {fault!r}."
+            )
+    return faults

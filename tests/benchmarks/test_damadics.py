@@ -2,6 +2,8 @@
 """The benchmark of detectors on the DAMADICS actuator: what it makes of decisions, and ours on a few."""
 
 import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -65,6 +67,94 @@ def test_any_detector_is_scored():
     wrong = score(detector, "f13_big", 7)
     assert wrong["indices"]["r_ti"] == -1.0
     assert missed(wrong) == sum(wrong["pointed"].values()) > 0
+
+
+class Plain(FullMeter):
+    """The same, which returns nothing from fit and decisions alone, as an array or in a frame."""
+
+    def __init__(self, returns):
+        self.returns = returns
+
+    def fit(self, X):
+        super().fit(X)
+
+    def predict(self, X):
+        return self.returns(super().predict(X))
+
+
+@pytest.mark.parametrize(
+    "returns",
+    [
+        lambda made: made["detection"].to_numpy(),
+        lambda made: made["detection"],
+        lambda made: made[["detection"]],
+    ],
+)
+def test_a_detector_may_tell_no_faults_apart(returns):
+    detector = fitted(Plain(returns), 101)
+    assert isinstance(detector, Plain)
+    line = score(detector, "f18_big", 7)
+    assert line["indices"]["r_td"] == score(fitted(FullMeter(), 101), "f18_big", 7)["indices"]["r_td"]
+    assert line["indices"]["t_it"] == line["indices"]["dacc"] == -1.0
+    assert line["pointed"] == {}
+    assert false_alarms(detector, 201) == 0.0
+    assert "| f18_big |" in tables("plain", {"f18_big": line})
+
+
+@pytest.mark.parametrize(
+    ("returns", "message"),
+    [
+        (lambda made: None, "or one decision for each of 1500 rows, got the shape ()"),
+        (lambda made: made.to_numpy(), "or one decision for each of 1500 rows, got the shape (1500, 3)"),
+        (
+            lambda made: made[["f19"]],
+            "predict must return a frame with a column 'detection', got the columns f19.",
+        ),
+        (
+            lambda made: made.rename(columns={"f19": "f99"}),
+            "A diagnosis must hold faults of f1 to f19, got 'f99'.",
+        ),
+        (lambda made: made.iloc[:10], "detection must have the shape (1500,), got (10,)."),
+    ],
+)
+def test_decisions_that_are_none_get_one_sentence(returns, message):
+    detector = fitted(Plain(returns), 101)
+    with pytest.raises(ValueError) as told:
+        score(detector, "f18_big", 7)
+    assert message in str(told.value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--detector", "nowhere:make"], "expected MODULE:FUNCTION that can be imported"),
+        (["--detector", "json:nothing"], "expected MODULE:FUNCTION that can be imported"),
+        (["--detector", "json"], "expected MODULE:FUNCTION that can be imported"),
+        (["--detector", ":make"], "expected MODULE:FUNCTION that can be imported"),
+        (["--detector", "json:__name__"], "expected a function that makes a detector, got 'json'"),
+        (["--tables"], "holds no results"),
+    ],
+)
+def test_wrong_words_get_one_sentence(tmp_path, capsys, arguments, words):
+    with pytest.raises(SystemExit) as left:
+        command.main([str(tmp_path), *arguments])
+    assert left.value.code == 2
+    assert words in capsys.readouterr().err.splitlines()[-1]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_file_in_place_of_the_folder_or_none_gets_one_sentence(tmp_path, capsys):
+    file = tmp_path / "file"
+    file.write_text("")
+    with pytest.raises(SystemExit):
+        command.main([str(file)])
+    assert "is a file; name a folder" in capsys.readouterr().err.splitlines()[-1]
+    for module, word in (("real_hour", "nowhere.csv"), ("sheet_alone", "many")):
+        asked = [sys.executable, "-m", f"benchmarks.damadics.{module}", word]
+        told = subprocess.run(asked, capture_output=True, text=True, check=False)
+        assert told.returncode == 1
+        assert told.stderr.startswith("Expected ")
+        assert told.stderr.count("\n") == 1
 
 
 def test_what_a_fault_changes_is_told_from_the_noise():
@@ -136,3 +226,10 @@ def test_the_simulator_meets_the_real_hour():
     assert rmse(hour["X"][late], stem[late]) < 1.98
     assert rmse(hour["F"][late], flow[late]) < 2.1
     assert np.isfinite(flow).all()
+
+
+@pytest.mark.skipif(not HOUR.is_file(), reason="the real hour of actuator 3 is not there")
+def test_a_black_box_on_the_real_hour_is_as_the_page_has_it():
+    position, flow = real_hour.black_boxes(real_hour.read_hour(HOUR))
+    assert position == pytest.approx(1.40, abs=0.05)
+    assert flow == pytest.approx(1.28, abs=0.05)

@@ -149,6 +149,14 @@ def test_a_stopped_run_goes_on(tmp_path, monkeypatch):
     assert len(read(file)) == 2
 
 
+def test_a_run_that_was_stopped_within_its_first_line_goes_on(tmp_path, monkeypatch):
+    monkeypatch.setattr(command.static, "lines_of", lambda *cell: [made("series", cell[3], 1.0, 1.0)])
+    (tmp_path / "results.jsonl").write_text('{"cell": ["normal", "F fr')
+    file = command.measure(tmp_path, [("normal", FLOW, 50, 0)], report=lambda text: None)
+    assert len(read(file)) == 1
+    assert len(file.read_text().splitlines()) == 1
+
+
 def test_quick_leaves_the_long_fits_out():
     assert {cell[2] for cell in command.cells(range(1), quick=True)} == {50, 200}
     assert 1500 in {cell[2] for cell in command.cells(range(1))}

@@ -64,7 +64,7 @@ def test_a_fault_of_ones_own(here, capsys):
 
 def test_a_fault_that_grows_and_a_scenario(here, capsys):
     assert main(["simulate", "--fault", "f4", "--profile", "short", "--begins", "0", "--out", "run.csv"]) == 0
-    assert "growing to 1 in 900 s" in capsys.readouterr().out
+    assert "of 1 from 0 s on, grown in 900 s" in capsys.readouterr().out
     table = pd.read_csv("run.csv")
     np.testing.assert_allclose(table["fault"], np.minimum(table["time"] / 900.0, 1.0), rtol=1e-6)
     assert len(table) == 1500
@@ -122,7 +122,9 @@ REFUSED = {
     "endless": (["simulate", "--out", "r.csv", "--duration", "inf"], "1 or more"),
     "too short": (["simulate", "--out", "r.csv", "--scenario", "f1_big", *SHORT[1:]], "begins after 900 s"),
     "unknown actuator": ([*SHORT, "--out", "r.csv", "--actuator", "4"], "--actuator"),
-    "loop of another": ([*SHORT, "--out", "r.csv", "--loop", "--actuator", "1"], "belong to actuator 3"),
+    "loop of another": ([*SHORT, "--out", "r.csv", "--loop", "--actuator", "1"], "belongs, or a LevelLoop"),
+    "half a second": ([*SHORT, "--out", "r.csv", "--settled", "0.5"], "expected whole seconds, 0 or more"),
+    "settled before": ([*SHORT, "--out", "r.csv", "--settled=-1"], "expected whole seconds, 0 or more"),
     "under a file": ([*SHORT, "--out", "file/r.csv"], "is a file"),
     "in place of a folder": ([*SHORT, "--out", "taken.csv"], "no plain file"),
     "another valve's sheet": ([*SHORT, "--out", "other/r.csv"], "describes another valve"),

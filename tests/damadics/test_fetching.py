@@ -162,6 +162,29 @@ def test_offline(page, tmp_path, error):
     assert list(fetch_lublin(tmp_path, "2001-11-09")) == ["2001-11-09"]
 
 
+@pytest.mark.parametrize("denied", ["mkdir", "touch"])
+def test_a_folder_that_cannot_be_written_is_told_before_a_download(page, tmp_path, monkeypatch, denied):
+    def refuse(*arguments, **settings):
+        raise PermissionError(13, "Permission denied")
+
+    folder = tmp_path / "new"
+    monkeypatch.setattr(fetching.Path, denied, refuse)
+    with pytest.raises(
+        OSError, match=r"part2\.zip cannot be written to '.*new' \(Permission denied\)"
+    ) as told:
+        fetch_lublin(folder, "2001-11-09")
+    assert "as data_home" in str(told.value)
+    assert not isinstance(told.value, ConnectionError)
+    assert page.asked == []
+
+
+def test_a_folder_that_is_a_file_is_told_before_a_download(page, tmp_path):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(OSError, match=r"cannot be written to '.*file'"):
+        fetch_lublin(tmp_path / "file", "2001-11-09")
+    assert page.asked == []
+
+
 def test_a_download_that_is_another_file(page, tmp_path):
     expected = fetching.ARCHIVES[1].sha256
     page.files[2] = b"<html>moved</html>"

@@ -109,5 +109,5 @@ def test_pieces_of_time_do_not_show(monkeypatch, nominal):
 def test_bad_loops_get_one_plain_sentence():
     with pytest.raises(ValueError, match=r"setpoint must lie in \[0, 1\], got 1.5"):
         LevelLoop(setpoint=1.5)
-    with pytest.raises(ValueError, match="level must lie between 0 and 2 m"):
+    with pytest.raises(ValueError, match=r"level must lie in \[0, 2\], got 2.5"):
         LevelLoop(level=2.5)

@@ -141,20 +141,72 @@ def test_stamps_have_the_date_of_the_file(tmp_path, day_file):
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (lambda text: text.replace("\t", ","), "Expected 33 columns between tabs in .*; it has 1"),
+        (lambda text: text.replace("\t", ","), "Expected 33 columns between tabs in row 1 of .*, got 1;"),
         (lambda text: "\t".join(f"c{i}" for i in range(33)) + "\n" + text, r"row 1, column 1 \(time\).*'c0'"),
         (lambda text: text.replace("100.7", "hot", 3), r"row 1, column 26 \(T74_00\) of .*got 'hot'"),
-        (lambda text: text.replace("\n", "\t1\n"), "; it has 34"),
-        (lambda text: text + "\t".join("1" * 40) + "\n", "it cannot be read: .*saw 40"),
-        (lambda text: text + text, "each later than the one before, got 0 to 59"),
-        (lambda text: text.replace("59\t", "86400\t", 1), "got 0 to 86400"),
-        (lambda text: "", "it cannot be read"),
+        (lambda text: text.replace("\n", "\t1\n"), "in row 1 of .*, got 34"),
+        (lambda text: text + "\t".join("1" * 40) + "\n", "in row 61 of .*, got 40"),
+        (lambda text: text + text, "each later than the one before, got 0 after 59 in row 61"),
+        (lambda text: text.replace("\n59\t", "\n58\t", 1), "got 58 after 58 in row 60"),
+        (lambda text: text.replace("\n59\t", "\n86400\t", 1), "got 86400 after 58 in row 60"),
+        (lambda text: text.replace("0\t", "-1\t", 1), "got -1 in row 1"),
+        (lambda text: text.replace("\n7\t", "\nNaN\t", 1), "got nan after 6 in row 8"),
+        (lambda text: text.replace("100.7", "inf", 1), r"row 1, column 26 \(T74_00\) of .*got 'inf'"),
+        (lambda text: text.replace("100.7", "1e999", 1), r"row 1, column 26 \(T74_00\) of .*got 'inf'"),
+        # cut in the middle of a number, and in the middle of the file
+        (lambda text: text[: text.rindex("100.7") + 2], "in row 60 of .*, got 26;.* not cut"),
+        (lambda text: text.replace("\n30\t", "\n30\t1\n31\t", 1), "in row 31 of .*, got 2"),
+        (lambda text: text.replace("\t100.7", '\t"100.7', 1), r"row 1, column 26 .*got '\"100.7'"),
+        (lambda text: "", "in row 1 of .*, got 1"),
     ],
 )
 def test_what_is_no_day_file_is_refused(day_file, spoil, message):
     day_file.write_text(spoil(day_file.read_text()))
-    with pytest.raises(ValueError, match=message):
+    with pytest.raises(ValueError, match=message) as told:
         read(day_file, 3)
+    assert "\n" not in str(told.value)
+
+
+@pytest.mark.parametrize("end", ["", "\n\n", "\n \n"])
+def test_the_end_of_the_last_row_may_be_missing_or_blank(day_file, end):
+    known = read(day_file, 3)
+    day_file.write_text(day_file.read_text().rstrip("\n") + end)
+    pd.testing.assert_frame_equal(read(day_file, 3), known)
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [lambda packed: packed[:200], lambda packed: packed[:60] + b"\0\0\0" + packed[63:], lambda packed: b"no"],
+)
+def test_a_damaged_archive_is_refused(tmp_path, spoil):
+    path = write(tmp_path / "09112001.txt.gz", table())
+    path.write_bytes(spoil(path.read_bytes()))
+    with pytest.raises(ValueError, match=r"Expected a whole gzip file in .*, got one that is cut or damaged"):
+        read(path, 3)
+
+
+@pytest.mark.parametrize("name", ["09112001.zip", "09112001.txt.xz", "09112001.txt.bz2"])
+def test_other_archives_are_refused(tmp_path, name):
+    path = tmp_path / name
+    path.write_bytes(b"PK\x03\x04\xff\xfe" * 20)
+    with pytest.raises(ValueError, match=r"row 1 of .*, got 1; .* plain or as \.gz"):
+        read(path, 3)
+
+
+def test_a_file_that_may_not_be_read_is_told(day_file, monkeypatch):
+    def denied(path):
+        raise PermissionError(13, "Permission denied")
+
+    monkeypatch.setattr("sklvalve.damadics.lublin.Path.read_bytes", denied)
+    with pytest.raises(OSError, match=r"09112001\.txt' cannot be read \(Permission denied\); allow it"):
+        read(day_file, 3)
+
+
+def test_missing_seconds_are_told(tmp_path):
+    path = write(tmp_path / "day.txt", np.delete(table(), [7, 8, 30], axis=0))
+    with pytest.warns(UserWarning, match=r"lacks 3 seconds at 2 places, first after 6 s; there are no rows"):
+        frame = read(path, 3)
+    assert len(frame) == ROWS - 3
 
 
 def test_what_is_not_there_is_told(tmp_path, day_file):

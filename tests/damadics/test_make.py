@@ -128,6 +128,22 @@ def test_a_sound_actuator_is_found_sound():
     assert found.to_dict()["verdict"] == "no_mismatch"
 
 
+def test_a_recording_may_begin_when_the_actuator_has_settled(sound):
+    frame = make_damadics("f16_big", duration=1000.0, settled=300.0, nominal=True, noise=False)
+    assert len(frame) == 1000
+    np.testing.assert_array_equal(frame["time"], np.arange(1000.0))
+    # its clock is the recording's own: of the fault, and of what drives
+    np.testing.assert_array_equal(frame["fault"], np.where(frame["time"] < 900.0, 0.0, 0.75))
+    for signal in ("CV", "P1", "P2", "T1"):
+        np.testing.assert_allclose(frame[signal], sound[signal][:1000], rtol=1e-9)
+    before = frame["time"] < 900.0
+    np.testing.assert_array_equal(frame["X"][before], frame["X_nominal"][before])
+    assert np.abs(frame["X"] - frame["X_nominal"])[900:].max() > 1.0
+    # the stem does not come from rest: it is where it is a period of the command later
+    assert sound["X"].iloc[0] == 0.0
+    assert frame["X"].iloc[0] == pytest.approx(frame["X"].iloc[100], abs=1.0)
+
+
 def test_a_frame_of_the_loop_has_its_level():
     frame = make_damadics(loop=LevelLoop(), duration=300.0, random_state=0)
     assert list(frame.columns) == [*SIGNALS, "PV"]
@@ -149,6 +165,14 @@ def test_what_there_is_not_gets_one_plain_sentence(monkeypatch):
         course("f7", profile="slow")
     with pytest.raises(ValueError, match="fault must be one of f1 to f19"):
         course("f0")
+    for wrong in (5, [1], "f99_big"):
+        with pytest.raises(ValueError, match="scenario must be one of f1_small"):
+            make_damadics(wrong)
+    with pytest.raises(ValueError, match="loop must be a LevelLoop or None, got True"):
+        make_damadics(loop=True)
+    for wrong in (0.5, -1.0, np.nan):
+        with pytest.raises(ValueError, match="settled must be"):
+            make_damadics(settled=wrong)
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError, match=r"sklvalve\[io\]"):
         make_damadics()

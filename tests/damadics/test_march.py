@@ -94,8 +94,6 @@ def test_a_stem_that_breaks_away_goes_on_in_jumps():
 
 
 def test_without_friction_of_that_kind_nothing_is_dry():
-    with pytest.raises(ValueError, match="breakaway must be 1 or more"):
-        Actuator(breakaway=0.5)
     # little friction and no play are nearly the same
     runs = [
         ActuatorSimulator(actuator, noise=False).simulate(60.0, there_and_back)
