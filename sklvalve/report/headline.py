@@ -141,9 +141,8 @@ def _named_sureness(effects: list[dict]) -> str:
     if len(effects) == 1:
         told, count = sure(effects[0]["probability"]), len(effects[0]["members"])
         told = f"{told[:1].upper()}{told[1:]}"
-        if count == 1:
-            return f"{told} of the name, among the effects that are known."
-        return f"{told} that it is one of these {_COUNTS.get(count, count)}, of the effects that are known."
+        what = "of the name" if count == 1 else f"that it is one of these {_COUNTS.get(count, count)}"
+        return f"{told} {what}: so often have such names held on records whose causes were sealed."
     every = [
         f"{sure(e['probability'])} of {class_words(e['members'], limit=1 + len(e['members']))}"
         for e in effects

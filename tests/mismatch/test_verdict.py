@@ -17,7 +17,7 @@ from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.rivals import Rival
-from sklvalve.mismatch.verdict import class_of, verdict_of
+from sklvalve.mismatch.verdict import BORNE_OUT, as_told, class_of, verdict_of
 from sklvalve.simulation.fitting import PlainNoise
 
 EFFECTS = {effect.key: effect for effect in CATALOGUE}
@@ -142,3 +142,18 @@ def test_next_test_separates_what_is_open_first():
     assert "opening and pressure ratio" in next_test([], "none_of_these", unknown, stem_seen)
     assert next_test([], "no_mismatch", None, stem_seen) is None
     assert "stem position" in next_test([], "no_mismatch", None, SimpleNamespace(recording=set()))
+
+
+# ---- how sure
+
+
+@pytest.mark.parametrize("among", [0.0, 0.4, 1.0, 1.0 + 1e-12])
+def test_no_name_is_told_surer_than_names_have_been_borne_out(among):
+    assert as_told(among) == pytest.approx(BORNE_OUT * min(among, 1.0), abs=1e-4)
+
+
+def test_a_class_is_named_by_what_is_told_of_it():
+    # 0.9 among the explanations at hand is told as 0.77
+    for share, verdict in ((0.9, "cannot_tell"), (0.95, "named")):
+        finding = _finding(("seat_leakage", -10.0, share), ("clogging", -30.0, 1.0 - share))
+        assert verdict_of([finding], None, True, 0.05)[0] == verdict
