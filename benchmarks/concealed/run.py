@@ -98,15 +98,20 @@ def _all_judged(work, jobs):
 
 def whole_lines(file):
     """Lines of a file of scores; one that was cut off by an interruption is taken away first."""
+    return read_lines(file) if plain_lines(file) else []
+
+
+def plain_lines(file):
+    """Lines of any file that holds an object a line, mended as those of scores are."""
     if not file.exists():
         return []
     text = file.read_text(encoding="utf-8")
-    if text and not text.endswith("\n"):
-        whole = text[: text.rfind("\n") + 1]
+    whole = text[: text.rfind("\n") + 1]
+    if whole != text:
         waiting = file.with_suffix(".waiting")
         waiting.write_text(whole, encoding="utf-8")
         waiting.replace(file)
-    return read_lines(file)
+    return [json.loads(line) for line in whole.splitlines()]
 
 
 def _judged(item):

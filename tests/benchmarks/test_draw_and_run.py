@@ -98,3 +98,11 @@ def test_a_line_that_was_cut_off_is_taken_away(tmp_path):
     assert [line["record"] for line in run.whole_lines(file)] == ["a"]
     assert file.read_text() == whole + "\n"
     assert run.whole_lines(tmp_path / "none.jsonl") == []
+
+
+def test_lines_that_are_no_scores_are_gone_on_with_too(tmp_path):
+    file = tmp_path / "next_test.jsonl"
+    file.write_text('{"number": 0}\n{"number": 1}\n{"num')
+    assert [line["number"] for line in run.plain_lines(file)] == [0, 1]
+    assert file.read_text() == '{"number": 0}\n{"number": 1}\n'
+    assert run.plain_lines(tmp_path / "none.jsonl") == []

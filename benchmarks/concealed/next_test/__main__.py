@@ -18,7 +18,7 @@ from pathlib import Path
 from benchmarks.concealed.next_test.tables import tables
 from benchmarks.concealed.next_test.trial import line_of
 from benchmarks.concealed.plant import NAMED
-from benchmarks.concealed.run import code, whole_lines
+from benchmarks.concealed.run import code, plain_lines
 
 # of so many records drawn, one at least should be ambiguous
 _MOST_DRAWN = 8
@@ -37,7 +37,7 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     options.folder.mkdir(parents=True, exist_ok=True)
     file, commit = options.folder / "next_test.jsonl", code()
-    lines = whole_lines(file)
+    lines = plain_lines(file)
     if other := {line["seed_of_draw"] for line in lines} - {options.seed}:
         parser.error(f"{file} holds records of seed {other.pop()}; give that seed, or another folder")
     with multiprocessing.get_context("spawn").Pool(options.jobs, maxtasksperchild=20) as pool:
