@@ -49,6 +49,8 @@ def read_zone(name: str) -> tzinfo:
     InputError
         If there is no such zone, or this computer has no table of zones.
     """
+    if not isinstance(name, str):
+        raise InputError(f"zone must be the name of a time zone, as 'Europe/Warsaw'; got {name!r}")
     fixed = re.fullmatch(r"(?:UTC|GMT)?([+-])(\d{1,2})(?::?(\d{2}))?", name.strip())
     if fixed and int(fixed[2]) < 15:
         offset = timedelta(hours=int(fixed[2]), minutes=int(fixed[3] or 0))

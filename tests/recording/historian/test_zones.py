@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Local time on the nights when clocks are changed: what order tells is told, the rest is said."""
 
+from zoneinfo import ZoneInfo
+
 import numpy as np
 import pytest
 
@@ -148,3 +150,8 @@ def test_computer_without_a_table_of_zones(monkeypatch):
     with pytest.raises(InputError, match="no table of time zones; pip install tzdata, or give the offset"):
         read_zone("Europe/Warsaw")
     assert read_zone("+01:00") is not None
+
+
+def test_a_zone_is_given_by_its_name():
+    with pytest.raises(InputError, match=r"name of a time zone, as 'Europe/Warsaw'; got zoneinfo"):
+        read_zone(ZoneInfo("Europe/Warsaw"))
