@@ -216,14 +216,19 @@ class Chain:
         kv = self.capacity_at(plug)
         kv = self._through("capacity", kv, values)
         kv = self._through("line", kv, values)
-        drop = self._through("pressures", self.dp, values) + values.get("dp_zero", 0.0)
         choking = self._through("choking", self._choking(plug, values), values)
-        flow = FLOW_CONSTANT * kv * self._root_of_drop(drop, **choking)
+        flow = FLOW_CONSTANT * kv * self._root_of_drop(*self._drop_at_valve(values), **choking)
         if self.recording.mass_flow:
             flow = flow * self.density
         flow = self._through("flow", flow, values)
         flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
         return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
+
+    def _drop_at_valve(self, values):
+        """Pressure drop and, where known, :math:`p_1 - F_F p_v`, as the effects have them [Pa]."""
+        true = self._through("pressures", {"p1": self.p1, "p2": self.p2}, values)
+        drop = true["p1"] - true["p2"] + values.get("dp_zero", 0.0)
+        return drop, None if self.margin is None else self.margin + (true["p1"] - self.p1)
 
     def _choking(self, plug, values):
         """F_L and hardness of the corner at an opening of the plug [1]."""
@@ -241,8 +246,8 @@ class Chain:
         """kv of the trim at an opening of the plug, in the simulation that runs [m3/h]."""
         return np.interp(plug, GRID, self._table)
 
-    def _root_of_drop(self, drop, fl, knee):
+    def _root_of_drop(self, drop, margin, fl, knee):
         size = np.abs(drop)
-        if self.margin is not None and np.isfinite(fl).any():
-            size = choked_drop(drop, self.margin, fl, knee)
+        if margin is not None and np.isfinite(fl).any():
+            size = choked_drop(drop, margin, fl, knee)
         return np.sign(drop) * np.sqrt(size / self.density)

@@ -85,7 +85,7 @@ class GivenChain(Chain):
         if self.given_flow is None:
             return
         volume = self.given_flow / self.density if self.recording.mass_flow else self.given_flow
-        root = self._root_of_drop(self.dp, **self._choking_given())
+        root = self._root_of_drop(self.dp, self.margin, **self._choking_given())
         driven = self._driven = np.abs(self.dp) > 1e-3 * np.nanmax(np.abs(self.dp))
         with np.errstate(divide="ignore", invalid="ignore"):
             self._kv = np.where(driven, volume / (FLOW_CONSTANT * root), 0.0)
@@ -186,7 +186,7 @@ class GivenChain(Chain):
         zero = values.get("dp_zero", 0.0)
         if zero == 0.0 and "fl_scale" not in values:
             return 1.0
-        own = self._root_of_drop(self.dp + zero, **self._own_choking(values))
+        own = self._root_of_drop(self.dp + zero, self.margin, **self._own_choking(values))
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = np.maximum(own / self._root, 0.0)
         return np.where(self._driven, ratio, 1.0)
@@ -199,10 +199,9 @@ class GivenChain(Chain):
         own = share * self._kv
         kv = own + self._shift
         kv = self._through("line", self._through("capacity", kv, values), values)
-        drop = self._through("pressures", self.dp, values) + values.get("dp_zero", 0.0)
         choking = self._through("choking", self._own_choking(values), values)
         before = own * self._root * more_drop
-        added = FLOW_CONSTANT * (kv * self._root_of_drop(drop, **choking) - before)
+        added = FLOW_CONSTANT * (kv * self._root_of_drop(*self._drop_at_valve(values), **choking) - before)
         return added * self.density if self.recording.mass_flow else added
 
     def _find_plug(self, values):

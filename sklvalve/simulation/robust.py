@@ -148,9 +148,9 @@ def least_within(slopes, columns, errors, lowest, highest):
                     for i in range(m):
                         beside[k, i] = weights[k] * columns[k, i]
                 hessian[p:, p:] = np.dot(beside.T, columns)
-            ridge = 1e-12 * np.trace(hessian) / (p + m) + 1e-300
+            # of each parameter's own curvature: that of one in pascals is nothing beside others
             for i in range(p + m):
-                hessian[i, i] += ridge
+                hessian[i, i] += 1e-12 * hessian[i, i] + 1e-300
             stale = False
         pull = weights * left
         gradient = np.empty(p + m)

@@ -11,7 +11,8 @@ _HEAD = 2e4
 
 
 class InletPressureBias(Effect):
-    r"""Recorded inlet pressure is off by b: the drop that drives the flow is :math:`p_1 - b - p_2`.
+    r"""Recorded inlet pressure is off by b: the flow is driven by :math:`p_1 - b - p_2`, and chokes by
+    :math:`p_1 - b - F_F p_v`.
 
     So it is where a sensor, or the tank whose level is taken for a pressure, stands higher than the valve.
     """
@@ -28,12 +29,12 @@ class InletPressureBias(Effect):
     def quantities(self, chain):
         size = float(np.nanquantile(np.abs(chain.dp), 0.95))
         starts = (0.1 * size, -0.1 * size)
-        # off by more than half the drop it is no sensor any more, but it may stand metres above the valve
-        most = max(0.5 * size, _HEAD)
+        # off by more than the drop it is no sensor any more, but it may stand metres above the valve
+        most = max(0.9 * size, _HEAD)
         return (Quantity("bias", "Pa", -most, min(most, 0.9 * size), starts),)
 
     def apply(self, value, p, chain):
-        return value - p["bias"]
+        return value | {"p1": value["p1"] - p["bias"]}
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         span = span_of(chain.p1)

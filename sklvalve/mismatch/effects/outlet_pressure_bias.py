@@ -18,4 +18,4 @@ class OutletPressureBias(InletPressureBias):
         return (Quantity("bias", "Pa", -inlet.high, -inlet.low, tuple(-s for s in inlet.starts)),)
 
     def apply(self, value, p, chain):
-        return value + p["bias"]
+        return value | {"p2": value["p2"] - p["bias"]}
