@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Questions on a terminal about what columns do not tell; Enter takes what is proposed."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 Answer = TypeVar("Answer", str, float)
 
 _NONE = "-"
+_WATER = "water"
+_GAUGES = ("gauge", "absolute")
 _TRIMS = ("linear", "equal_percentage", "quick_opening", "parabolic")
 
 
@@ -33,6 +35,7 @@ def ask(told: "RecordingColumns", answers: "Answers") -> "Answers":
     answers = replace(answers, roles=_ask_roles(told, assign_roles(told, tag=answers.tag)))
     roles = assign_roles(told, tag=answers.tag, chosen=answers.roles)
     answers = replace(answers, units=_ask_units(roles))
+    answers = replace(answers, gauges=_ask_gauges(roles, answers.units))
     if answers.tag is None:
         answers = replace(answers, tag=_word("Tag of the valve", None))
     answers = replace(answers, kv_rated=_number("Rated capacity kv [m3/h]", 0.0))
@@ -46,7 +49,7 @@ def ask(told: "RecordingColumns", answers: "Answers") -> "Answers":
     lengths = [each for each in roles.values() if each.column.unit and each.column.unit.unit in ("mm", "m")]
     if lengths:
         answers = replace(answers, travel=_number("Rated travel of the stem [mm]", 0.0))
-    return answers
+    return _with_fluid(answers)
 
 
 def _ask_roles(told: "RecordingColumns", roles: dict[str, "Assignment"]) -> dict[str, str | None]:
@@ -86,6 +89,30 @@ def _ask_units(roles: dict[str, "Assignment"]) -> dict[str, str]:
         if answer is not None:
             units[roles[role].column.name] = answer
     return units
+
+
+def _ask_gauges(roles: dict[str, "Assignment"], units: Mapping[str, str]) -> dict[str, bool]:
+    """Column -> whether it is above the atmosphere, of pressures where neither name nor values tell it."""
+    from sklvalve.recording.draft.signals import drafted_gauges, drafted_units
+
+    gauges: dict[str, bool] = {}
+    for role, told in drafted_gauges(roles, drafted_units(roles, units), gauges).items():
+        if told.value is not None:
+            continue
+        # nothing is proposed: what nobody answers stays to be filled in
+        answer = _choice(f"{roles[role].column.shown}, the {role}: which pressure", _GAUGES, None)
+        if answer is not None:
+            gauges[roles[role].column.name] = answer == "gauge"
+    return gauges
+
+
+def _with_fluid(answers: "Answers") -> "Answers":
+    """Ask for the fluid; of one other than water the density must be known."""
+    fluid = _word("Fluid, a liquid", _WATER)
+    if fluid in (None, _WATER):
+        return answers
+    density = _number("Density [kg/m3]; without it water is taken", 0.0)
+    return answers if density is None else replace(answers, fluid=fluid, density=density)
 
 
 def _read(question: str) -> str:

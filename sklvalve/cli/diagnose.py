@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sklvalve.cli.as_json import add_json_argument, as_json
-from sklvalve.cli.known import add_valve_argument, after_a_draft, known_valve, mended_by_a_draft, tell
+from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell, to_fill_in
 from sklvalve.cli.parser import folder, seed
 
 if TYPE_CHECKING:
@@ -79,11 +79,14 @@ def run(args: Namespace) -> int:
     first = args.recording[0]
     known = known_valve(args.valve, first)
     with mended_by_a_draft(known, first):
-        recording = join_recordings([read_recording(path, known.valve) for path in args.recording])
-        rows = _rows_until(recording, args.until)
-        loop = is_loop(recording.slice(0, rows))
-        if not loop:
-            require_diagnosable(recording.slice(0, rows))
+        read = [read_recording(path, known.valve) for path in args.recording]
+    recording = join_recordings(read)
+    rows = _rows_until(recording, args.until)
+    used = recording.slice(0, rows)
+    loop = is_loop(used)
+    if not loop:
+        with mended_by_a_draft(known, first):
+            require_diagnosable(used)
     with Staging(args.out, RESULTS) as staging:
         tell(known)
         finder = diagnose(recording, staging, until=rows, seed=args.seed, assumed=known.assumed)
@@ -96,8 +99,8 @@ def run(args: Namespace) -> int:
         print(f"\nWritten: {', '.join(str(path) for path in written)}")
         if loop:
             print(_NO_MODEL)
-        if known.assumed:
-            print(after_a_draft(first))
+        if hint := to_fill_in(known, first, loop=loop):
+            print(hint)
     return int(args.exit_code and found["verdict"] != "no_mismatch")
 
 
@@ -173,8 +176,10 @@ def _rows_until(recording: "Recording", time: str | None) -> int | None:
     recording.after(time)
     rows = len(recording.until(time))
     if rows < FEWEST_ROWS < len(recording):
+        stand = "stands" if rows == 1 else "stand"
+        enough = recording.stamps[FEWEST_ROWS - 1]
         raise InputError(
-            f"--until {time}: only {rows} of {len(recording)} rows of {recording.source} stand at or before "
-            f"it, too few to find anything in; give {recording.stamps[FEWEST_ROWS - 1]} or a later time"
+            f"--until {time}: only {rows} of {len(recording)} rows of {recording.source} {stand} at or "
+            f"before it, too few to find anything in; give {enough} or a later time"
         )
     return rows

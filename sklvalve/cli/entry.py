@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the command line to a command, and from its end to an exit status."""
 
+import errno
 import os
 import sys
 import warnings
@@ -108,6 +109,12 @@ def _run(argv: Sequence[str] | None) -> int:
     except Exception as error:
         if isinstance(error, BrokenPipeError) or (isinstance(error, OSError) and _output_fails()):
             raise
+        if isinstance(error, OSError) and error.errno == errno.ENOSPC:
+            # output that is not buffered fails where it is printed, and leaves nothing behind to fail again
+            return _complain(
+                f"the disk is full ({error.strerror}), or standard output goes where nothing fits; free some "
+                "space, or send it elsewhere"
+            )
         return _unforeseen(error)
 
 

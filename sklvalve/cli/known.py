@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is known of the valve: by the valve.toml given, by that beside the recording, or by columns alone."""
 
+import re
 import sys
 import tomllib
 from collections.abc import Iterator
@@ -16,6 +17,9 @@ if TYPE_CHECKING:
 SHEET = "valve.toml"
 # what must be told of a valve before anything can be compared: two of these
 _COMPARED = ("command", "opening", "flow", "process_value")
+# what a sentence speaks of that a valve.toml can mend, and what lies in a cell of the recording instead
+_OF_THE_SHEET = re.compile(r"\b(roles?|units?|sense|gauge|name the columns?)\b|\[(recording|fluid|valve)")
+_OF_A_CELL = re.compile(r"\brow \d")
 
 
 class Known(NamedTuple):
@@ -70,13 +74,14 @@ def known_valve(given: str | None, recording: str) -> Known:
 
 @contextmanager
 def mended_by_a_draft(known: Known, recording: str) -> Iterator[None]:
-    """Where there is no valve.toml in which to mend what is refused, say how to come by one."""
+    """Where there is no valve.toml in which to mend roles, units or the like, say how to come by one."""
     from sklvalve.recording import InputError
 
     try:
         yield
     except InputError as error:
-        if not known.assumed:
+        told = str(error)
+        if not known.assumed or _OF_A_CELL.search(told) or not _OF_THE_SHEET.search(told):
             raise
         raise InputError(f"{error} (there is no {SHEET} yet: {_init(recording)} drafts one)") from None
 
@@ -87,11 +92,19 @@ def tell(known: Known) -> None:
         print(f"note: {known.note}", file=sys.stderr)
 
 
-def after_a_draft(recording: str) -> str:
-    """What to do once a recording was read by its columns alone."""
+def to_fill_in(known: Known, recording: str, *, loop: bool) -> str:
+    """What of the data sheet to fill in, and where; empty where it is filled in, or of no use to a loop."""
+    if known.assumed:
+        return (
+            f"Next: {_init(recording)} writes what was assumed into a {SHEET}; correct it, fill in the data "
+            "sheet, and give the same command again, which finds it there"
+        )
+    valve = known.valve
+    if loop or valve.kv_rated is not None or valve.characteristic is not None:
+        return ""
     return (
-        f"Next: {_init(recording)} writes what was assumed into a {SHEET}; correct it, fill in the data "
-        "sheet, and give the same command again, which finds it there"
+        f"Next: fill in the data sheet, kv_rated and characteristic in [valve] of {valve.source}; without "
+        "them no loss of capacity is told, and a leak or a worn trim passes for the trim"
     )
 
 

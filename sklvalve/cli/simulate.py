@@ -186,7 +186,11 @@ def _scenario(args: Namespace) -> "Scenario | Profile | None":
     try:
         return course(args.fault, **given)
     except ValueError as error:
-        raise InputError(f"--fault {args.fault}: {str(error).rstrip('.')}") from None
+        told = str(error).rstrip(".")
+        options = " or ".join(f"--{name}" for name in given)
+        # a few sentences say themselves what to give
+        mend = "" if "; give " in told else f"; change {options}, or leave it out"
+        raise InputError(f"--fault {args.fault}: {told}{mend}") from None
 
 
 def _target(name: str, sheet: str) -> Path:

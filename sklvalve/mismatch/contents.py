@@ -113,14 +113,14 @@ def content_of(
     rest = unknown if unknown is not None else judgement.left
     if not blocks and rest is not None:
         blocks = ["valve" if rest.channel == "flow" else "actuator"]
-    if not blocks and judgement.strays is not None:
+    if judgement.strays is not None:
         blocks = ["actuator"]
     classes = [class_of(f) for f in judgement.findings]
     location = {"blocks": blocks, "regions": [], "onset": None, "intervals": []}
     if found:
         more = {"alpha": alpha, "random_state": random_state}
         location = location_of(workbench, judgement.model, unknown, blocks, **more)
-    if judgement.strays is not None and not judgement.findings:
+    if judgement.strays is not None:
         location |= _when_it_strays(judgement)
     joined = _recordings(whole)
     if joined:
@@ -142,7 +142,7 @@ def content_of(
             "recording_sha256": whole.sha256,
             "rows": len(workbench.recording),
             "random_state": random_state,
-            **({"recordings": joined} if joined else {}),
+            **({"recordings": joined} if joined else _first_stamp(whole)),
         },
     }
     if mend:
@@ -177,6 +177,12 @@ def _recordings(whole):
         }
         for p, many in zip(whole.pieces, rows, strict=True)
     ]
+
+
+def _first_stamp(whole):
+    """ISO 8601 time of the first sample, where the times are clock times."""
+    first = whole.stamps[0]
+    return {"begins": str(first).strip()} if isinstance(first, str) else {}
 
 
 def _unlearnt(left):

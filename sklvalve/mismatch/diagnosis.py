@@ -75,14 +75,85 @@ class Diagnosis:
             for k, member in enumerate(entry["members"])
         ]
 
+    def __repr__(self):
+        content = self.content
+        p_value = (content.get("mismatch") or {}).get("p_value")
+        told = [
+            content["verdict"],
+            *(" or ".join(members) for members in self.effects),
+            *([_p_words(p_value)] if p_value is not None else []),
+        ]
+        return f"<Diagnosis: {'; '.join(told)}>"
+
     def _repr_html_(self):
+        content = self.content
+        lines = [f"<strong>{escape(_finding(content))}</strong>"]
+        for label, words in (("How sure", _sureness(content)), ("What to do next", content.get("next_test"))):
+            if words:
+                lines.append(f"{label}: {escape(words)}")
+        page = "".join(f"<p>{line}</p>" for line in lines)
+        return f"<div>{page}{self._table() if content['effects'] else ''}</div>"
+
+    def _table(self):
         head = "".join(f"<th>{h}</th>" for h in ("finding", "effect", "probability", "parameters"))
         body = "".join(
             "<tr>" + "".join(f"<td>{escape(str(c))}</td>" for c in row) + "</tr>" for row in self._rows()
         )
-        verdict = escape(self.verdict.replace("_", " "))
-        return f"<table><caption>{verdict}</caption><tr>{head}</tr>{body}</table>"
+        return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def _finding(content):
+    """What was found in one sentence; a layer below the report, whose words are fuller."""
+    verdict = content["verdict"]
+    names = [_name(entry) for entry in content["effects"]]
+    if verdict == "named":
+        return f"The simulation leaves out {'; '.join(names)}."
+    if verdict == "none_of_these":
+        besides = f"Besides {'; '.join(names)}, something" if names else "Something"
+        return f"{besides} is missing that no known effect explains."
+    if verdict == "cannot_tell":
+        if not (content.get("mismatch") or {}).get("detected", True):
+            return "This recording cannot tell whether anything is missing."
+        likely = f"; likeliest is {'; '.join(names)}" if names else ""
+        return f"Something is missing, but this recording cannot tell what{likely}."
+    left = len(content.get("not_testable") or [])
+    unasked = f"; effects that could not be asked about: {left}, see not_testable" if left else ""
+    found = f"Nothing that matters was found missing{unasked}."
+    return " ".join([found, *(content.get("reasons") or [])])
+
+
+def _sureness(content):
+    """Probability of what was named, how large a chance the difference has, and what holds it back."""
+    parts = []
+    if content["verdict"] == "named":
+        found = [each for each in content["effects"] if "probability" in each]
+        parts += [
+            f"{_percent(each['probability'])} sure{f' of {_name(each)}' if len(found) > 1 else ''}"
+            for each in found
+        ]
+    p_value = (content.get("mismatch") or {}).get("p_value")
+    if p_value is not None:
+        parts.append(f"a difference as large comes by chance with {_p_words(p_value)}")
+    told = f"{'; '.join(parts)}." if parts else ""
+    reasons = [] if content["verdict"] == "no_mismatch" else content.get("reasons") or []
+    # what must be mended first is both the reason and what to do
+    words = " ".join([told, *(r for r in reasons if r != content.get("next_test"))]).strip()
+    return words[:1].upper() + words[1:]
+
+
+def _name(entry):
+    return " or ".join(member["name"].replace("_", " ") for member in entry["members"])
+
+
+def _p_words(p_value):
+    return "p < 0.001" if p_value < 0.001 else f"p = {p_value:.3g}"
+
+
+def _percent(probability):
+    return "more than 99 %" if probability > 0.99 else f"{100.0 * probability:.0f} %"
 
 
 def _spoken(parameters):
-    return ", ".join(f"{name} {p['value']:.3g} {p['unit']}".strip() for name, p in parameters.items())
+    # a pure number has the unit 1, which is not told
+    units = {name: "" if p["unit"] == "1" else p["unit"] for name, p in parameters.items()}
+    return ", ".join(f"{name} {p['value']:.3g} {units[name]}".strip() for name, p in parameters.items())

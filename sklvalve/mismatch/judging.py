@@ -142,11 +142,10 @@ def _judged(
         more |= {"left": left_over(workbench, nominal, nominal), "closest": closest, "closest_leaves": left}
     nominal = workbench.least_squares(nominal)
     model = _else_as(workbench, workbench.least_squares(model), nominal) if findings else nominal
-    strays = None if channels is not None else _unexplained_stem(workbench, model, findings, verdict, alpha)
-    if strays is not None:
-        # the strongest name of a stem that is not where it has it may be the name of something else
-        verdict, more["strays"] = "cannot_tell", strays
-        p_value = min(p_value, STRAYS_BY_CHANCE)
+    if verdict == "no_mismatch" and channels is None and alpha >= STRAYS_BY_CHANCE:
+        strays = stem_rest(workbench, nominal)
+        if strays is not None and strays.evident:
+            verdict, p_value, more["strays"] = "cannot_tell", min(p_value, STRAYS_BY_CHANCE), strays
     if verdict == "no_mismatch" or unknown is None or "strays" in more:
         return Judgement(verdict, p_value, findings, None, nominal, model, **more)
     tried = folded(workbench, model, unknown)
@@ -187,14 +186,6 @@ def _else_as(workbench, model, nominal):
     values = {p.name: nominal.values[p.name] for c in rest for p in workbench.calibration((c,))}
     predictions = {c: nominal.predictions[c] for c in rest}
     return replace(model, values=model.values | values, predictions=model.predictions | predictions)
-
-
-def _unexplained_stem(workbench, model, findings, verdict, alpha):
-    """Where the stem strays from what was found, or from the simulation where nothing was; else None."""
-    in_stem = any("opening" in workbench.channels_touched(f.member.effect) for f in findings)
-    asked = (verdict == "no_mismatch" and alpha >= STRAYS_BY_CHANCE) or (verdict == "named" and in_stem)
-    strays = stem_rest(workbench, model) if asked else None
-    return strays if strays is not None and strays.evident else None
 
 
 def _names_one_of(names, judgement):

@@ -8,6 +8,8 @@ from sklvalve.recording._screen_tools import Finding, boiling_point, finding, me
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.signal import OPENING_ROLES
 
+_MOST_BAR = 400.0
+
 
 def screen_swapped(recording: Recording) -> list[Finding]:
     """Outlet pressure above inlet pressure in a good part of the rows."""
@@ -31,6 +33,7 @@ def screen_units(recording: Recording) -> list[Finding]:
         *_sense(recording),
         *_temperature(recording),
         *_vacuum(recording),
+        *_beyond_bar(recording),
         *screen_capacity(recording),
     ]
 
@@ -106,4 +109,19 @@ def _vacuum(recording: Recording) -> list[Finding]:
         if below.mean() > 0.01 or (role in recording.constants and below.all()):
             detail = f"at or below absolute vacuum in {100.0 * below.mean():.2g} % of the rows: is it gauge?"
             found.append(finding("unit_suspect", role, detail, runs(below)))
+    return found
+
+
+def _beyond_bar(recording: Recording) -> list[Finding]:
+    """Pressures in bar that would rather be kPa; a rated capacity tells more surely, also of a wellhead."""
+    if recording.valve.kv_rated is not None:
+        return []
+    found = []
+    for role in ("p1", "p2"):
+        if role not in recording or recording.unit(role) != "bar":
+            continue
+        middle = float(np.nanmedian(recording.in_recorded_units(role, recording[role])))
+        if middle > _MOST_BAR:
+            detail = f"around {middle:.3g} bar, more than {_MOST_BAR:g}: is it kPa? if not, give kv_rated"
+            found.append(finding("unit_suspect", role, detail))
     return found

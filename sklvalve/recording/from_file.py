@@ -58,5 +58,5 @@ def read_recording(path: str | PathLike[str], valve: Valve | str | PathLike[str]
     read = read_columns(path)
     rows = len(next(iter(read.columns.values())))
     if rows < _MIN_ROWS:
-        raise InputError(f"{path}: only {rows} rows, too few for a recording; give at least {_MIN_ROWS}")
+        raise InputError(f"{path}: too few rows for a recording, {rows}; give at least {_MIN_ROWS}")
     return Recording.from_columns(read.columns, sheet, str(path), read.sha256)

@@ -5,8 +5,20 @@ from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
 from sklvalve.report.rows import moves
 from sklvalve.report.sentence import closest, gain, helped, no_noise, size_words
-from sklvalve.report.words import block_words, class_words, either, number, p_words, percent, role_words, sure
+from sklvalve.report.words import (
+    class_in_block,
+    class_words,
+    either,
+    number,
+    p_words,
+    percent,
+    role_words,
+    sure,
+    unsaid,
+)
 
+# what effects need that only a data sheet can give, as `not_testable` says it
+_SHEET = "a data sheet with the trim's characteristic"
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 
 
@@ -69,7 +81,8 @@ def _named(d: dict) -> str:
     effects = d["effects"]
     if len(effects) == 1:
         effect = effects[0]
-        found = f"{class_words(effect['members'])} {brief_place(d, effect['blocks'])}".rstrip()
+        words = class_words(effect["members"])
+        found = f"{words} {brief_place(d, unsaid(words, effect['blocks']))}".rstrip()
         size = _size(effect, d)
         return f"The simulation leaves out {found}{f': {size}' if size else ''}."
     listed = []
@@ -79,7 +92,7 @@ def _named(d: dict) -> str:
             for words in (size_words(effect, d, interval=False), moves(effect.get("size") or {}))
             if words
         ]
-        words = f"{count}. {class_words(effect['members'])} {block_words(effect['blocks'])}"
+        words = f"{count}. {class_in_block(effect)}"
         listed.append(f"{words} ({', '.join(sizes)})" if sizes else words)
     where = brief_place(d, [])
     return f"The simulation leaves out {'; '.join(listed)}{f'; they show {where}' if where else ''}."
@@ -160,7 +173,13 @@ def _times(p_value: float) -> str:
 def _next(d: dict) -> str:
     test = d.get("next_test") or ""
     if d["verdict"] == "no_mismatch":
-        return " ".join(["Nothing needs to be done.", *([f"To learn more: {test}"] if test else [])])
+        first = (
+            "Give the data sheet's capacity and characteristic: without them a leak, a worn trim or a wrong "
+            "capacity cannot be told."
+            if any(each.get("needs") == _SHEET for each in d.get("not_testable") or [])
+            else "Nothing needs to be done."
+        )
+        return " ".join([first, *([f"To learn more: {test}"] if test else [])])
     if test:
         return test
     if d["verdict"] == "named":

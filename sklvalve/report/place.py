@@ -2,6 +2,8 @@
 """Where and when a mismatch acts, in words."""
 
 import re
+from collections.abc import Sequence
+from datetime import datetime, timedelta
 
 from sklvalve.report.words import block_words, number, percent
 
@@ -167,21 +169,57 @@ def since_known(d: dict) -> bool:
     return not nameless or location.get("onset") is not None
 
 
-def since_words(location: dict) -> str:
-    """Since when, for a table."""
+def since_words(location: dict, begins: str | None = None) -> str:
+    """Since when, for a table.
+
+    Parameters
+    ----------
+    location : dict
+    begins : str, default=None
+        ISO 8601 stamp of the first sample, where the recording has clock times: they are told too.
+    """
     onset = location.get("onset")
     if onset is None:
-        return "the start"
+        return f"the start{_bracketed([_clock([0.0], begins)])}"
     after = "" if location.get("recordings") else " after the first sample"
-    return f"{moment(onset, location)}{after}{_onset_within(location)}"
+    ci = location.get("onset_ci95")
+    within = f"95 %: {_span(ci[0], ci[1], location)}" if ci else ""
+    return f"{moment(onset, location)}{after}{_bracketed([_clock([onset], begins), within])}"
 
 
-def intervals_words(location: dict, limit: int = 4) -> str:
-    """Times at which the mismatch is there, the first few of them."""
+def intervals_words(location: dict, begins: str | None = None, limit: int = 4) -> str:
+    """Times at which the mismatch is there, the first few of them.
+
+    Parameters
+    ----------
+    location : dict
+    begins : str, default=None
+        ISO 8601 stamp of the first sample, where the recording has clock times: they are told too.
+    limit : int, default=4
+    """
     spans = [
-        f"{moment(start, location)} to {moment(stop, location)}"
+        f"{moment(start, location)} to {moment(stop, location)}{_bracketed([_clock([start, stop], begins)])}"
         for start, stop in location.get("intervals") or []
     ]
     if len(spans) > limit:
         spans = [*spans[:limit], f"and {len(spans) - limit} more"]
     return ", ".join(spans)
+
+
+def _clock(seconds: Sequence[float], begins: str | None) -> str:
+    """Times from the first sample as clock times: ``14:12:23 to 14:20:00 on 2024-03-01``."""
+    if begins is None:
+        return ""
+    try:
+        first = datetime.fromisoformat(begins)
+    except ValueError:
+        return ""
+    told = [first + timedelta(seconds=round(each)) for each in seconds]
+    if told[0].date() == told[-1].date():
+        return f"{' to '.join(f'{each:%H:%M:%S}' for each in told)} on {told[0]:%Y-%m-%d}"
+    return " to ".join(f"{each:%H:%M:%S} on {each:%Y-%m-%d}" for each in told)
+
+
+def _bracketed(words: Sequence[str]) -> str:
+    told = "; ".join(each for each in words if each)
+    return f" ({told})" if told else ""

@@ -10,6 +10,7 @@ from sklvalve.report.proof import further, left_out, note
 from sklvalve.report.words import (
     block_words,
     chance,
+    class_in_block,
     class_words,
     either,
     number,
@@ -32,6 +33,7 @@ class Explanation(NamedTuple):
     sure: str
     chance: str
     blocks: str
+    placed: str
     members: list[tuple[str, float, str]]
     parameters: list[tuple[str, str]]
     sentence: str
@@ -47,6 +49,7 @@ def explanations(d: dict) -> list[Explanation]:
             sure=sure(effect["probability"]),
             chance=chance(effect["probability"]),
             blocks=block_words(effect["blocks"]),
+            placed=class_in_block(effect, limit=5),
             members=[
                 (spoken(member["name"]), member["probability"], chance(member["probability"]))
                 for member in effect["members"]
@@ -104,9 +107,10 @@ def places(d: dict) -> list[tuple[str, str]]:
     if not since_known(d):
         learnt = ": it was learnt from all rows alike" if d["verdict"] == "none_of_these" else ""
         return [*rows, ("Since", f"not known{learnt}")]
-    rows.append(("Since", since_words(location)))
+    begins = (d.get("provenance") or {}).get("begins")
+    rows.append(("Since", since_words(location, begins)))
     if location.get("intervals"):
-        rows.append(("Present", intervals_words(location)))
+        rows.append(("Present", intervals_words(location, begins)))
     if any(each.get("assumed") for each in location.get("recordings") or []):
         rows.append(("Clock", "the times of the recordings begin anew: they stand in the order given"))
     return rows
@@ -207,7 +211,11 @@ def unexplained(d: dict) -> list[tuple[str, str]]:
 
 def provenance(d: dict) -> list[tuple[str, str]]:
     """What the diagnosis was made from and with."""
-    names = {"sklvalve": "sklvalve version", "recording_sha256": "SHA-256 of the recording"}
+    names = {
+        "sklvalve": "sklvalve version",
+        "recording_sha256": "SHA-256 of the recording",
+        "begins": "first sample",
+    }
     told = dict(d.get("provenance") or {})
     several = told.pop("recordings", [])
     if several:

@@ -7,6 +7,7 @@ from sklvalve.report.proof import error_words, left_out
 from sklvalve.report.words import (
     block_words,
     chance,
+    class_in_block,
     class_words,
     either,
     number,
@@ -88,9 +89,7 @@ def _named(d: dict) -> str:
         )
     count = _COUNTS.get(len(effects), str(len(effects)))
     found = [
-        f"{class_words(effect['members'])} {block_words(effect['blocks'])} "
-        f"({_size(effect, d)}{sure(effect['probability'])})"
-        for effect in effects
+        f"{class_in_block(effect)} ({_size(effect, d)}{sure(effect['probability'])})" for effect in effects
     ]
     listed = "; ".join(f"{place}. {words}" for place, words in enumerate(found, start=1))
     return f"The simulation leaves out {count} things: {listed}; they show {_place(d, [])}{_clause(d)}."

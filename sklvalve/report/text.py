@@ -54,7 +54,7 @@ def to_text(d: dict) -> str:
     for count, item in enumerate(found, start=1):
         label = "Candidate" if d["verdict"] == "cannot_tell" else "Explanation"
         label += f" {count}" if len(found) > 1 else ""
-        lines += ["", _line(label, f"{item.name} {item.blocks}: {item.sure}")]
+        lines += ["", _line(label, f"{item.placed}: {item.sure}")]
         if len(item.members) > 1:
             lines.append(_line("", "; ".join(f"{name} {share}" for name, _, share in item.members)))
         lines += [_line("", f"{name} {value}") for name, value in item.parameters]

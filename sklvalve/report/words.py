@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Names and numbers as a plant engineer says them."""
 
+import re
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
@@ -104,6 +105,18 @@ def class_words(members: Iterable[dict], limit: int = 3) -> str:
 def block_words(blocks: Sequence[str], last: str = "or") -> str:
     """Words for the places where an effect may sit: in the actuator or in the valve."""
     return either([BLOCKS.get(block, f"in the {block}") for block in blocks], last)
+
+
+def unsaid(words: str, blocks: Sequence[str]) -> list[str]:
+    """Blocks to be told after these words: none where the words name them all ("a slow actuator")."""
+    said = all(re.search(rf"\b{re.escape(block)}\b", words) for block in blocks)
+    return [] if said else list(blocks)
+
+
+def class_in_block(effect: dict, limit: int = 3) -> str:
+    """Words for a class of effects and where it sits."""
+    words = class_words(effect["members"], limit)
+    return f"{words} {block_words(unsaid(words, effect['blocks']))}".rstrip()
 
 
 def number(value: float | None, digits: int = 3) -> str:

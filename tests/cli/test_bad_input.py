@@ -147,7 +147,8 @@ def test_arguments(folder, capsys, arguments, words):
 @pytest.mark.parametrize(("until", "rows"), [("100", 1), ("218", 119)])
 def test_too_few_rows_before_a_time(folder, capsys, until, rows):
     (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(150)))
-    words = f"--until {until}: only {rows} of 150 rows of recording.csv stand at or before it"
+    stand = "stands" if rows == 1 else "stand"
+    words = f"--until {until}: only {rows} of 150 rows of recording.csv {stand} at or before it"
     refused([*DIAGNOSE, "--until", until], words, capsys)
     refused([*DIAGNOSE, "--until", until], "give 219.0 or a later time", capsys)
     assert main([*DIAGNOSE, "--until", "219"]) == 0
@@ -205,8 +206,16 @@ def test_error_that_nobody_foresaw(folder, capsys, monkeypatch, error):
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs /dev/full, a device that is always full")
-@pytest.mark.parametrize("arguments", [["--version"], ["screen", *DIAGNOSE[1:4]]], ids=["version", "screen"])
-def test_output_that_cannot_be_written(folder, arguments):
+@pytest.mark.parametrize(
+    ("arguments", "unbuffered", "words"),
+    [
+        (["--version"], "", "standard output cannot be written (No space left"),
+        (["screen", *DIAGNOSE[1:4]], "", "standard output cannot be written (No space left"),
+        (["screen", *DIAGNOSE[1:4]], "1", "the disk is full (No space left on device), or standard output"),
+    ],
+    ids=["version", "screen", "screen unbuffered"],
+)
+def test_output_that_cannot_be_written(folder, arguments, unbuffered, words):
     with open("/dev/full", "w") as full:
         run = subprocess.run(
             [sys.executable, "-m", "sklvalve", *arguments],
@@ -214,8 +223,8 @@ def test_output_that_cannot_be_written(folder, arguments):
             stderr=subprocess.PIPE,
             text=True,
             check=False,
-            env=os.environ | {"PYTHONUNBUFFERED": ""},
+            env=os.environ | {"PYTHONUNBUFFERED": unbuffered},
         )
     assert run.returncode == 2
-    assert run.stderr.startswith("sklvalve: standard output cannot be written (No space left")
+    assert run.stderr.startswith(f"sklvalve: {words}")
     assert run.stderr.count("\n") == 1

@@ -75,6 +75,13 @@ EXPORTS = {
     ),
     "unknown tag to hold": (WIDE, ["--hold", "FIC1.PX"], "--hold FIC1.PX: the export has no such tag"),
     "too fine a period": (WIDE, ["--period", "0.0001"], "more than 5000000; give a longer --period"),
+    "far too fine a period": (WIDE, ["--period", "1e-9"], "there are 5.9e+11 rows of 1e-09 s, more than"),
+    "finer than a time": (
+        "time,F\n0,1\n0.0001,2\n",
+        ["--period", "1e-7"],
+        "expected a --period from 1e-06 to 1e+09 s; got 1e-07 s",
+    ),
+    "endless period": (WIDE, ["--period", "1e300"], "expected a --period from 1e-06 to 1e+09 s; got 1e+300"),
     "period beyond all": (
         _changed(WIDE, 2, "10:00:00", "10:00:03"),
         ["--period", "86400"],

@@ -106,11 +106,14 @@ def test_asks_on_a_terminal_what_is_in_doubt(draft, monkeypatch, capsys):
         "furlong",  # no unit of a pressure
         "bar",
         "l/min",  # unit of the flow
+        "gau",  # PT7
         "FV-7",
         "many",  # no number
         "25",
         "eq",
         "50",
+        "brine",
+        "1,19e3",  # its density
     )
     assert main(INIT) == 0
     shown = capsys.readouterr().out
@@ -124,6 +127,9 @@ def test_asks_on_a_terminal_what_is_in_doubt(draft, monkeypatch, capsys):
         "flow": "PV",
     }
     assert (valve.roles["flow"].unit, valve.roles["p1"].unit) == ("l/min", "bar")
+    assert valve.roles["p1"].gauge
+    assert "recording.p1] gauge" not in shown
+    assert valve.fluid == {"name": "brine", "density": 1190.0}
     assert (valve.tag, valve.kv_rated, valve.characteristic, valve.rangeability) == (
         "FV-7",
         25.0,
@@ -138,6 +144,18 @@ def test_enter_and_the_end_of_input_take_what_is_proposed(draft, monkeypatch, ca
     _answer(monkeypatch, "")
     assert main(INIT) == 0
     assert read_valve("valve.toml") == read_valve("silent.toml")
+
+
+@pytest.mark.parametrize("answers", [["water"], ["brine", ""]], ids=["water", "of unknown density"])
+def test_the_fluid_stays_water(draft, monkeypatch, capsys, answers):
+    _recording(draft, OP=TRAVEL, PV=0.3 * TRAVEL)
+    # PV, its unit, the sense, the tag, capacity and trim stay as proposed
+    _answer(monkeypatch, "", "", "", "", "", *answers)
+    assert main(INIT) == 0
+    shown = capsys.readouterr().out
+    assert "Fluid, a liquid [water]: " in shown
+    assert ("Density" in shown) is ("brine" in answers)
+    assert read_valve("valve.toml").fluid == {}
 
 
 def test_a_dash_leaves_a_column_out(draft, monkeypatch, capsys):

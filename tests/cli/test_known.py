@@ -114,6 +114,37 @@ REFUSED = {
     ),
 }
 
+# columns are understood; what is refused lies in an argument, in a cell, or in the length
+UNRELATED = {
+    "file twice": ([], ["recording.csv"], None),
+    "until words": ([], ["--until", "noon"], None),
+    "far beyond any plant": ([1e300], [], "far beyond any plant"),
+}
+
+
+@pytest.mark.parametrize(("head", "more", "words"), UNRELATED.values(), ids=UNRELATED)
+def test_a_draft_is_offered_only_where_it_would_mend_something(alone, capsys, head, more, words):
+    flow = 0.3 * TRAVEL
+    flow[: len(head)] = head
+    _recording(alone, **{"FIC7.OP": TRAVEL, "FIC7.PV": flow, "ZT7": TRAVEL})
+    assert main(["diagnose", "recording.csv", *more]) == 2
+    refusal = capsys.readouterr().err
+    assert (words or more[-1]) in refusal
+    assert "drafts one" not in refusal
+
+
+@pytest.mark.parametrize("filled", [False, True])
+def test_a_draft_that_nobody_filled_in_is_told_last(alone, capsys, filled):
+    _named(alone)
+    assert main(["init", "recording.csv", "--yes"]) == 0
+    if filled:
+        sheet = (alone / "valve.toml").read_text()
+        (alone / "valve.toml").write_text(sheet.replace("# kv_rated", "kv_rated"))
+    capsys.readouterr()
+    assert main(["diagnose", "recording.csv"]) == 0
+    last = capsys.readouterr().out.splitlines()[-1]
+    assert last.startswith("Next: fill in the data sheet, kv_rated and charac") is not filled
+
 
 @pytest.mark.parametrize(("columns", "words"), REFUSED.values(), ids=REFUSED)
 def test_too_little_is_told_by_names(alone, capsys, columns, words):

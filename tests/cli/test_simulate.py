@@ -98,7 +98,7 @@ REFUSED = {
     "unknown fault": ([*SHORT, "--out", "r.csv", "--fault", "f20"], "no such fault; give one of f1 to f19"),
     "too strong": (
         [*SHORT, "--out", "r.csv", "--fault", "f1", "--strength", "1.5"],
-        "strength of f1 must lie in [0, 1], got 1.5",
+        "strength of f1 must lie in [0, 1], got 1.5; change --strength, or leave it out",
     ),
     "wrong sign": (
         [*SHORT, "--out", "r.csv", "--fault", "f1", "--strength", "-0.5"],
@@ -109,7 +109,7 @@ REFUSED = {
     "never begins": ([*SHORT, "--out", "r.csv", "--fault", "f1", "--begins", "inf"], "end after it begins"),
     "no such growth": (
         [*SHORT, "--out", "r.csv", "--fault", "f7", "--profile", "incipient"],
-        "no incipient f7",
+        "no incipient f7; give a speed instead, one of short, medium, long\n",
     ),
     "unknown profile": ([*SHORT, "--out", "r.csv", "--fault", "f1", "--profile", "slow"], "--profile"),
     "strength of nothing": ([*SHORT, "--out", "r.csv", "--strength", "0.5"], "name the fault too"),

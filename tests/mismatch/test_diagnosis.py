@@ -2,11 +2,14 @@
 """The result as dict, table and page: a copy, plain, and escaped."""
 
 import copy
+import dataclasses
 import pickle
+from datetime import datetime, timedelta
 
+import numpy as np
 import pytest
 
-from sklvalve.mismatch import Diagnosis
+from sklvalve.mismatch import Diagnosis, MissingPhysicsFinder
 
 
 @pytest.fixture
@@ -30,8 +33,61 @@ def test_page_escapes_what_it_shows(diagnosis):
     assert page.count("<tr>") == 5
 
 
-def test_verdict_in_the_caption_is_escaped_too():
-    assert "&lt;i&gt;none of these" in Diagnosis({"verdict": "<i>none_of_these", "effects": []})._repr_html_()
+def test_page_begins_with_the_finding_how_sure_and_what_to_do():
+    leak = [{"name": "seat_leakage", "probability": 0.61}, {"name": "bypass_open", "probability": 0.36}]
+    content = {
+        "verdict": "named",
+        "mismatch": {"detected": True, "p_value": 4e-4},
+        "effects": [{"members": leak, "probability": 0.97, "parameters": {}}],
+        "next_test": "Close the <valve>.",
+    }
+    page = Diagnosis(content)._repr_html_()
+    assert page.startswith(
+        "<div><p><strong>The simulation leaves out seat leakage or bypass open.</strong></p>"
+        "<p>How sure: 97 % sure; a difference as large comes by chance with p &lt; 0.001.</p>"
+        "<p>What to do next: Close the &lt;valve&gt;.</p><table>"
+    )
+    assert repr(Diagnosis(content)) == "<Diagnosis: named; seat_leakage or bypass_open; p < 0.001>"
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ({"verdict": "none_of_these"}, "Something is missing that no known effect explains."),
+        ({"verdict": "cannot_tell"}, "Something is missing, but this recording cannot tell what."),
+        ({"verdict": "no_mismatch"}, "Nothing that matters was found missing."),
+        (
+            {"verdict": "cannot_tell", "mismatch": {"detected": False}, "reasons": ["Mend <it>."]},
+            "whether anything is missing.</strong></p><p>How sure: Mend &lt;it&gt;.",
+        ),
+    ],
+)
+def test_page_without_effects_has_words_and_no_table(content, words):
+    page = Diagnosis(content | {"effects": []})._repr_html_()
+    assert words in page
+    assert "<table" not in page
+    assert repr(Diagnosis(content | {"effects": []})) == f"<Diagnosis: {content['verdict']}>"
+
+
+def test_what_could_not_be_asked_is_no_all_clear():
+    content = {"verdict": "no_mismatch", "effects": [], "mismatch": {"p_value": 0.43}}
+    content["not_testable"] = [{"name": "seat_leakage", "needs": "a data sheet"}] * 2
+    page = Diagnosis(content)._repr_html_()
+    assert "comes by chance with p = 0.43." in page
+    assert "found missing; effects that could not be asked about: 2, see not_testable." in page
+
+
+def test_several_findings_are_told_with_their_own_probabilities():
+    names = ("backlash", "seat_leakage")
+    play = {"width": {"value": 0.031, "unit": "1", "ci95": None}}
+    entries = [
+        {"members": [{"name": n, "probability": p}], "probability": p, "parameters": play}
+        for n, p in zip(names, (0.999, 0.8), strict=True)
+    ]
+    page = Diagnosis({"verdict": "named", "effects": entries})._repr_html_()
+    assert "The simulation leaves out backlash; seat leakage." in page
+    assert "More than 99 % sure of backlash; 80 % sure of seat leakage." in page
+    assert "<td>width 0.031</td>" in page
 
 
 def test_dict_is_a_copy(diagnosis):
@@ -66,3 +122,12 @@ def test_what_was_found_cannot_be_changed():
 def test_copies_and_pickles_as_it_is(diagnosis):
     for back in (copy.deepcopy(diagnosis), pickle.loads(pickle.dumps(diagnosis))):
         assert back.content == diagnosis.content
+
+
+def test_clock_time_of_the_first_sample_is_kept_where_there_is_one(healthy, found_healthy):
+    assert "begins" not in found_healthy.diagnosis_.content["provenance"]
+    first = datetime.fromisoformat("2024-03-01T13:28:00+01:00")
+    stamps = [(first + timedelta(seconds=each)).isoformat() for each in healthy.time]
+    dated = dataclasses.replace(healthy, stamps=np.array(stamps, dtype=object))
+    content = MissingPhysicsFinder(effects="flow_meter_bias").fit(dated).diagnosis_.content
+    assert content["provenance"]["begins"] == "2024-03-01T13:28:00+01:00"

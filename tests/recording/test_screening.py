@@ -260,10 +260,12 @@ def test_sense_against_the_command():
     assert screened(columns, opening={**ROLES["opening"], "sense": "closing"}) == []
 
 
-def test_kelvin_read_as_degrees():
+def test_units_that_no_plant_can_have():
     assert names(screened(healthy(), temperature={"column": "T", "unit": "K"})) == {
         ("unit_suspect", "temperature")
     }
+    in_bar = {role: {**ROLES[role], "unit": "bar"} for role in ("p1", "p2")}
+    assert ("unit_suspect", "p1") in names(screened(healthy(), {"tag": "FV without kv_rated"}, **in_bar))
 
 
 def test_vacuum_from_a_forgotten_gauge():

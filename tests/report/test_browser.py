@@ -82,7 +82,23 @@ def test_page_opens_whole_and_asks_for_nothing(page, address):
         ".map(e => e.outerHTML.slice(0, 90))"
     )
     assert page.ask(wide) == []
+    spilling = (
+        "[...document.querySelectorAll('main *, header *')]"
+        ".filter(e => e instanceof HTMLElement && e.checkVisibility() && e.clientWidth)"
+        ".filter(e => e.scrollWidth > e.clientWidth + 1)"
+        ".filter(e => !['auto', 'scroll'].includes(getComputedStyle(e).overflowX))"
+        ".map(e => e.outerHTML.slice(0, 90))"
+    )
+    assert page.ask(spilling) == []
     assert page.ask("document.querySelectorAll('img').length") == 0
+
+
+@pytest.mark.parametrize("page", [{"width": 320}, {"width": 360}], indirect=True, ids=("320", "360"))
+def test_table_of_errors_stands_whole_on_a_phone(page):
+    """It may scroll, but on a phone nothing shows that, and the last column is the one that counts."""
+    widths = "[...document.querySelectorAll('.wide:not(.still)')].map(e => [e.scrollWidth, e.clientWidth])"
+    ((inner, box),) = page.ask(widths)
+    assert inner <= box
 
 
 def test_ink_stands_out_in_light_and_dark(browser, address):

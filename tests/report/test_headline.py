@@ -5,6 +5,10 @@ import copy
 
 import pytest
 
+from sklvalve.mismatch.effects.capacity_error import CapacityError
+from sklvalve.mismatch.effects.erosion import Erosion
+from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
+from sklvalve.report import summary_sentence
 from sklvalve.report.headline import glance, headline
 from tests.report import examples
 
@@ -59,6 +63,36 @@ def test_nothing_missing():
     assert "What it brings" not in _glance(made)
     made["mismatch"] |= {"p_value": 1e-6}
     assert headline(made).startswith("Nothing that matters is missing")
+
+
+def test_without_a_data_sheet_nothing_is_declared_sound():
+    made = examples.no_mismatch()
+    needs = "a data sheet with the trim's characteristic"
+    made["not_testable"] = [{"name": "gas_expansion", "needs": "a gas"}]
+    assert _glance(made)["What to do next"] == "Nothing needs to be done."
+    made["not_testable"].append({"name": "seat_leakage", "needs": needs})
+    told = (
+        "Give the data sheet's capacity and characteristic: without them a leak, a worn trim or a wrong "
+        "capacity cannot be told."
+    )
+    assert _glance(made)["What to do next"] == told
+    made["next_test"] = "Move the valve."
+    assert _glance(made)["What to do next"] == f"{told} To learn more: Move the valve."
+    # these are the words of the catalogue, so that a change there is seen here
+    assert SeatLeakage.requires == CapacityError.requires == Erosion.requires == needs
+
+
+def test_a_place_that_the_name_says_is_not_said_again():
+    made = examples.named()
+    leak = {"members": [{"name": "actuator_leak", "probability": 0.97}], "blocks": ["actuator"]}
+    made["effects"][0] = examples.LEAK | leak
+    assert headline(made).startswith(
+        "The simulation leaves out an air leak of the actuator below 12 % opening,"
+    )
+    made["effects"].append(examples.PLAY)
+    for sentence in (headline(made), summary_sentence(made)):
+        assert "1. an air leak of the actuator (" in sentence
+        assert "2. backlash in the actuator (" in sentence
 
 
 def test_what_no_effect_explains():

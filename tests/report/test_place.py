@@ -9,7 +9,9 @@ from sklvalve.report.place import (
     regions_words,
     since_words,
 )
+from sklvalve.report.rows import places
 from sklvalve.report.words import chance, class_words, number, p_words, percent, spoken, sure
+from tests.report import examples
 
 
 @pytest.mark.parametrize(
@@ -69,6 +71,24 @@ def test_times():
     assert onset_words(two) == "in 2 spells from the start on"
     spans = [[10.0 * k, 10.0 * k + 5.0] for k in range(6)]
     assert intervals_words({"intervals": spans}).endswith("30 s to 35 s, and 2 more")
+
+
+def test_clock_times_stand_beside_seconds_where_the_recording_has_them():
+    known = {"onset": 812.4, "onset_ci95": [790.4, 833.0], "intervals": [[812.4, 900.0], [36000.0, 87000.0]]}
+    begins = "2024-03-01T13:28:00"
+    assert since_words(known, begins) == (
+        "812 s after the first sample (13:41:32 on 2024-03-01; 95 %: 790 to 833 s)"
+    )
+    assert since_words({"onset": None}, begins) == "the start (13:28:00 on 2024-03-01)"
+    assert intervals_words(known, begins) == (
+        "812 s to 900 s (13:41:32 to 13:43:00 on 2024-03-01), "
+        "10.0 h to 24.2 h (23:28:00 on 2024-03-01 to 13:38:00 on 2024-03-02)"
+    )
+    told = examples.named()
+    told["provenance"] |= {"begins": begins}
+    told["location"] = told["location"] | {"onset": 812.0}
+    assert dict(places(told))["Since"] == "812 s after the first sample (13:41:32 on 2024-03-01)"
+    assert dict(places(told))["Present"].startswith("812 s to 5759 s (13:41:32 to 15:03:59")
 
 
 def test_certainty_is_never_claimed():

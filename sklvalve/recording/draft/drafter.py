@@ -9,6 +9,7 @@ from sklvalve.recording.draft.columns import RecordingColumns
 from sklvalve.recording.draft.roles import Assignment, assign_roles, tag_of
 from sklvalve.recording.draft.sheet import Sheet, Stated
 from sklvalve.recording.draft.signals import (
+    drafted_gauges,
     drafted_units,
     write_missing_outlet,
     write_open_pressure,
@@ -49,20 +50,29 @@ class Answers:
         Column -> role; None keeps the column out.
     units : mapping of str to str
         Column -> unit.
+    gauges : mapping of str to bool
+        Column of a pressure -> whether it is above the atmosphere.
     tag : str or None
         Name of the valve; where several share a recording, columns with it in their names go first.
     kv_rated, rangeability, travel : float or None
         [m3/h], [1], [mm].
     characteristic : str or None
+    fluid : str or None
+        Its name; None is water.
+    density : float or None
+        [kg/m3], of a fluid other than water.
     """
 
     roles: Mapping[str, str | None] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
+    gauges: Mapping[str, bool] = field(default_factory=dict)
     tag: str | None = None
     kv_rated: float | None = None
     characteristic: str | None = None
     rangeability: float | None = None
     travel: float | None = None
+    fluid: str | None = None
+    density: float | None = None
 
 
 @dataclass(frozen=True)
@@ -110,7 +120,8 @@ def draft_valve(told: RecordingColumns, answers: Answers = Answers()) -> Draft:
     _write_valve(sheet, roles, answers)
     sheet.section("recording", "how the recording is laid out")
     sheet.known("time", told.time, "the column of the times")
-    write_signals(sheet, roles, drafted_units(roles, answers.units), answers.travel)
+    units = drafted_units(roles, answers.units)
+    write_signals(sheet, roles, units, drafted_gauges(roles, units, answers.gauges), answers.travel)
     _write_missing(sheet, told, roles, answers)
     return Draft(sheet.text(), roles, tuple(sheet.stated), tuple(sheet.to_fill_in))
 
@@ -131,8 +142,18 @@ def _write_valve(sheet: Sheet, roles: Mapping[str, Assignment], answers: Answers
             sheet.known(key, answer, f"as answered; {what}")
         else:
             sheet.open(key, example, what, fill=f"data sheet; {needed}" if needed else "")
+    _write_fluid(sheet, answers)
+
+
+def _write_fluid(sheet: Sheet, answers: Answers) -> None:
     sheet.section("fluid", "water, unless said otherwise")
-    sheet.open("name", "water", "or density = ... [kg/m3] and vapour_pressure = ... [kPa, absolute]")
+    if answers.fluid is None:
+        sheet.open("name", "water", "or density = ... [kg/m3] and vapour_pressure = ... [kPa, absolute]")
+        return
+    sheet.known("name", answers.fluid, "as answered")
+    if answers.density is not None:
+        sheet.known("density", answers.density, "as answered; kg/m3")
+    sheet.open("vapour_pressure", 10.0, "kPa, absolute, at the inlet")
 
 
 def _write_missing(

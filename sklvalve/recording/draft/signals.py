@@ -23,7 +23,27 @@ def drafted_units(roles: Roles, answered: Mapping[str, str]) -> dict[str, Told]:
     return {role: _unit(role, roles, answered) for role in roles}
 
 
-def write_signals(sheet: Sheet, roles: Roles, drafted: Mapping[str, Told], travel: float | None) -> None:
+def drafted_gauges(roles: Roles, units: Mapping[str, Told], answered: Mapping[str, bool]) -> dict[str, Told]:
+    """Whether each pressure is above the atmosphere, by `answered` (column -> bool), by name or by values."""
+    told = {}
+    for role, assignment in roles.items():
+        unit, column = str(units[role].value), assignment.column
+        if ROLES[role] != ("pressure",) or quantity_of(unit) != "pressure":
+            continue
+        if column.name in answered:
+            told[role] = Told("true" if answered[column.name] else "false", "as answered")
+        else:
+            told[role] = evidence.gauge(column, unit)
+    return told
+
+
+def write_signals(
+    sheet: Sheet,
+    roles: Roles,
+    drafted: Mapping[str, Told],
+    gauges: Mapping[str, Told],
+    travel: float | None,
+) -> None:
     """Write the section of each role.
 
     Parameters
@@ -32,11 +52,13 @@ def write_signals(sheet: Sheet, roles: Roles, drafted: Mapping[str, Told], trave
     roles : mapping of str to Assignment
     drafted : mapping of str to Told
         Role -> unit.
+    gauges : mapping of str to Told
+        Role of a pressure -> whether it is above the atmosphere.
     travel : float or None
         Rated travel [mm], where it is known.
     """
     senses = _senses(roles)
-    backwards = _pressures_backwards(roles, drafted)
+    backwards = _pressures_backwards(roles, drafted, gauges)
     for role, assignment in roles.items():
         unit = drafted[role]
         question = _question(role, unit, travel) or (backwards if role in ("p1", "p2") else "")
@@ -49,8 +71,8 @@ def write_signals(sheet: Sheet, roles: Roles, drafted: Mapping[str, Told], trave
         sheet.known("unit", shown, unit.why, check=doubt)
         if role in OPENING_ROLES:
             _write_sense(sheet, senses[role])
-        elif quantity_of(shown) == "pressure" and ROLES[role] == ("pressure",):
-            _write_gauge(sheet, evidence.gauge(assignment.column, shown))
+        elif role in gauges:
+            _write_gauge(sheet, gauges[role])
 
 
 def write_open_pressure(sheet: Sheet, column: Column) -> None:
@@ -127,13 +149,13 @@ def _senses(roles: Roles) -> dict[str, Told]:
     return known
 
 
-def _pressures_backwards(roles: Roles, units: Mapping[str, Told]) -> str:
+def _pressures_backwards(roles: Roles, units: Mapping[str, Told], gauges: Mapping[str, Told]) -> str:
     if not {"p1", "p2"} <= roles.keys():
         return ""
     si = []
     for role in ("p1", "p2"):
         column, unit = roles[role].column, str(units[role].value)
-        over = evidence.gauge(column, unit).value == "true"
+        over = gauges[role].value == "true"
         si.append(to_si(column.values, unit, "pressure", gauge=over))
     drop = si[0] - si[1]
     drop = drop[np.isfinite(drop)]

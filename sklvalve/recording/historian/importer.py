@@ -22,6 +22,8 @@ from sklvalve.recording.historian.timeline import Timeline
 from sklvalve.recording.tags import read_unit
 
 _MOST_ROWS = 5_000_000
+# periods [s]: times are kept to microseconds, and none of a plant is further from the next than years
+_SHORTEST, _LONGEST = 1e-6, 1e9
 # rows without any value that are kept in between; a recording may lack rows, but need not in every short gap
 _LONGEST_EMPTY = 100
 # shares of the time that are gone by when files are tables, their decimal mark and their times are known, and
@@ -172,8 +174,9 @@ def _on_one_base(
             "time range"
         )
     all_points = list(kept.values())
-    period = round(SECOND * settings.period) if settings.period else choose_period(list(paces.values()))
-    _require_bearable(all_points, period, source)
+    wanted = settings.period or choose_period(list(paces.values())) / SECOND
+    _require_bearable(all_points, wanted, source)
+    period = round(SECOND * wanted)
     base = base_of(all_points, period)
     typical = float(np.median([pace.step for pace in paces.values()]))
     quiet, silence = silences(all_points, settings.gap)
@@ -206,13 +209,18 @@ def _rows_to_keep(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return kept
 
 
-def _require_bearable(all_points: list[Points], period: int, source: str) -> None:
+def _require_bearable(all_points: list[Points], period: float, source: str) -> None:
+    """Refuse a period [s] of too many rows, and one that no time can be told to or no count can hold."""
     times = np.concatenate([points.times[[0, -1]] for points in all_points])
-    rows = int(times.max() - times.min()) // period + 1
+    rows = float(times.max() - times.min()) / SECOND / period + 1.0
     if rows > _MOST_ROWS:
         raise InputError(
-            f"{source}: from first to last time there are {rows} rows of {period / SECOND:g} s, more than "
+            f"{source}: from first to last time there are {rows:.7g} rows of {period:g} s, more than "
             f"{_MOST_ROWS}; give a longer --period, or export a shorter time range"
+        )
+    if not _SHORTEST <= period <= _LONGEST:
+        raise InputError(
+            f"{source}: expected a --period from {_SHORTEST:g} to {_LONGEST:g} s; got {period:g} s"
         )
 
 

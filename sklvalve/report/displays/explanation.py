@@ -13,7 +13,8 @@ from sklvalve.report.words import chance, number, spoken
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_LETTERS = 78
+# of a line of words below panels of 6.4 inch
+_LETTERS = 72
 # the distance at which a class ends: a chance of 3 % of taking one for the other
 _TOLD_APART = 14.0
 
@@ -91,7 +92,7 @@ class ExplanationDisplay(Display):
         Parameters
         ----------
         ax : Axes or sequence of Axes, default=None
-            One a panel; a new figure where None.
+            One a panel; a new figure where None, high enough for what to do next, which stands below.
 
         Raises
         ------
@@ -101,13 +102,16 @@ class ExplanationDisplay(Display):
         lines = sum(map(len, self.classes)) + max(len(self.classes) - 1, 0)
         panels = 2 if self.pairs else 1
         height = 0.9 + 0.34 * max(lines, len(self.pairs), 1)
-        first, *more = self._drawn_on(ax, panels, (6.4, height))
+        told = fill(f"To tell more: {self.next_test}", _LETTERS) if self.next_test else ""
+        # the words get their own strip, so that they take no height from the bars
+        first, *more = self._drawn_on(ax, panels, (6.4, height + _strip(told) / panels))
         self._draw_classes(first)
         for each in more:
             self._draw_pairs(each)
-        if self.next_test:
+        if told and ax is None:
+            self.figure_.supxlabel(told, x=0.02, horizontalalignment="left", fontsize="medium")
+        elif told:
             last = more[-1] if more else first
-            told = fill(f"To tell more: {self.next_test}", _LETTERS)
             last.set_xlabel(f"{last.get_xlabel()}\n\n{told}")
         return self
 
@@ -157,6 +161,14 @@ class ExplanationDisplay(Display):
         ax.set_xlabel("distance D between two explanations; dashed: told apart")
         ax.legend(loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=2, borderaxespad=0.0, frameon=False)
         ax.grid(visible=False)
+
+
+def _strip(told: str) -> float:
+    """Height that words take below the panels [inch]."""
+    from matplotlib import rcParams
+
+    lines = told.count("\n") + 1 if told else 0
+    return 1.3 * lines * rcParams["font.size"] / 72.0
 
 
 def _members(item: Explanation) -> list[tuple[str, float]]:
