@@ -191,7 +191,7 @@ def test_what_a_few_strokes_decided_is_counted_neither_now_nor_with_a_test(lags,
     still = library(0.45, 0.5, 0.47, 60, 1.0, TestLimits())[0]
     actuator, sensor = lags.explanations
     # the sensor's lag far more likely, by the rows of one stroke
-    likelier = replace(sensor.model, log_likelihood=actuator.model.log_likelihood + 200.0)
+    likelier = replace(sensor.model, log_likelihood=actuator.model.log_likelihood + 800.0)
     pair = [actuator, Explanation("sensor_lag", 0.5, likelier, sensor.misfits)]
     doubted = Advisor(lags.workbench, pair, lags.without, lags.gain)
     assert doubted._present()[0, 1] > 14.0

@@ -87,7 +87,7 @@ def sentence_for(tmp_path, content, name="recording.csv", valve=VALVE):
             "Some words\nand others\n" + table(),
             ["no table", "one column, line 3 holds 5 cells", "first line"],
         ),
-        ("\n".join(table().splitlines()[:6]), ["only 5 rows", "at least 10"]),
+        ("\n".join(table().splitlines()[:6]), ["too few rows for a recording, 5", "at least 10"]),
         (b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR", ["binary"]),
         (table().encode("utf-16"), ["UTF-16"]),
         (table(F={4: "12°"}).encode("latin-1"), ["line 5", "UTF-8"]),
