@@ -113,8 +113,6 @@ def content_of(
     rest = unknown if unknown is not None else judgement.left
     if not blocks and rest is not None:
         blocks = ["valve" if rest.channel == "flow" else "actuator"]
-    if judgement.strays is not None:
-        blocks = ["actuator"]
     classes = [class_of(f) for f in judgement.findings]
     location = {"blocks": blocks, "regions": [], "onset": None, "intervals": []}
     if found:
@@ -157,11 +155,12 @@ def content_of(
 
 
 def _when_it_strays(judgement):
-    """Onset and intervals of a location, where the stem strays [s from the first sample]."""
+    """Place and times of a location, where the stem strays [s from the first sample]."""
     clock = judgement.model.chain.clock - judgement.model.chain.clock[0]
     rows, last = judgement.strays.intervals, len(clock) - 1
     seconds = [[float(clock[a]), float(clock[min(b, last)])] for a, b in rows]
-    return {"onset": seconds[0][0] if rows[0][0] > _AT_FIRST * len(clock) else None, "intervals": seconds}
+    onset = seconds[0][0] if rows[0][0] > _AT_FIRST * len(clock) else None
+    return {"blocks": ["actuator"], "onset": onset, "intervals": seconds}
 
 
 def _recordings(whole):

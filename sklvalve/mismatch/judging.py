@@ -145,8 +145,9 @@ def _judged(
     if verdict == "no_mismatch" and channels is None and alpha >= STRAYS_BY_CHANCE:
         strays = stem_rest(workbench, nominal)
         if strays is not None and strays.evident:
-            verdict, p_value, more["strays"] = "cannot_tell", min(p_value, STRAYS_BY_CHANCE), strays
-    if verdict == "no_mismatch" or unknown is None or "strays" in more:
+            verdict, p_value, unknown = "cannot_tell", min(p_value, STRAYS_BY_CHANCE), None
+            more["strays"] = strays
+    if verdict == "no_mismatch" or unknown is None:
         return Judgement(verdict, p_value, findings, None, nominal, model, **more)
     tried = folded(workbench, model, unknown)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)

@@ -188,9 +188,8 @@ def candidates(workbench, wanted, data):
         elif effect.stage == "actuator" and workbench.coupled and not knows_air(workbench.plain):
             # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
             untestable.setdefault(effect.name, "opening, or a data sheet of the actuator")
-        elif effect.possible(workbench.plain) and workbench.channels_touched(effect):
-            of_flow_alone = workbench.channels_touched(effect) == ("flow",)
-            steady = by_the_drop and of_flow_alone and effect.key in _PLAYS
+        elif effect.possible(workbench.plain) and (touched := workbench.channels_touched(effect)):
+            steady = by_the_drop and touched == ("flow",) and effect.key in _PLAYS
             found.append(_throughout(effect) if steady else effect)
         else:
             untestable.setdefault(effect.name, effect.requires)

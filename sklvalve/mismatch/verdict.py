@@ -9,8 +9,8 @@ from sklvalve.mismatch.intervals import interval_of
 
 # a class is named from this probability on
 NAMED_FROM = 0.8
-#: Share of the classes told on sealed records of a finer plant that held a true name (206 of 241): whatever
-#: is likeliest among the explanations at hand, as often as is left it is none of them (docs/validation.md).
+#: Share of the classes told on sealed records of a finer plant that held a true name (206 of 241): in the
+#: others it was none of the explanations at hand, however clearly one of them was the likeliest.
 BORNE_OUT = 0.86
 # an unknown rest of this share of what the effects explain makes their names doubtful
 _DOUBTFUL = 0.5

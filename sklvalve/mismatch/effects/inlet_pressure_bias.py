@@ -30,8 +30,7 @@ class InletPressureBias(Effect):
         size = float(np.nanquantile(np.abs(chain.dp), 0.95))
         starts = (0.1 * size, -0.1 * size)
         # off by more than the drop it is no sensor any more, but it may stand metres above the valve
-        most = max(0.9 * size, _HEAD)
-        return (Quantity("bias", "Pa", -most, min(most, 0.9 * size), starts),)
+        return (Quantity("bias", "Pa", -max(0.9 * size, _HEAD), 0.9 * size, starts),)
 
     def apply(self, value, p, chain):
         return value | {"p1": value["p1"] - p["bias"]}
