@@ -21,11 +21,11 @@ from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
 
 _LEAST_ROWS = 300
-_ROWS_ALONE = 2000  # what is told from fewer rows must be told by their beginning and by their end as well
 _ROWS_FOR_PRESSURES = 2400  # their answers are faint: in a shorter recording chance has some as clear
 _LONGEST_POSITIONER = -4  # rows by which a command may come before its stem
 _SURELY_TOLD, _SURELY_AHEAD = 0.8, 4.0  # where the order of two columns rests on single rows
 _TOLD = 0.5  # share of a signal's quick moves that its cause must explain before their order is judged
+_CLEAR = 1.5  # strongest answer over the largest elsewhere
 _LATE = 3  # rows; meters and pressure lines may lag by less
 Shift = tuple[str, int, str]  # role, rows late, why
 _WATCHED = ("command", "opening", "flow", "p1", "p2")
@@ -55,9 +55,7 @@ def screen_clocks(recording: Recording) -> list[Finding]:
     if len(recording) >= _ROWS_FOR_PRESSURES:
         late = pressures_late(signals, usable, longest_lag(len(recording)))
     shift = _told_by_order(lags, late) or _told_by_pressures(late)
-    if shift is not None and len(recording) < _ROWS_ALONE and not _told_by_parts(shift, signals, usable):
-        return []
-    if shift is None:
+    if shift is None or not _told_by_parts(shift, signals, usable, bool(late)):
         return []
     role, rows, why = shift
     seconds = abs(rows) * recording.sample_time
@@ -100,15 +98,20 @@ def _jitter(values: Values, rows: NDArray[np.bool_]) -> Values:
     return np.clip(bend, -most, most)
 
 
-def _told_by_parts(shift: Shift, signals: dict[str, Values], usable: NDArray[np.bool_]) -> bool:
-    """Whether the first and the last two thirds say the same, well inside the lags that can be searched."""
-    count = len(usable)
+def _told_by_parts(
+    shift: Shift, signals: dict[str, Values], usable: NDArray[np.bool_], pressures: bool
+) -> bool:
+    """Whether the first and the last two thirds say the same, well inside the lags that can be searched.
+
+    A fault of the valve makes one part look as if a clock were off more easily than both.
+    """
+    count, longest = len(usable), longest_lag(len(usable))
     for part in (slice(0, 2 * count // 3), slice(count // 3, count)):
-        longest = longest_lag(len(usable[part]))
         moved = {role: values[part] for role, values in signals.items()}
         if any(np.ptp(values) == 0.0 for values in moved.values()) or abs(shift[1]) > longest - 3:
             return False
-        told = _told_by_order(_lags(moved, usable[part], longest), {})
+        late = pressures_late(moved, usable[part], longest) if pressures else {}
+        told = _told_by_order(_lags(moved, usable[part], longest), late) or _told_by_pressures(late)
         if told is None or told[0] != shift[0] or abs(told[1] - shift[1]) > 2:
             return False
     return True
@@ -145,7 +148,7 @@ def _resting(values: Values) -> float:
 
 def _before(lag: Lag | None) -> int:
     """Rows by which an answer comes before its cause, else 0."""
-    if lag is None or lag.told < _TOLD or lag.prominence < 1.5:
+    if lag is None or lag.told < _TOLD or lag.prominence < _CLEAR:
         return 0
     return -min(lag.peak, lag.half) if lag.half <= -1 and lag.peak <= 0 else 0
 
@@ -179,6 +182,7 @@ def _told_by_order(lags: dict[str, Lag], late: dict[str, Late]) -> Shift | None:
         stem is not None
         and noise is not None
         and noise.told > _TOLD
+        and noise.prominence > 1.0
         and noise.peak <= -2
         and stem.peak >= _LATE
     ):
