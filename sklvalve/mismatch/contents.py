@@ -48,6 +48,8 @@ class Judgement:
         What they leave over of it.
     strays : StemRest or None
         Where the stem is further off than any sound one, and nothing that was tried tells why.
+    suspects : tuple of str
+        Blocks of the effects that come near, each by itself, to explaining what was found; sorted.
     """
 
     verdict: str
@@ -64,6 +66,7 @@ class Judgement:
     closest: list = field(default_factory=list)
     closest_leaves: object = None
     strays: object = None
+    suspects: tuple = ()
 
     @property
     def found(self):
@@ -111,6 +114,8 @@ def content_of(
     entries = [effect_entry(f, whole, workbench) for f in judgement.findings]
     blocks = sorted({b for e in entries for b in e["blocks"]})
     rest = unknown if unknown is not None else judgement.left
+    if not blocks and judgement.found:
+        blocks = list(judgement.suspects)
     if not blocks and rest is not None:
         blocks = ["valve" if rest.channel == "flow" else "actuator"]
     classes = [class_of(f) for f in judgement.findings]

@@ -22,6 +22,8 @@ from sklvalve.mismatch.verdict import class_of, verdict_of
 
 # a rest of so many times what counts needs no further proof
 _LARGE = 2.0
+# an effect that by itself gains this share of what the best one does tells where to look
+_COMES_NEAR = 0.25
 
 
 def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_state, events=None):
@@ -116,8 +118,12 @@ def _judged(
     unknown, evidence, p_value, enough = weighed(findings, model)
     if findings and not enough:
         # effects too weak to be told from chance must not hide a rest that is not
-        findings = []
-        unknown, evidence, p_value, enough = weighed(findings, nominal)
+        bare = weighed([], nominal)
+        # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
+        enough = bare[-1] and p_value_of_one(findings[0], workbench, circumstances) <= alpha
+        if not enough:
+            findings = []
+            unknown, evidence, p_value, enough = bare
     upheld = not findings or holds_out(workbench, nominal, model)
     explained = 0.0
     if unknown is not None and findings:
@@ -137,7 +143,7 @@ def _judged(
     if not findings and verdict != "no_mismatch":
         unknown = rest_of(nominal)[0] or unknown
         verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
-    more: dict = {"evidence": evidence}
+    more: dict = {"evidence": evidence, "suspects": _suspects(explanation)}
     if said == REFUTED:
         more |= {"left": left_over(workbench, nominal, nominal), "closest": closest, "closest_leaves": left}
     nominal = workbench.least_squares(nominal)
@@ -152,6 +158,15 @@ def _judged(
     tried = folded(workbench, model, unknown)
     kept, told = correction_holds_out(workbench, tried, unknown.channel)
     return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, **more)
+
+
+def _suspects(explanation):
+    """Blocks of what was found, and of what comes near the best of what was tried; no name, but a place."""
+    blocks = {f.member.effect.block for f in explanation.findings}
+    gains = {key: gain for key, (gain, _) in explanation.tried.items()}
+    enough = _COMES_NEAR * max(gains.values(), default=0.0)
+    blocks |= {e.block for e in explanation.effects if gains.get(e.key, -1.0) >= enough}
+    return tuple(sorted(blocks))
 
 
 def _clear_ones(workbench, nominal, findings, model, circumstances, alpha):

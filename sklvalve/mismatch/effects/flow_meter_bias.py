@@ -19,7 +19,7 @@ class FlowMeterBias(Effect):
     def quantities(self, chain):
         span = span_of(chain.recording["flow"])
         unit = "kg/s" if chain.recording.mass_flow else "m3/s"
-        return (Quantity("bias", unit, -0.5 * span, 0.5 * span, (0.02 * span, -0.02 * span)),)
+        return (Quantity("bias", unit, -span, span, (0.02 * span, -0.02 * span)),)
 
     def apply(self, value, p, chain):
         return value + p["bias"]
