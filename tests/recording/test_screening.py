@@ -225,6 +225,14 @@ def test_clock_of_one_channel(column, role, shift):
     assert f"{'late' if shift > 0 else 'early'}" in found[0]["detail"]
 
 
+@pytest.mark.parametrize("column", ["F", "X"])
+def test_what_comes_late_in_one_part_only_is_no_clock(column):
+    # a stem that is slow, or a meter that is damped, until it is mended; a clock is off all the time
+    columns = healthy()
+    columns[column][:2000] = np.roll(columns[column], 12)[:2000]
+    assert "clock_shift" not in {each["finding"] for each in screened(columns)}
+
+
 def test_flow_and_stem_late_behind_the_pressures():
     columns = healthy()
     moved = {name: values[:-12] if name in ("X", "F") else values[12:] for name, values in columns.items()}

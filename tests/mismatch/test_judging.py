@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What stands of the findings, and where to look where nothing can be named."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, judging
+from sklvalve.recording import Recording
+from sklvalve.simulation.calibration import span_of
+
+from .conftest import record
+
+BY_KEY = {effect.key: effect for effect in CATALOGUE}
+
+
+def _explanation(tried, *found):
+    findings = [SimpleNamespace(member=SimpleNamespace(effect=BY_KEY[key])) for key in found]
+    return SimpleNamespace(
+        tried={key: (gain, {}) for key, gain in tried.items()}, findings=findings, effects=CATALOGUE
+    )
+
+
+def test_suspected_is_what_comes_near_the_best():
+    tried = {"seat_leakage": 100.0, "flow_meter_bias": 25.0, "line_loss": 24.0, "dead_time": -3.0}
+    assert judging._suspects(_explanation(tried)) == ("measurement", "valve")
+    # what the search ended with counts however little it gains by itself
+    assert judging._suspects(_explanation(tried, "dead_time")) == ("actuator", "measurement", "valve")
+    assert judging._suspects(_explanation({})) == ()
+
+
+@pytest.mark.parametrize(
+    ("rarity", "named"),
+    [(1e-4, True), (0.2, False)],
+    ids=["rare among healthy recordings", "not rare"],
+)
+def test_a_weak_finding_stands_where_the_mismatch_is_told_without_it(monkeypatch, rarity, named):
+    """Under its own noise the leak is no clear one; that something is missing the first look told already."""
+    monkeypatch.setattr(judging, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
+    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: rarity)
+    leaking = record("seat_leakage", 0.05, random_state=1)
+    found = MissingPhysicsFinder(effects=["seat_leakage", "flow_meter_bias", "line_loss"]).fit(leaking)
+    told = found.diagnosis_.to_dict()
+    assert told["mismatch"]["detected"]
+    assert (told["verdict"] == "named") is named
+    # a place is told either way, and it holds the true one
+    assert "valve" in told["location"]["blocks"]
+    assert "actuator" not in told["location"]["blocks"]
+
+
+def test_a_meter_may_read_off_by_half_of_what_it_shows():
+    healthy = record(random_state=0)
+    columns = {role: healthy[role].copy() for role in healthy.signals}
+    shift = 0.45 * span_of(columns["flow"])
+    columns["flow"] -= shift
+    # of what it shows the shift is more than half: 0.45 of 0.55
+    assert shift > 0.5 * span_of(columns["flow"])
+    # columns named by their roles hold SI units
+    in_si = replace(healthy.valve, roles={})
+    off = Recording.from_frame({"time": healthy.time} | columns, in_si)
+    found = MissingPhysicsFinder(effects=["flow_meter_bias", "external_leakage"]).fit(off)
+    (effect,) = found.diagnosis_.to_dict()["effects"]
+    assert "flow_meter_bias" in {member["name"] for member in effect["members"]}
