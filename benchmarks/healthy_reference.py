@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Healthy recordings through the whole search: what the p-value is held against, and whether it is uniform.
 
-    python benchmarks/healthy_reference.py draw REFERENCE.jsonl --records 260
+    python benchmarks/healthy_reference.py draw REFERENCE.jsonl --records 290
     python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/healthy_table.py
     python benchmarks/healthy_reference.py draw OTHER.jsonl --first 1000 --records 170 --nastier
     python benchmarks/healthy_reference.py check OTHER.jsonl
