@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.diagnose import RESULTS, diagnose, require_extras
 from sklvalve.cli.parser import folder, seed
+from sklvalve.cli.terminal import text_width
 
 if TYPE_CHECKING:
     from sklvalve.mismatch import MissingPhysicsFinder
@@ -88,7 +89,7 @@ def run(args: Namespace) -> int:
         finder = diagnose(recording, staging, until=None, seed=0)
         found = finder.diagnosis_.to_dict()
         if not args.json:
-            print(to_text(found))
+            print(to_text(found, width=text_width()))
             print(_on_later(finder, staging.path("later.csv"), staging.path("valve.toml")))
 
         # the same draw again, and only now with its truth

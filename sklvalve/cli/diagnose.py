@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell, to_fill_in
 from sklvalve.cli.parser import folder, seed
+from sklvalve.cli.terminal import text_width
 
 if TYPE_CHECKING:
     from sklvalve.cli.staging import Staging
@@ -95,7 +96,7 @@ def run(args: Namespace) -> int:
     if args.json:
         print(as_json(found))
     else:
-        print(to_text(found))
+        print(to_text(found, width=text_width()))
         print(f"\nWritten: {', '.join(str(path) for path in written)}")
         if loop:
             print(_NO_MODEL)

@@ -4,11 +4,12 @@
 from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
 from sklvalve.report.rows import moves
-from sklvalve.report.sentence import closest, gain, helped, no_noise, size_words
+from sklvalve.report.sentence import NOTHING_TO_BE_TOLD, closest, gain, helped, no_noise, size_words
 from sklvalve.report.words import (
     class_in_block,
     class_words,
     either,
+    lacks_sheet,
     number,
     p_words,
     percent,
@@ -17,8 +18,6 @@ from sklvalve.report.words import (
     unsaid,
 )
 
-# what effects need that only a data sheet can give, as `not_testable` says it
-_SHEET = "a data sheet with the trim's characteristic"
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 
 
@@ -74,6 +73,8 @@ def _agreement(d: dict) -> str:
             "Nothing that matters is missing: simulation and recording differ by less than the data-sheet "
             "tolerances and the size that counts."
         )
+    if lacks_sheet(d):
+        return f"{NOTHING_TO_BE_TOLD}."
     return "Nothing is missing: simulation and recording agree within noise and data-sheet tolerances."
 
 
@@ -176,7 +177,7 @@ def _next(d: dict) -> str:
         first = (
             "Give the data sheet's capacity and characteristic: without them a leak, a worn trim or a wrong "
             "capacity cannot be told."
-            if any(each.get("needs") == _SHEET for each in d.get("not_testable") or [])
+            if lacks_sheet(d)
             else "Nothing needs to be done."
         )
         return " ".join([first, *([f"To learn more: {test}"] if test else [])])

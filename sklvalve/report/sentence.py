@@ -10,6 +10,7 @@ from sklvalve.report.words import (
     class_in_block,
     class_words,
     either,
+    lacks_sheet,
     number,
     p_words,
     percent,
@@ -22,6 +23,11 @@ from sklvalve.report.words import (
 # an error that falls by less does not fall
 _NO_FALL = 0.98
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
+# without a data sheet capacity and trim are learnt from the recording itself: no all-clear for them
+NOTHING_TO_BE_TOLD = (
+    "Nothing is missing that can be told without a data sheet: with a trim learnt from it, the recording "
+    "agrees with its simulation within noise and tolerances"
+)
 
 
 def summary_sentence(d: dict) -> str:
@@ -73,6 +79,8 @@ def _agreement(d: dict) -> str:
             "Nothing that matters is missing: simulation and recording differ by more than noise "
             f"({p_value}), but by less than the data-sheet tolerances and the size that counts."
         )
+    if lacks_sheet(d):
+        return f"{NOTHING_TO_BE_TOLD} ({p_value})."
     return (
         "Nothing is missing: simulation and recording agree within noise and data-sheet tolerances "
         f"({p_value})."

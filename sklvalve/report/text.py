@@ -2,6 +2,8 @@
 """A diagnosis as a few lines for the terminal, or as Markdown."""
 
 import re
+from collections.abc import Callable
+from functools import partial
 from textwrap import fill
 
 from sklvalve.report import proof, rows
@@ -10,7 +12,7 @@ from sklvalve.report.sentence import summary_sentence
 
 __all__ = ["summary_sentence", "to_markdown", "to_text"]
 
-_WIDTH = 96
+_WIDTH, _NARROWEST = 96, 40
 _INDENT = 14
 _MANY = 8
 # what the top of a report tells besides the finding, in the width of a label
@@ -24,18 +26,20 @@ _LABELS = {
 _MARKS = re.compile(r"[\\`*]|(?<!\w)_|_(?!\w)|<(?=[A-Za-z/!?])|&(?=#?\w+;)|(?<=\])\(")
 
 
-def to_text(d: dict) -> str:
+def to_text(d: dict, *, width: int = _WIDTH) -> str:
     """Lay a diagnosis out as plain text for a terminal.
 
     Parameters
     ----------
     d : dict
         A diagnosis as ``Diagnosis.to_dict()`` gives it.
+    width : int, default=96
+        Characters in a line; taken for 40 where it is less, and the table of errors keeps its own width.
 
     Returns
     -------
     text : str
-        Lines of ASCII, as far as the diagnosis itself is, of at most 96 characters.
+        Lines of ASCII, as far as the diagnosis itself is.
 
     Examples
     --------
@@ -48,31 +52,32 @@ def to_text(d: dict) -> str:
                   = 0.43).
     Do next       Nothing needs to be done.
     """
-    lines = [_line("Finding", headline(d))]
-    lines += [_line(_LABELS[what], words) for what, words in glance(d)]
+    line = partial(_line, width=max(width, _NARROWEST))
+    lines = [line("Finding", headline(d))]
+    lines += [line(_LABELS[what], words) for what, words in glance(d)]
     found = rows.explanations(d)
     for count, item in enumerate(found, start=1):
         label = "Candidate" if d["verdict"] == "cannot_tell" else "Explanation"
         label += f" {count}" if len(found) > 1 else ""
-        lines += ["", _line(label, f"{item.placed}: {item.sure}")]
+        lines += ["", line(label, f"{item.placed}: {item.sure}")]
         if len(item.members) > 1:
-            lines.append(_line("", "; ".join(f"{name} {share}" for name, _, share in item.members)))
-        lines += [_line("", f"{name} {value}") for name, value in item.parameters]
-        lines += [_line("", words) for words in (item.sentence,) if words]
+            lines.append(line("", "; ".join(f"{name} {share}" for name, _, share in item.members)))
+        lines += [line("", f"{name} {value}") for name, value in item.parameters]
+        lines += [line("", words) for words in (item.sentence,) if words]
         if item.separated_by and len(item.members) > 1:
-            lines.append(_line("", f"To tell them apart: {item.separated_by}"))
+            lines.append(line("", f"To tell them apart: {item.separated_by}"))
     lines += _block(
         [
-            _line("Unexplained" if first else "", f"{what}: {words}")
+            line("Unexplained" if first else "", f"{what}: {words}")
             for first, (what, words) in _numbered(rows.unexplained(d))
         ]
     )
-    lines += _block([_line(label, words) for label, words in rows.places(d)])
-    lines += _block(_error_lines(d))
-    lines += _block([_line("Not testable", _listed(_by_need(d)))] if rows.untestable(d) else [])
+    lines += _block([line(label, words) for label, words in rows.places(d)])
+    lines += _block(_error_lines(d, line))
+    lines += _block([line("Not testable", _listed(_by_need(d)))] if rows.untestable(d) else [])
     lines += _block(
         [
-            _line("Data" if first else "", f"{role}, {finding}: {detail}")
+            line("Data" if first else "", f"{role}, {finding}: {detail}")
             for first, (role, finding, detail) in _numbered(rows.data_findings(d))
         ]
     )
@@ -133,13 +138,13 @@ def to_markdown(d: dict) -> str:
     return "\n\n".join(parts)
 
 
-def _line(label: str, words: str) -> str:
+def _line(label: str, words: str, width: int) -> str:
     # a long word, such as a path, is left whole rather than broken
     # a name from a file must not command the terminal
     words = "".join(letter if letter.isprintable() else " " for letter in words)
     return fill(
         words,
-        _WIDTH,
+        width,
         initial_indent=f"{label:<{_INDENT}}",
         subsequent_indent=" " * _INDENT,
         break_long_words=False,
@@ -170,7 +175,7 @@ def _listed(items: list[str]) -> str:
     return "; ".join(items)
 
 
-def _error_lines(d: dict) -> list[str]:
+def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
     table = rows.errors(d)
     if not table:
         return []
@@ -180,7 +185,7 @@ def _error_lines(d: dict) -> list[str]:
     lines = [f"{'Error':<{_INDENT}}{heading:<{width}} {head}"]
     for name, cells in table:
         lines.append(f"{'':<{_INDENT}}{name:<{width}} " + " ".join(f"{cell:>11}" for cell in cells))
-    return lines + [_line("", words) for words in rows.proof_notes(d)]
+    return lines + [line("", words) for words in rows.proof_notes(d)]
 
 
 def _table(head: tuple[str, ...], body: list) -> str:

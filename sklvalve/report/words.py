@@ -5,6 +5,8 @@ import re
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
+# what effects need that only a data sheet can give, as `not_testable` says it
+_SHEET = "a data sheet with the trim's characteristic"
 EFFECTS = {
     "stiction": "stiction",
     "friction": "raised friction of the stem",
@@ -159,3 +161,8 @@ def p_words(p_value: float | None) -> str:
     if p_value is None:
         return "p unknown"
     return "p < 0.001" if p_value < 0.001 else f"p = {number(p_value)}"
+
+
+def lacks_sheet(d: dict) -> bool:
+    """Whether effects could not be asked for want of a data sheet: capacity and trim were learnt, then."""
+    return any(each.get("needs") == _SHEET for each in d.get("not_testable") or [])

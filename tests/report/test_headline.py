@@ -80,6 +80,10 @@ def test_without_a_data_sheet_nothing_is_declared_sound():
     assert _glance(made)["What to do next"] == f"{told} To learn more: Move the valve."
     # these are the words of the catalogue, so that a change there is seen here
     assert SeatLeakage.requires == CapacityError.requires == Erosion.requires == needs
+    # of two that were asked for no more, nor less, may be said at the top
+    for words in (headline(made), summary_sentence(made)):
+        assert words.startswith("Nothing is missing that can be told without a data sheet: ")
+        assert "data-sheet tolerances" not in words
 
 
 def test_a_place_that_the_name_says_is_not_said_again():

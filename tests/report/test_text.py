@@ -242,3 +242,13 @@ def test_an_effect_is_told_with_what_it_moves():
         assert "it moves the flow by 3 % of span." in " ".join(
             text.replace("\N{NO-BREAK SPACE}", " ").split()
         )
+
+
+@pytest.mark.parametrize("width", [40, 60, 96])
+def test_text_keeps_to_the_width_asked_for(width):
+    made = examples.named_twice() | {"fit": {}}
+    narrow = to_text(made, width=width)
+    # a word longer than a line stays whole
+    assert max(len(line) for line in narrow.splitlines() if len(line.split()) > 2) <= width
+    assert narrow.split() == to_text(made).split()
+    assert to_text(made, width=7) == to_text(made, width=40)
