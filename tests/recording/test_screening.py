@@ -8,6 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sklvalve.datasets import make_valve_recording
 from sklvalve.recording import Recording, Valve, screen_recording
 
 N = 3000
@@ -231,6 +232,18 @@ def test_what_comes_late_in_one_part_only_is_no_clock(column):
     columns = healthy()
     columns[column][:2000] = np.roll(columns[column], 12)[:2000]
     assert "clock_shift" not in {each["finding"] for each in screened(columns)}
+
+
+@pytest.mark.parametrize(("loop", "seed"), [("closed", 140008), ("mixed", 140003)])
+def test_early_command_of_a_controller(loop, seed):
+    # it answers the flow's noise before that is there, and the stem is late by as much; in a mixed recording a
+    # controller is at work in one part only
+    made = make_valve_recording(loop=loop, random_state=seed, n_later=0)
+    columns, early = made.frame.copy(), 10
+    columns["CV"] = np.append(columns["CV"].to_numpy()[early:], [columns["CV"].iloc[-1]] * early)
+    (found,) = screen_recording(Recording.from_frame(columns, Valve.from_dict(made.valve)))
+    assert (found["finding"], found["role"]) == ("clock_shift", "command")
+    assert found["size"] == pytest.approx(-early, abs=1.0)
 
 
 def test_flow_and_stem_late_behind_the_pressures():
