@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.recording.test_screening import N, healthy, names, screened, smooth, swinging_door
+from tests.recording.planted import N, healthy, names, screened, smooth, swinging_door
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 box_car = runpy.run_path(str(BENCHMARKS / "data_defects.py"))["box_car"]

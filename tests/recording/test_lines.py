@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from tests.recording.test_screening import healthy, names, screened, smooth, swinging_door
+from tests.recording.planted import healthy, names, screened, smooth, swinging_door
 
 
 @pytest.mark.parametrize("column", ["P1", "P2"])

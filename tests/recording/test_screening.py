@@ -1,68 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Each screen finds what was done to a healthy recording, and says nothing of the healthy one."""
 
-import json
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sklvalve.datasets import make_valve_recording
-from sklvalve.recording import Recording, Valve, screen_recording
-
-N = 3000
-
-
-def smooth(values, rows):
-    """First-order lag of so many rows."""
-    out = np.empty_like(values)
-    state = values[0]
-    for row, value in enumerate(values):
-        state += (value - state) / rows
-        out[row] = state
-    return out
-
-
-def healthy(seed=0):
-    """Percent, kPa, degC and m3/h of a valve that is moved about, with noise and two to three decimals."""
-    rng = np.random.default_rng(seed)
-    targets = np.repeat(rng.uniform(20.0, 80.0, N // 60), 60)
-    command = np.round(smooth(targets, 3.0), 2)
-    stem = smooth(command, 4.0)
-    p1 = 800.0 + smooth(rng.normal(0.0, 60.0, N), 50.0)
-    p2 = 300.0 + smooth(rng.normal(0.0, 60.0, N), 50.0)
-    flow = smooth(0.4 * stem * np.sqrt((p1 - p2) / 100.0), 2.0)
-    return {
-        "time": np.arange(float(N)),
-        "CV": command,
-        "X": np.round(stem + rng.normal(0.0, 0.15, N), 2),
-        "P1": np.round(p1 + rng.normal(0.0, 1.0, N), 1),
-        "P2": np.round(p2 + rng.normal(0.0, 1.0, N), 1),
-        "T": np.round(40.0 + smooth(rng.normal(0.0, 3.0, N), 100.0) + rng.normal(0.0, 0.1, N), 2),
-        "F": np.round(flow + rng.normal(0.0, 0.2, N), 3),
-    }
-
-
-ROLES = {
-    "command": {"column": "CV", "unit": "%"},
-    "opening": {"column": "X", "unit": "%"},
-    "p1": {"column": "P1", "unit": "kPa"},
-    "p2": {"column": "P2", "unit": "kPa"},
-    "temperature": {"column": "T", "unit": "degC"},
-    "flow": {"column": "F", "unit": "m3/h"},
-}
-
-
-def screened(columns, sheet=None, **roles):
-    valve = Valve.from_dict({"valve": sheet or {"kv_rated": 40.0}, "recording": {**ROLES, **roles}})
-    found = screen_recording(Recording.from_frame(columns, valve))
-    assert json.loads(json.dumps(found)) == found
-    return found
-
-
-def names(found):
-    return {(each["finding"], each["role"]) for each in found}
+from sklvalve.recording import Recording, screen_recording
+from tests.recording.planted import ROLES, N, healthy, names, screened, swinging_door
 
 
 @given(seed=st.integers(0, 10_000))
@@ -89,21 +34,6 @@ def test_coarse_steps_redrawn_between():
     (found,) = screened(columns)
     assert (found["finding"], found["role"]) == ("quantised", "p1")
     assert "steps of 10 kPa, redrawn between them" in found["detail"]
-
-
-def swinging_door(values, band):
-    """Points that a historian's swinging door keeps, and the straight lines drawn between them."""
-    kept, start = [0], 0
-    low, high = -np.inf, np.inf
-    for row in range(1, len(values)):
-        low = max(low, (values[row] - band - values[start]) / (row - start))
-        high = min(high, (values[row] + band - values[start]) / (row - start))
-        if low > high:
-            start = row - 1
-            kept.append(start)
-            low, high = values[row] - band - values[start], values[row] + band - values[start]
-    kept.append(len(values) - 1)
-    return np.interp(np.arange(len(values)), kept, values[kept])
 
 
 @pytest.mark.parametrize(
@@ -195,62 +125,6 @@ def test_gaps_in_rows_and_values():
     assert "longest: 31 s" in times["detail"]
     assert values["rows"] == [[10, 15], [40, 41]]
     assert "6 of 2970 values" in values["detail"]
-
-
-@pytest.mark.parametrize(
-    ("late", "role", "cause"), [(("X", "F"), "opening", "command"), (("F",), "flow", "opening")]
-)
-def test_consequence_before_its_cause(late, role, cause):
-    columns = healthy()
-    shift = 12
-    length = N - shift
-    moved = {name: values[shift:] if name in late else values[:length] for name, values in columns.items()}
-    (found,) = screened(moved)
-    assert (found["finding"], found["role"]) == ("clock_shift", role)
-    assert cause in found["detail"]
-
-
-def test_late_stem_is_no_clock_shift():
-    columns = healthy()
-    columns["CV"] = np.concatenate([columns["CV"][12:], np.full(12, columns["CV"][-1])])
-    assert screened(columns) == []
-
-
-@pytest.mark.parametrize("shift", [6, -6])
-@pytest.mark.parametrize(("column", "role"), [("F", "flow"), ("X", "opening")])
-def test_clock_of_one_channel(column, role, shift):
-    columns = healthy()
-    columns[column] = np.roll(columns[column], shift)
-    found = screened({name: values[10:-10] for name, values in columns.items()})
-    assert names(found) == {("clock_shift", role)}
-    assert f"{'late' if shift > 0 else 'early'}" in found[0]["detail"]
-
-
-@pytest.mark.parametrize("column", ["F", "X"])
-def test_what_comes_late_in_one_part_only_is_no_clock(column):
-    # a stem that is slow, or a meter that is damped, until it is mended; a clock is off all the time
-    columns = healthy()
-    columns[column][:2000] = np.roll(columns[column], 12)[:2000]
-    assert "clock_shift" not in {each["finding"] for each in screened(columns)}
-
-
-@pytest.mark.parametrize(("loop", "seed"), [("closed", 140008), ("mixed", 140003)])
-def test_early_command_of_a_controller(loop, seed):
-    # it answers the flow's noise before that is there, and the stem is late by as much; in a mixed recording a
-    # controller is at work in one part only
-    made = make_valve_recording(loop=loop, random_state=seed, n_later=0)
-    columns, early = made.frame.copy(), 10
-    columns["CV"] = np.append(columns["CV"].to_numpy()[early:], [columns["CV"].iloc[-1]] * early)
-    (found,) = screen_recording(Recording.from_frame(columns, Valve.from_dict(made.valve)))
-    assert (found["finding"], found["role"]) == ("clock_shift", "command")
-    assert found["size"] == pytest.approx(-early, abs=1.0)
-
-
-def test_flow_and_stem_late_behind_the_pressures():
-    columns = healthy()
-    moved = {name: values[:-12] if name in ("X", "F") else values[12:] for name, values in columns.items()}
-    moved["time"] = columns["time"][12:]
-    assert names(screened(moved)) == {("clock_shift", "flow")}
 
 
 def test_partly_swapped_pressures():
