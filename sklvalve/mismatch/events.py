@@ -10,6 +10,7 @@ from sklvalve.mismatch.hunting import find_hunting
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.rivals import Finding, Rival
 from sklvalve.mismatch.stick_slip import find_slips
+from sklvalve.mismatch.verdict import NAMED_FROM, as_told
 
 #: Recordings of two simulated plants without friction, a bent rod or play in the feedback, on which the rules
 #: were made: none of them shows such events.
@@ -19,11 +20,12 @@ P_VALUE = 1.0 / (1.0 + WITHOUT_EITHER)
 
 # what recordings with such events held, and how many of so many; what is missing to one held something else
 _SHARES = {
-    "slips": {"stiction_slips": 13.0 / 17.0, "friction_slips": 4.0 / 17.0},
+    "slips": {"stiction_slips": 22.0 / 38.0, "friction_slips": 15.0 / 38.0},
     "hunting": {
-        "stiction_hunting": 14.0 / 21.0,
-        "friction_hunting": 4.0 / 21.0,
-        "feedback_hunting": 2.0 / 21.0,
+        "stiction_hunting": 21.0 / 35.0,
+        "feedback_hunting": 6.0 / 35.0,
+        "friction_hunting": 4.0 / 35.0,
+        "rod_bend_hunting": 3.0 / 35.0,
     },
 }
 _BLOCK, _ALIKE = "actuator", "play"
@@ -55,7 +57,15 @@ class Events:
     @property
     def forms(self):
         """Effects that make such events, of those wanted, the likeliest first."""
-        return [e for e in EVENTS if e.key in _SHARES[self.kind] and e.name in self.names_wanted]
+        shares = _SHARES[self.kind]
+        found = [e for e in EVENTS if e.key in shares and e.name in self.names_wanted]
+        return sorted(found, key=lambda e: -shares[e.key])
+
+    @property
+    def may_name(self):
+        """Whether the effects wanted make most of such events: the others would have to take the name."""
+        shares = _SHARES[self.kind]
+        return as_told((1.0 - P_VALUE) * sum(shares[e.key] for e in self.forms)) >= NAMED_FROM
 
     @property
     def names(self):
@@ -100,7 +110,7 @@ def evident_events(workbench, effects, alpha):
     if found is None:
         return None
     found = replace(found, names_wanted=frozenset(e.name for e in effects))
-    return found if found.forms else None
+    return found if found.may_name else None
 
 
 def worth_searching(effects, events):

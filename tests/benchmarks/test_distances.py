@@ -74,3 +74,14 @@ def test_calibration_takes_no_more_than_its_bounds(plant):
     assert (taken >= nuisance.low - 1e-9).all()
     assert (taken <= nuisance.high + 1e-9).all()
     assert nuisance.distance(white) <= white @ white
+
+
+def test_without_an_outlet_pressure_what_lies_behind_is_open(plant):
+    # a capacity beyond the sheet's tolerance is told with both pressures, and is the tank's without
+    strengths = {"capacity_error": 0.18}
+    seen = standing_out(scene_of(plant, strengths, Course()))[0]
+    unseen = standing_out(scene_of(plant, strengths, Course(), ("p2",)))[0]
+    assert seen > 10.0 * APART
+    assert unseen < APART
+    within = standing_out(scene_of(plant, strengths, Course("within", 600.0), ("p2",)))[0]
+    assert within > 10.0 * APART

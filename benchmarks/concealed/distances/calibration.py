@@ -3,9 +3,10 @@
 
 The bounds are those of the design: capacity, trim and F_L 10 %, responses 3 s each, static error half a
 percent, zeros 1 % of travel, 0.5 % of the flow's span and 0.25 % of the pressures'. What the drawn plant has
-used of a bound already is no longer free.
+used of a bound already is no longer free. Where P2 was not recorded, what lies behind the valve is open too.
 """
 
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,6 +19,8 @@ from benchmarks.concealed.plant.noise import whiten_flow, whiten_opening
 
 CAPACITY, TRIM, RECOVERY, RESPONSE, STATIC, ZERO_X = 0.1, 0.1, 0.1, 3.0, 0.01, 0.01
 ZERO_FLOW, ZERO_P = 0.005, 2500.0
+# unrecorded, a pressure behind the valve may be off by half the mean drop, and so may its rise with the flow
+BEHIND = 0.5
 _HATS = np.linspace(0.0, 1.0, 8)
 # what an actuator may be slower or slacker by; two sizes of what is no line in its size
 _RESPONSES = (
@@ -123,12 +126,30 @@ def _flow_series(scene):
         taken = float(np.interp(place, grid, used))
         low.append(-1.0 - taken)
         high.append(1.0 - taken)
+    if "p2" in scene.lacking:
+        for column in _behind(scene, base):
+            series.append(column)
+            low.append(-1.0)
+            high.append(1.0)
     if "opening" in scene.lacking:
         for column, least in _RESPONSES:
             series.append(scene.seen("flow", _shifted(scene, **column)) - base)
             low.append(least)
             high.append(1.0)
     return series, low, high
+
+
+def _behind(scene, base):
+    """Flow under another pressure of the tank behind the valve, and under another loss of the line to it."""
+    drop = float(np.mean(scene.p1 - scene.p2))
+    rise = np.repeat((base / scene.plant.span) ** 2, A_SECOND)[: scene.p2.size]
+    columns = []
+    for shift in (np.ones_like(rise), rise):
+        other = copy(scene)
+        # a tenth of the bound, so that nothing chokes and no drop turns round
+        other.p2 = scene.p2 + 0.1 * BEHIND * drop * shift
+        columns.append((other.seen("flow", scene.sound) - base) / 0.1)
+    return columns
 
 
 def _left(used):

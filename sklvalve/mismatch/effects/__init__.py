@@ -35,7 +35,7 @@ from sklvalve.mismatch.effects.positioner_feedback_fault import (
     PositionerFeedbackFault,
 )
 from sklvalve.mismatch.effects.presliding import Presliding
-from sklvalve.mismatch.effects.rod_bend import RodBend, RodBendShut
+from sklvalve.mismatch.effects.rod_bend import RodBend, RodBendByHunting, RodBendShut
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
 from sklvalve.mismatch.effects.sedimentation import Sedimentation
 from sklvalve.mismatch.effects.sensor_lag import SensorLag
@@ -123,6 +123,7 @@ EVENTS = (
     StictionByHunting(),
     FrictionByHunting(),
     FeedbackByHunting(),
+    RodBendByHunting(),
 )
 
 __all__ = ["CATALOGUE", "EVENTS", "Effect", "Quantity"]

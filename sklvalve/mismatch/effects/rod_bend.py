@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stem that is bent or twisted."""
 
+from sklvalve.mismatch.effects._events import ByHunting
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.mismatch.effects.friction import most_friction
 
@@ -62,3 +63,13 @@ class RodBendShut(RodBend):
 
     def apply(self, value, p, chain):
         return value | self._as_air_drives(-p["friction"] / p["begins"], p["begins"], chain)
+
+
+class RodBendByHunting(ByHunting, RodBend):
+    """A bent stem told by its hunting: where it rubs, its positioner overshoots what breaks it away."""
+
+    key = "rod_bend_hunting"
+    phrase = (
+        "the stem is bent and rubs, and hunts by {swing:.1%} of travel while its command rests; "
+        "its swings are not predicted"
+    )

@@ -20,8 +20,8 @@ class ViscosityChange(ViscousFlow):
 
     name = key = "viscosity_change"
     parameters = (
-        Quantity("viscosity", "m2/s", 5e-7, 5e-2, (1e-5, 2e-4), log=True),
-        Quantity("fall", "1/K", 0.005, 0.15, (0.04,), log=True),
+        Quantity("viscosity", "m2/s", 5e-7, 5e-2, (1e-5, 2e-4, 2e-3), log=True),
+        Quantity("fall", "1/K", 0.02, 0.15, (0.04,), log=True),
     )
     needs = ("flow", "p1", "p2", "temperature")
     phrase = "the flow is viscous ({viscosity:.2g} m2/s at 20 degC), the less so by {fall:.1%} a kelvin"

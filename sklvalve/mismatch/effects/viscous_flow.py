@@ -18,7 +18,7 @@ class ViscousFlow(Effect):
 
     name = key = "viscous_flow"
     block, stage = "valve", "capacity"
-    parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4), log=True),)
+    parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4, 2e-3), log=True),)
     needs: tuple = ("flow", "p1", "p2")
     phrase = "the flow is not turbulent (viscosity about {viscosity:.2g} m2/s at 20 degC)"
     separated_by = (
