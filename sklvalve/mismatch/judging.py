@@ -114,7 +114,7 @@ def _judged(
         return unknown, evidence, p_value, max(p_value, counting) <= alpha
 
     nominal = explanation.nominal
-    findings, model = _clear_ones(workbench, nominal, findings, model, circumstances, alpha)
+    findings, model = _clear_ones(workbench, explanation, findings, model, circumstances, alpha)
     unknown, evidence, p_value, enough = weighed(findings, model)
     if findings and not enough:
         # effects too weak to be told from chance must not hide a rest that is not
@@ -169,19 +169,29 @@ def _suspects(explanation):
     return tuple(sorted(blocks))
 
 
-def _clear_ones(workbench, nominal, findings, model, circumstances, alpha):
+def _clear_ones(workbench, explanation, findings, model, circumstances, alpha):
     """The strongest finding and those beside it that are clear or needed, with their model.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. So what is named beside
     the strongest must be as rare among healthy recordings as alpha twice over, unless blocks that no fit has
-    seen speak against what is left without it.
+    seen, or the noise that no model has a part in, speak against what is left without it.
     """
-    first = findings[:1]
-    clear = first + [f for f in findings[1:] if p_value_of_one(f, workbench, circumstances) <= alpha**2]
-    if len(clear) == len(findings):
+    weak = [f for f in findings[1:] if p_value_of_one(f, workbench, circumstances) > alpha**2]
+    if not weak:
         return findings, model
-    fewer = workbench.fit(tuple(f.member for f in clear), start=model)
-    return (clear, fewer) if holds_out(workbench, nominal, fewer) else (findings, model)
+
+    def is_fine(findings, model):
+        return held_against_noise(workbench, explanation, model, findings, alpha)[1] == FINE
+
+    held_out = []
+    for many in range(len(weak)):
+        some = [f for f in findings if f not in weak[many:]]
+        fewer = workbench.fit(tuple(f.member for f in some), start=model)
+        if holds_out(workbench, explanation.nominal, fewer):
+            if is_fine(some, fewer):
+                return some, fewer
+            held_out.append((some, fewer))
+    return held_out[0] if held_out and not is_fine(findings, model) else (findings, model)
 
 
 def _stands(workbench, model, unknown):

@@ -62,3 +62,43 @@ def test_a_meter_may_read_off_by_half_of_what_it_shows():
     found = MissingPhysicsFinder(effects=["flow_meter_bias", "external_leakage"]).fit(off)
     (effect,) = found.diagnosis_.to_dict()["effects"]
     assert "flow_meter_bias" in {member["name"] for member in effect["members"]}
+
+
+@pytest.mark.parametrize(
+    ("unseen", "quiet", "kept"),
+    [
+        ({1, 2, 3}, {1, 2, 3}, 1),
+        ({1, 2, 3}, {2, 3}, 2),
+        ({2, 3}, {1, 2, 3}, 2),
+        ({1, 2, 3}, {3}, 3),
+        ({1, 2, 3}, set(), 1),
+        (set(), set(), 3),
+    ],
+    ids=[
+        "none is needed",
+        "the noise asks for one",
+        "unseen blocks ask for one",
+        "the noise asks for all",
+        "none is enough for the noise",
+        "none is enough for unseen blocks",
+    ],
+)
+def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(monkeypatch, unseen, quiet, kept):
+    """`unseen` and `quiet`: with how many findings unseen blocks and the noise have no objection."""
+    findings = [SimpleNamespace(member=name) for name in ("strongest", "second", "third")]
+    weak_p = {"strongest": 0.5, "second": 0.01, "third": 0.01}
+    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: weak_p[finding.member])
+    monkeypatch.setattr(judging, "holds_out", lambda bench, nominal, model: len(model) in unseen)
+    monkeypatch.setattr(
+        judging,
+        "held_against_noise",
+        lambda bench, explanation, model, found, alpha: (
+            None,
+            judging.FINE if len(model) in quiet else "doubtful",
+        ),
+    )
+    bench = SimpleNamespace(fit=lambda members, start: members)
+    whole = tuple(f.member for f in findings)
+    stand, model = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, whole, None, 0.01)
+    assert stand == findings[:kept]
+    assert model == whole[:kept]
