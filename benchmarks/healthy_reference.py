@@ -29,7 +29,7 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.gate import with_seized_stems
-from sklvalve.mismatch.healthy import Circumstances
+from sklvalve.mismatch.healthy import Circumstances, relative_to
 from sklvalve.mismatch.preparation import candidates, prepared_workbench
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.withholding import withheld
@@ -41,6 +41,9 @@ KINDS = ("wander", "heavy tails", "noise that grows with the flow", "noisy press
 LACKING = ((0.12, ("P1", "P2")), (0.24, ("X",)), (0.32, ("CV",)))
 # share of the reference above the threshold of its tail, and knots below
 ABOVE, KNOTS = 0.15, 18
+# the quantile by which each effect is held against all together, and the least that it is taken for
+OF_EACH, LEAST = 0.95, 0.3
+WEAKEST = 0.1  # strengths below are as good as none
 CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop")
 STRENGTHS = ("effects", "rest")
 
@@ -106,6 +109,7 @@ def searched(recording):
         judged, _ = withheld(finder._judged(workbench, None, effects, 0), data)
     told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
     told |= {name: getattr(judged.evidence.circumstances, name) for name in CIRCUMSTANCES}
+    told["strengths"] = {key: round(found, 3) for key, found in judged.evidence.strengths.items()}
     return told | {"verdict": judged.verdict, "p_value": judged.p_value}
 
 
@@ -113,14 +117,17 @@ def table_of(rows, name):
     """The table of one strength, as `sklvalve.mismatch.healthy.Table` takes it."""
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
-    known = np.array([[row[c] for c in CIRCUMSTANCES] for row in rows])
-    columns = np.column_stack([np.ones(len(rows)), known])
-    (offset, *slopes), *_ = np.linalg.lstsq(columns, np.log(found), rcond=None)
-    relative = found / np.exp(offset + known @ slopes)
+    usual = {}
+    if name == "effects":
+        strengths = [row["strengths"] for row in rows]
+        alike = np.array([max(each.values(), default=0.0) for each in strengths])
+        usual = usual_of(strengths, typical_of(rows, alike)[0])
+        found = np.array([relative_to(usual, each) for each in strengths])
+    typical, offset, slopes, known = typical_of(rows, found)
+    relative = found / typical
     quantiles = np.quantile(relative, np.linspace(0.0, 1.0 - ABOVE, KNOTS))
     excess = relative[relative > quantiles[-1]] - quantiles[-1]
     scale, shape = tail_of(excess)
-    short = lambda value: float(f"{value:.4g}")  # noqa: E731
     return {
         "recordings": len(rows),
         "offset": short(offset),
@@ -130,7 +137,35 @@ def table_of(rows, name):
         "above": ABOVE,
         "scale": short(scale),
         "shape": short(shape),
+        "usual": usual,
     }
+
+
+def short(value):
+    """Four digits tell all that some hundred recordings know."""
+    return float(f"{value:.4g}")
+
+
+def typical_of(rows, found):
+    """Typical strength of each recording in its circumstances, and the line that gives its logarithm."""
+    known = np.array([[row[c] for c in CIRCUMSTANCES] for row in rows])
+    columns = np.column_stack([np.ones(len(rows)), known])
+    line, *_ = np.linalg.lstsq(columns, np.log(np.maximum(found, WEAKEST)), rcond=None)
+    return np.exp(columns @ line), line[0], line[1:], known
+
+
+def usual_of(strengths, typical):
+    """How strong each effect gets by chance: its own upper twentieth over that of the strongest of all.
+
+    An effect that was not tried in a recording, or stayed within tolerance, had no strength there. What was
+    never strong in some hundred recordings may be so in the next: none is taken for less than `LEAST`.
+    """
+    top = np.quantile([max(each.values(), default=0.0) for each in strengths] / typical, OF_EACH)
+    own = {
+        key: np.quantile([each.get(key, 0.0) for each in strengths] / typical, OF_EACH)
+        for key in sorted(set().union(*strengths))
+    }
+    return {key: short(min(max(value / top, LEAST), 1.0)) for key, value in own.items()}
 
 
 def tail_of(excess):

@@ -6,7 +6,7 @@ of fifty. So no textbook law says how strong evidence gets by chance. Healthy re
 through the whole search, and the p-value is the share of them that looked as far from their simulation.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.stats import chi2
@@ -29,16 +29,20 @@ class Evidence:
     Parameters
     ----------
     effects : float
-        The strongest that any effect tried makes of it; zero where none was tried.
+        The strongest that any effect tried makes of it, relative to what is usual for that effect; zero where
+        none was tried.
     rest : float or None
         What the learnt rest makes of it; None where no rest could be learnt.
     circumstances : Circumstances
         What chance depends on.
+    strengths : dict, default={}
+        Effect key -> strength as `strength` has it, of all effects tried.
     """
 
     effects: float
     rest: float | None
     circumstances: Circumstances
+    strengths: dict = field(default_factory=dict, compare=False, repr=False)
 
 
 def strength(deviations, size):
@@ -73,13 +77,17 @@ def strength(deviations, size):
     return float(1.0 / np.hypot(1.0 / deviations, _WRONG / size))
 
 
-def strength_of_effects(explanation, workbench):
-    """Strength of the strongest effect beyond tolerance, of those found and those tried at the first step.
+def strengths_of_effects(explanation, workbench):
+    """Strength of each effect beyond tolerance, of those found and those tried at the first step, by key.
 
     The deviations of an effect are the root of twice the log likelihood that it gains.
     """
-    seen = [*explanation.tried.values(), *((f.gain, f.sizes) for f in explanation.findings)]
-    return max((_strength_of(gain, sizes, workbench) for gain, sizes in seen), default=0.0)
+    seen = [(key, *tried) for key, tried in explanation.tried.items()]
+    seen += [(f.member.effect.key, f.gain, f.sizes) for f in explanation.findings]
+    strengths: dict = {}
+    for key, gain, sizes in seen:
+        strengths[key] = max(strengths.get(key, 0.0), _strength_of(gain, sizes, workbench))
+    return strengths
 
 
 def p_value_of_one(finding, workbench, circumstances):
@@ -95,8 +103,8 @@ def p_value_of_one(finding, workbench, circumstances):
     -------
     p_value : float
     """
-    alone = _strength_of(finding.gain, finding.sizes, workbench)
-    return mismatch_p_value(Evidence(alone, None, circumstances))
+    alone = {finding.member.effect.key: _strength_of(finding.gain, finding.sizes, workbench)}
+    return mismatch_p_value(Evidence(EFFECTS.relative(alone), None, circumstances))
 
 
 def _strength_of(gain, sizes, workbench):

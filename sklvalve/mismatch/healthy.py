@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How strong the evidence against healthy recordings gets by chance, and how rare a stronger one is."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -60,6 +60,10 @@ class Table:
         Share of the reference above the threshold, the last quantile.
     scale, shape : float
         Of the tail.
+    usual : dict, default={}
+        Effect key -> how strong it gets by chance, relative to all effects together; 1 for those not named.
+        Of two effects that look as strong the one that seldom does among healthy recordings is the rarer
+        evidence.
     """
 
     recordings: int
@@ -70,11 +74,21 @@ class Table:
     above: float
     scale: float
     shape: float
+    usual: dict = field(default_factory=dict)
+
+    def relative(self, strengths):
+        """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
+        return relative_to(self.usual, strengths)
 
     def typical(self, circumstances):
         """Typical strength of healthy recordings."""
         held = {c: np.clip(getattr(circumstances, c), *self.ranges[c]) for c in self.slopes}
         return float(np.exp(self.offset + sum(slope * held[c] for c, slope in self.slopes.items())))
+
+
+def relative_to(usual, strengths):
+    """The largest of some strengths by effect, each over what is usual for it."""
+    return max((found / usual.get(key, 1.0) for key, found in strengths.items()), default=0.0)
 
 
 EFFECTS, REST = (Table(**TABLES[name]) for name in ("effects", "rest"))

@@ -11,9 +11,10 @@ from sklvalve.mismatch.detect import (
     mismatch_p_value,
     p_value_of_one,
     p_value_of_what_counts,
-    strength_of_effects,
+    strengths_of_effects,
 )
 from sklvalve.mismatch.events import P_VALUE, beside_events, with_events
+from sklvalve.mismatch.healthy import EFFECTS
 from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
 from sklvalve.mismatch.stem_rest import P_VALUE as STRAYS_BY_CHANCE
 from sklvalve.mismatch.stem_rest import stem_rest
@@ -103,7 +104,8 @@ def _judged(
     def weighed(findings, model):
         """What is left, the evidence with its p-value, and whether it is enough, and enough that counts."""
         unknown, rest = rest_of(model)
-        evidence = Evidence(strength_of_effects(explanation, workbench), rest, circumstances)
+        strengths = strengths_of_effects(explanation, workbench)
+        evidence = Evidence(EFFECTS.relative(strengths), rest, circumstances, strengths)
         p_value = mismatch_p_value(evidence)
         counting = 0.0
         if unknown is None:
@@ -176,12 +178,15 @@ def _clear_ones(workbench, explanation, findings, model, circumstances, alpha):
     the strongest must be as rare among healthy recordings as alpha twice over, unless blocks that no fit has
     seen, or the noise that no model has a part in, speak against what is left without it.
     """
-    weak = [f for f in findings[1:] if p_value_of_one(f, workbench, circumstances) > alpha**2]
+    rarity = {f: p_value_of_one(f, workbench, circumstances) for f in findings[1:]}
+    weak = [f for f, p_value in rarity.items() if p_value > alpha**2]
     if not weak:
         return findings, model
 
     def is_fine(findings, model):
-        return held_against_noise(workbench, explanation, model, findings, alpha)[1] == FINE
+        # for the noise's sake nothing stands that is no rarer than an alarm
+        rare = all(rarity[f] <= alpha for f in findings[1:])
+        return rare and held_against_noise(workbench, explanation, model, findings, alpha)[1] == FINE
 
     held_out = []
     for many in range(len(weak)):

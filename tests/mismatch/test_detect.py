@@ -9,15 +9,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from sklvalve.mismatch import CATALOGUE
 from sklvalve.mismatch.detect import (
     Evidence,
     circumstances_of,
     in_counts,
     mismatch_p_value,
     strength,
-    strength_of_effects,
+    strengths_of_effects,
 )
-from sklvalve.mismatch.healthy import EFFECTS, REST, Circumstances, exceeded
+from sklvalve.mismatch.healthy import EFFECTS, REST, Circumstances, exceeded, relative_to
 
 USUAL = Circumstances(noise=-0.5, travel=0.6, no_opening=0.0, no_drop=0.0)
 CIRCUMSTANCES = st.builds(
@@ -46,16 +47,35 @@ def test_strength_grows_with_what_is_borne_out_and_with_the_size(z, size, more, 
     assert strength(z, size) <= z * (1.0 + 1e-12)
 
 
-def test_strongest_effect_and_largest_channel_are_taken():
+def test_strongest_fit_of_each_effect_and_largest_channel_are_taken():
     assert in_counts({"flow": 0.01, "opening": 0.01}, BENCH) == pytest.approx(2.0)
     assert in_counts({}, BENCH) == 0.0
     weak, strong = (8.0, {"flow": 0.005}), (50.0, {"flow": 0.02})
     tried = {"clogging": weak, "erosion": strong, "dead_time": (-9.0, {"opening": 0.5})}
     searched = SimpleNamespace(tried=tried, findings=[])
-    assert strength_of_effects(searched, BENCH) == pytest.approx(strength(10.0, 4.0))
-    searched.findings = [SimpleNamespace(gain=5000.0, sizes={"flow": 0.02})]
-    assert strength_of_effects(searched, BENCH) == pytest.approx(strength(100.0, 4.0))
-    assert strength_of_effects(SimpleNamespace(tried={}, findings=[]), BENCH) == 0.0
+    alone = {"clogging": strength(4.0, 1.0), "erosion": strength(10.0, 4.0), "dead_time": 0.0}
+    assert strengths_of_effects(searched, BENCH) == pytest.approx(alone)
+    eroded = SimpleNamespace(effect=SimpleNamespace(key="erosion"))
+    searched.findings = [SimpleNamespace(gain=5000.0, sizes={"flow": 0.02}, member=eroded)]
+    assert strengths_of_effects(searched, BENCH) == pytest.approx(alone | {"erosion": strength(100.0, 4.0)})
+    assert strengths_of_effects(SimpleNamespace(tried={}, findings=[]), BENCH) == {}
+
+
+def test_what_is_seldom_strong_by_chance_counts_for_more():
+    usual = {"sensor_lag": 0.8, "erosion": 0.4}
+    assert relative_to(usual, {"sensor_lag": 4.0, "erosion": 3.0}) == pytest.approx(7.5)
+    # nothing is known of an effect of one's own: it is taken for the most usual
+    assert relative_to(usual, {"mine": 6.0}) == 6.0
+    assert relative_to(usual, {}) == 0.0
+
+
+def test_the_reference_knows_the_effects_of_the_catalogue():
+    keys = {effect.key for effect in CATALOGUE}
+    assert set(EFFECTS.usual) <= keys
+    assert len(EFFECTS.usual) > 0.8 * len(keys)
+    assert all(0.0 < usual <= 1.0 for usual in EFFECTS.usual.values())
+    assert max(EFFECTS.usual.values()) > 2.0 * min(EFFECTS.usual.values())
+    assert REST.usual == {}
 
 
 @pytest.mark.parametrize("table", [EFFECTS, REST])

@@ -15,6 +15,13 @@ from .conftest import record
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
 
 
+class _Found:
+    """A finding of a member, no more."""
+
+    def __init__(self, member):
+        self.member = member
+
+
 def _explanation(tried, *found):
     findings = [SimpleNamespace(member=SimpleNamespace(effect=BY_KEY[key])) for key in found]
     return SimpleNamespace(
@@ -65,29 +72,32 @@ def test_a_meter_may_read_off_by_half_of_what_it_shows():
 
 
 @pytest.mark.parametrize(
-    ("unseen", "quiet", "kept"),
+    ("rarity", "unseen", "quiet", "kept"),
     [
-        ({1, 2, 3}, {1, 2, 3}, 1),
-        ({1, 2, 3}, {2, 3}, 2),
-        ({2, 3}, {1, 2, 3}, 2),
-        ({1, 2, 3}, {3}, 3),
-        ({1, 2, 3}, set(), 1),
-        (set(), set(), 3),
+        (0.005, {1, 2, 3}, {1, 2, 3}, 1),
+        (0.005, {1, 2, 3}, {2, 3}, 2),
+        (0.02, {1, 2, 3}, {2, 3}, 1),
+        (0.005, {2, 3}, {1, 2, 3}, 2),
+        (0.005, {1, 2, 3}, {3}, 3),
+        (0.005, {1, 2, 3}, set(), 1),
+        (0.02, set(), set(), 3),
+        (5e-5, {1, 2, 3}, {1, 2, 3}, 3),
     ],
     ids=[
         "none is needed",
         "the noise asks for one",
+        "the noise asks for one that is not rare",
         "unseen blocks ask for one",
         "the noise asks for all",
         "none is enough for the noise",
         "none is enough for unseen blocks",
+        "all are clear",
     ],
 )
-def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(monkeypatch, unseen, quiet, kept):
+def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(monkeypatch, rarity, unseen, quiet, kept):
     """`unseen` and `quiet`: with how many findings unseen blocks and the noise have no objection."""
-    findings = [SimpleNamespace(member=name) for name in ("strongest", "second", "third")]
-    weak_p = {"strongest": 0.5, "second": 0.01, "third": 0.01}
-    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: weak_p[finding.member])
+    findings = [_Found(name) for name in ("strongest", "second", "third")]
+    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: rarity)
     monkeypatch.setattr(judging, "holds_out", lambda bench, nominal, model: len(model) in unseen)
     monkeypatch.setattr(
         judging,
