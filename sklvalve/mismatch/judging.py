@@ -101,19 +101,24 @@ def _judged(
             asked[model] = rest if rest is not None and _stands(workbench, fitted, rest) else None, strong
         return asked[model]
 
+    def is_rare(finding):
+        return p_value_of_one(finding, workbench, circumstances) <= alpha
+
     def weighed(findings, model):
         """What is left, the evidence with its p-value, and whether it is enough, and enough that counts."""
         unknown, rest = rest_of(model)
         strengths = strengths_of_effects(explanation, workbench)
         evidence = Evidence(EFFECTS.relative(strengths), rest, circumstances, strengths)
         p_value = mismatch_p_value(evidence)
-        counting = 0.0
-        if unknown is None:
-            counting = p_value_of_what_counts(findings, explanation.tried, workbench, n_candidates)
-        elif unknown.period is not None:
+        counts = True
+        # what was found is larger than what counts; where it is rare among healthy recordings that is enough
+        if unknown is None and not (findings and is_rare(findings[0])):
+            by_chance = p_value_of_what_counts(findings, explanation.tried, workbench, n_candidates)
+            counts = by_chance <= alpha
+        elif unknown is not None and unknown.period is not None:
             # a cycle is told by a law of its own
             p_value = min(p_value, unknown.p_value)
-        return unknown, evidence, p_value, max(p_value, counting) <= alpha
+        return unknown, evidence, p_value, counts and p_value <= alpha
 
     nominal = explanation.nominal
     findings, model = _clear_ones(workbench, explanation, findings, model, circumstances, alpha)
@@ -122,7 +127,7 @@ def _judged(
         # effects too weak to be told from chance must not hide a rest that is not
         bare = weighed([], nominal)
         # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
-        enough = bare[-1] and p_value_of_one(findings[0], workbench, circumstances) <= alpha
+        enough = bare[-1] and is_rare(findings[0])
         if not enough:
             findings = []
             unknown, evidence, p_value, enough = bare
