@@ -167,12 +167,13 @@ def mismatch_p_value(evidence):
     return float(np.clip(min(p_values), _LEAST_P_VALUE, 1.0))
 
 
-def p_value_of_what_counts(findings, tried, workbench, n_candidates):
+def p_value_of_what_counts(findings, tried, workbench):
     """Probability that chance lifts an effect that does not count as far above what counts.
 
     The hypothesis is that no effect is larger than what counts in practice: the likelihood ratio of each
-    effect is taken from there on, in standard deviations of its size, and the least of the p-values is raised
-    to the number of candidates and onsets tried (Sidak). Near one for nearly every healthy recording.
+    effect is taken from there on, in standard deviations of its size, and the least of the p-values is told.
+    It is asked beside `mismatch_p_value`, never instead: what was selected, and of how many, is in that one.
+    Near one for nearly every healthy recording.
 
     Parameters
     ----------
@@ -180,8 +181,6 @@ def p_value_of_what_counts(findings, tried, workbench, n_candidates):
     tried : dict
         Effect key -> (gain of its best single fit, sizes), where nothing was found.
     workbench : Workbench
-    n_candidates : int
-        Number of effects tried.
 
     Returns
     -------
@@ -193,10 +192,7 @@ def p_value_of_what_counts(findings, tried, workbench, n_candidates):
     if not seen:
         seen = [(gain, sizes, 2) for gain, sizes in tried.values()]
     p_values = [1.0]
-    # an onset may stand anywhere, though neighbours look alike: about as many as log2 of the rows
-    tries = n_candidates * np.log2(max(len(workbench.recording), 4))
     for gain, sizes, parameters in seen:
         beyond = max(max(1.0 - least(c) / size, 0.0) if size > 0.0 else 0.0 for c, size in sizes.items())
-        alone = chi2.sf(2.0 * max(gain, 0.0) * beyond**2, parameters + 1)
-        p_values.append(-np.expm1(tries * np.log1p(-min(alone, 1.0 - 1e-16))))
-    return float(max(min(p_values), _LEAST_P_VALUE))
+        p_values.append(float(chi2.sf(2.0 * max(gain, 0.0) * beyond**2, parameters + 1)))
+    return max(min(p_values), _LEAST_P_VALUE)

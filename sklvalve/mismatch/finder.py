@@ -235,7 +235,7 @@ class MissingPhysicsFinder(BaseEstimator):
         )
         self._say("looking for the unknown", 0.8)
         more = {"alpha": float(self.alpha), "random_state": seed}
-        return judge(workbench, explanation, len(effects), circumstances, events=events, **more)
+        return judge(workbench, explanation, circumstances, events=events, **more)
 
     def _say(self, stage, done):
         if self.callback is not None:

@@ -27,7 +27,7 @@ _LARGE = 2.0
 _COMES_NEAR = 0.25
 
 
-def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_state, events=None):
+def judge(workbench, explanation, circumstances, *, alpha, random_state, events=None):
     """Verdict, what stands of the findings, and the model and the learnt rest that go with it.
 
     Slips of the stem that are evident, or its hunting, name what makes them where the search has not: then
@@ -37,8 +37,6 @@ def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_
     ----------
     workbench : Workbench
     explanation : Explanation
-    n_candidates : int
-        Number of effects considered.
     circumstances : Circumstances
         What chance depends on, as they were before the search.
     alpha : float
@@ -51,7 +49,7 @@ def judge(workbench, explanation, n_candidates, circumstances, *, alpha, random_
     -------
     judgement : Judgement
     """
-    told = {"alpha": alpha, "n_candidates": n_candidates, "random_state": random_state}
+    told = {"alpha": alpha, "random_state": random_state}
     told["circumstances"] = circumstances
     searched = _judged(workbench, explanation, explanation.findings, explanation.model, **told)
     if events is None or _names_one_of(events.names, searched):
@@ -85,7 +83,6 @@ def _judged(
     model,
     *,
     alpha,
-    n_candidates,
     circumstances,
     random_state,
     channels=None,
@@ -113,7 +110,7 @@ def _judged(
         counts = True
         # what was found is larger than what counts; where it is rare among healthy recordings that is enough
         if unknown is None and not (findings and is_rare(findings[0])):
-            by_chance = p_value_of_what_counts(findings, explanation.tried, workbench, n_candidates)
+            by_chance = p_value_of_what_counts(findings, explanation.tried, workbench)
             counts = by_chance <= alpha
         elif unknown is not None and unknown.period is not None:
             # a cycle is told by a law of its own
