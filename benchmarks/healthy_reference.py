@@ -29,7 +29,7 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.gate import with_seized_stems
-from sklvalve.mismatch.healthy import Circumstances, relative_to
+from sklvalve.mismatch.healthy import EFFECTS, Circumstances, relative_to
 from sklvalve.mismatch.preparation import candidates, prepared_workbench
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.withholding import withheld
@@ -204,9 +204,9 @@ def check(rows):
     """Lines that say whether the p-values of the table in place are uniform, and what was alarmed."""
 
     def again(row):
-        return mismatch_p_value(
-            Evidence(row["effects"], row["rest"], Circumstances(*(row[c] for c in CIRCUMSTANCES)))
-        )
+        strongest = EFFECTS.relative(row["strengths"])
+        circumstances = Circumstances(*(row[c] for c in CIRCUMSTANCES))
+        return mismatch_p_value(Evidence(strongest, row["rest"], circumstances))
 
     p_values = np.array([again(row) for row in rows])
     uniform = kstest(p_values, "uniform").pvalue
