@@ -6,10 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sklvalve.mismatch.distance import SHARE_MISTAKEN
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.intervals import interval_of
+from sklvalve.mismatch.intervals import SHARE_OFF, interval_of
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.fitting import Misfit
@@ -54,7 +53,7 @@ def held(bench, monkeypatch):
 @pytest.mark.parametrize("spread", [0.0, 2e-5, 2e-4])
 def test_of_what_acts_in_proportion_the_share_is_that_of_its_value(held, spread):
     ends = _interval(held, "flow_meter_bias", {"bias": 4e-4}, spread)
-    half = np.hypot(1.96 * spread, SHARE_MISTAKEN * 4e-4)
+    half = np.hypot(1.96 * spread, SHARE_OFF * 4e-4)
     np.testing.assert_allclose(ends, [4e-4 - half, 4e-4 + half], rtol=1e-6)
 
 
@@ -66,7 +65,7 @@ def test_of_a_limit_it_is_as_far_as_changes_the_effect_by_its_share(held):
     none = held.simulate((), model.values).predictions["flow"]
     moved = held.simulate(model.members, model.values | {"clogging.limit": high}).predictions["flow"]
     share = np.sqrt(np.nanmean((moved - own) ** 2) / np.nanmean((own - none) ** 2))
-    assert share == pytest.approx(SHARE_MISTAKEN, rel=0.25)
+    assert share == pytest.approx(SHARE_OFF, rel=0.25)
 
 
 def test_a_calibration_answers_as_far_as_the_sheet_lets_it(healthy, bench):
@@ -74,7 +73,7 @@ def test_a_calibration_answers_as_far_as_the_sheet_lets_it(healthy, bench):
         low, high = _interval(workbench, "flow_meter_bias", {"bias": 4e-4}, 0.0)
         return high - low
 
-    alone = 2.0 * SHARE_MISTAKEN * 4e-4
+    alone = 2.0 * SHARE_OFF * 4e-4
     narrow = Tolerance(capacity=1e-6, trim=1e-6, position_zero=1e-6, flow_zero=1e-6, pressure_zero=1e-6)
     assert width(Workbench(healthy, narrow, ())) == pytest.approx(alone, rel=0.05)
     assert 1.2 * alone < width(bench) < 4.0 * alone
