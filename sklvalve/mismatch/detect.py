@@ -84,7 +84,7 @@ def strengths_of_effects(explanation, workbench):
     """
     seen = [(key, *tried) for key, tried in explanation.tried.items()]
     seen += [(f.member.effect.key, f.gain, f.sizes) for f in explanation.findings]
-    strengths: dict = {}
+    strengths = {}
     for key, gain, sizes in seen:
         strengths[key] = max(strengths.get(key, 0.0), _strength_of(gain, sizes, workbench))
     return strengths
