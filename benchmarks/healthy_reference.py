@@ -26,7 +26,7 @@ from scipy.stats import beta, genpareto, kstest
 from threadpoolctl import threadpool_limits
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.gate import with_seized_stems
 from sklvalve.mismatch.healthy import EFFECTS, Circumstances, relative_to
@@ -120,8 +120,8 @@ def table_of(rows, name):
     usual = {}
     if name == "effects":
         strengths = [row["strengths"] for row in rows]
-        alike = np.array([max(each.values(), default=0.0) for each in strengths])
-        usual = usual_of(strengths, typical_of(rows, alike)[0])
+        strongest = np.array([max(each.values(), default=0.0) for each in strengths])
+        usual = usual_of(strengths, typical_of(rows, strongest)[0])
         found = np.array([relative_to(usual, each) for each in strengths])
     typical, offset, slopes, known = typical_of(rows, found)
     relative = found / typical
@@ -165,7 +165,13 @@ def usual_of(strengths, typical):
         key: np.quantile([each.get(key, 0.0) for each in strengths] / typical, OF_EACH)
         for key in sorted(set().union(*strengths))
     }
-    return {key: short(min(max(value / top, LEAST), 1.0)) for key, value in own.items()}
+    usual = {key: short(min(max(value / top, LEAST), 1.0)) for key, value in own.items()}
+    # forms that no recording of the reference could show are as usual as others of their name, or as most
+    for effect in CATALOGUE:
+        alike = [usual[e.key] for e in CATALOGUE if e.name == effect.name and e.key in own]
+        usual.setdefault(effect.key, max(alike, default=short(np.median(list(own.values())) / top)))
+        usual[effect.key] = max(usual[effect.key], LEAST)
+    return dict(sorted(usual.items()))
 
 
 def tail_of(excess):

@@ -110,14 +110,40 @@ def held_against_noise(workbench, explanation, model, findings, alpha):
     left = left_over(workbench, model, explanation.nominal)
     if imitates_any_course(findings):
         return left, REFUTED
-    if left is None or not left.too_much:
+    if _leaves_little(workbench, left, findings, alpha):
         return left, FINE
-    if any("flow" in workbench.channels_touched(f.member.effect) for f in findings):
+    if _of_flow(workbench, findings):
         return left, REFUTED if left.clearly else DOUBTFUL
-    if not left.is_no_wander(alpha):
-        return left, FINE
     known = known_effect_explains(workbench, explanation.nominal, explanation.effects)
     return left, DOUBTFUL if known else REFUTED
+
+
+def is_fine(workbench, nominal, model, findings, alpha):
+    """Whether the noise says nothing against a hypothesis; what else there may be is not looked for.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    nominal, model : Model
+    findings : list of Finding
+    alpha : float
+
+    Returns
+    -------
+    fine : bool
+    """
+    left = left_over(workbench, model, nominal)
+    return not imitates_any_course(findings) and _leaves_little(workbench, left, findings, alpha)
+
+
+def _leaves_little(workbench, left, findings, alpha):
+    if left is None or not left.too_much:
+        return True
+    return not _of_flow(workbench, findings) and not left.is_no_wander(alpha)
+
+
+def _of_flow(workbench, findings):
+    return any("flow" in workbench.channels_touched(f.member.effect) for f in findings)
 
 
 def known_effect_explains(workbench, nominal, effects):

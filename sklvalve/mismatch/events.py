@@ -25,7 +25,7 @@ _SHARES = {
         "stiction_hunting": 21.0 / 35.0,
         "feedback_hunting": 6.0 / 35.0,
         "friction_hunting": 4.0 / 35.0,
-        "rod_bend_hunting": 3.0 / 35.0,
+        "rod_bend_hunting": 4.0 / 35.0,
     },
 }
 _BLOCK, _ALIKE = "actuator", "play"

@@ -61,9 +61,9 @@ class Table:
     scale, shape : float
         Of the tail.
     usual : dict, default={}
-        Effect key -> how strong it gets by chance, relative to all effects together; 1 for those not named.
-        Of two effects that look as strong the one that seldom does among healthy recordings is the rarer
-        evidence.
+        Effect key -> how strong it gets by chance, relative to all effects together. Of two effects that look
+        as strong the one that seldom does among healthy recordings is the rarer evidence. What the table
+        does not know is taken for the most usual that it knows.
     """
 
     recordings: int
@@ -88,7 +88,8 @@ class Table:
 
 def relative_to(usual, strengths):
     """The largest of some strengths by effect, each over what is usual for it."""
-    return max((found / usual.get(key, 1.0) for key, found in strengths.items()), default=0.0)
+    most = max(usual.values(), default=1.0)
+    return max((found / usual.get(key, most) for key, found in strengths.items()), default=0.0)
 
 
 EFFECTS, REST = (Table(**TABLES[name]) for name in ("effects", "rest"))

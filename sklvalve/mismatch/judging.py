@@ -2,8 +2,9 @@
 """From the search to the judgement: what stands of the findings, and the model that goes with it."""
 
 from dataclasses import replace
+from itertools import chain, combinations
 
-from sklvalve.mismatch.adequacy import FINE, REFUTED, held_against_noise, left_over
+from sklvalve.mismatch.adequacy import FINE, REFUTED, held_against_noise, is_fine, left_over
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.detect import (
@@ -98,8 +99,8 @@ def _judged(
             asked[model] = rest if rest is not None and _stands(workbench, fitted, rest) else None, strong
         return asked[model]
 
-    def is_rare(finding):
-        return p_value_of_one(finding, workbench, circumstances) <= alpha
+    def any_is_rare(findings):
+        return any(p_value_of_one(f, workbench, circumstances) <= alpha for f in findings)
 
     def weighed(findings, model):
         """What is left, the evidence with its p-value, and whether it is enough, and enough that counts."""
@@ -108,8 +109,8 @@ def _judged(
         evidence = Evidence(EFFECTS.relative(strengths), rest, circumstances, strengths)
         p_value = mismatch_p_value(evidence)
         counts = True
-        # what was found is larger than what counts; where it is rare among healthy recordings that is enough
-        if unknown is None and not (findings and is_rare(findings[0])):
+        # what was found is larger than what counts: where it is rare among healthy recordings that is enough
+        if unknown is None and not any_is_rare(findings):
             by_chance = p_value_of_what_counts(findings, explanation.tried, workbench)
             counts = by_chance <= alpha
         elif unknown is not None and unknown.period is not None:
@@ -124,7 +125,7 @@ def _judged(
         # effects too weak to be told from chance must not hide a rest that is not
         bare = weighed([], nominal)
         # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
-        enough = bare[-1] and is_rare(findings[0])
+        enough = bare[-1] and any_is_rare(findings)
         if not enough:
             findings = []
             unknown, evidence, p_value, enough = bare
@@ -181,24 +182,21 @@ def _clear_ones(workbench, explanation, findings, model, circumstances, alpha):
     seen, or the noise that no model has a part in, speak against what is left without it.
     """
     rarity = {f: p_value_of_one(f, workbench, circumstances) for f in findings[1:]}
-    weak = [f for f, p_value in rarity.items() if p_value > alpha**2]
-    if not weak:
-        return findings, model
-
-    def is_fine(findings, model):
-        # for the noise's sake nothing stands that is no rarer than an alarm
-        rare = all(rarity[f] <= alpha for f in findings[1:])
-        return rare and held_against_noise(workbench, explanation, model, findings, alpha)[1] == FINE
-
-    held_out = []
-    for many in range(len(weak)):
-        some = [f for f in findings if f not in weak[many:]]
-        fewer = workbench.fit(tuple(f.member for f in some), start=model)
-        if holds_out(workbench, explanation.nominal, fewer):
-            if is_fine(some, fewer):
-                return some, fewer
-            held_out.append((some, fewer))
-    return held_out[0] if held_out and not is_fine(findings, model) else (findings, model)
+    weak = [f for f in findings[1:] if rarity[f] > alpha**2]
+    # for the noise's sake nothing stands that is no rarer than an alarm
+    rare = [f for f in weak if rarity[f] <= alpha]
+    nominal, held_out = explanation.nominal, []
+    for needed in chain.from_iterable(combinations(rare, many) for many in range(len(rare) + 1)):
+        if len(needed) == len(weak):
+            break
+        stand = [f for f in findings if f not in weak or f in needed]
+        fewer = workbench.fit(tuple(f.member for f in stand), start=model)
+        if holds_out(workbench, nominal, fewer):
+            if is_fine(workbench, nominal, fewer, stand, alpha):
+                return stand, fewer
+            held_out.append((stand, fewer))
+    all_needed = len(rare) == len(weak) and is_fine(workbench, nominal, model, findings, alpha)
+    return held_out[0] if held_out and not all_needed else (findings, model)
 
 
 def _stands(workbench, model, unknown):

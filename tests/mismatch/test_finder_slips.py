@@ -82,10 +82,19 @@ def test_model_with_slips_is_read_back(found, slipping, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "less", [{"alpha": 0.5 * P_VALUE}, {"effects": ["seat_leakage"]}, {"max_effects": 0}]
+    "less",
+    [
+        {"alpha": 0.5 * P_VALUE},
+        {"effects": ["seat_leakage"]},
+        {"effects": ["stiction", "seat_leakage"]},
+        {"max_effects": 0},
+    ],
+    ids=["below their own chance", "none that slips", "one of two that slip", "no effect wanted"],
 )
 def test_slips_alone_name_nothing(slipping, less):
     diagnosis = (
-        MissingPhysicsFinder(**({"effects": ["stiction", "seat_leakage"]} | less)).fit(slipping).diagnosis_
+        MissingPhysicsFinder(**({"effects": ["stiction", "friction", "seat_leakage"]} | less))
+        .fit(slipping)
+        .diagnosis_
     )
     assert all("jump" not in entry["parameters"] for entry in diagnosis.content["effects"])

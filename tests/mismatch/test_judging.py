@@ -71,44 +71,54 @@ def test_a_meter_may_read_off_by_half_of_what_it_shows():
     assert "flow_meter_bias" in {member["name"] for member in effect["members"]}
 
 
+def _subsets_with(*names):
+    """Whether a hypothesis holds all of these."""
+    return lambda held: set(names) <= set(held)
+
+
+NEVER, ALWAYS = (lambda held: False), (lambda held: True)
+RARE, NOT_RARE, CLEAR = 0.005, 0.02, 5e-5
+
+
 @pytest.mark.parametrize(
-    ("rarity", "unseen", "quiet", "kept"),
+    ("second", "third", "unseen", "quiet", "kept"),
     [
-        (0.005, {1, 2, 3}, {1, 2, 3}, 1),
-        (0.005, {1, 2, 3}, {2, 3}, 2),
-        (0.02, {1, 2, 3}, {2, 3}, 1),
-        (0.005, {2, 3}, {1, 2, 3}, 2),
-        (0.005, {1, 2, 3}, {3}, 3),
-        (0.005, {1, 2, 3}, set(), 1),
-        (0.02, set(), set(), 3),
-        (5e-5, {1, 2, 3}, {1, 2, 3}, 3),
+        (RARE, RARE, ALWAYS, ALWAYS, "a"),
+        (RARE, RARE, ALWAYS, _subsets_with("b"), "ab"),
+        (RARE, RARE, ALWAYS, _subsets_with("c"), "ac"),
+        (NOT_RARE, RARE, ALWAYS, _subsets_with("c"), "ac"),
+        (NOT_RARE, NOT_RARE, ALWAYS, _subsets_with("b"), "a"),
+        (CLEAR, RARE, ALWAYS, ALWAYS, "ab"),
+        (RARE, RARE, _subsets_with("c"), ALWAYS, "ac"),
+        (RARE, RARE, ALWAYS, _subsets_with("b", "c"), "abc"),
+        (RARE, RARE, ALWAYS, NEVER, "a"),
+        (NOT_RARE, NOT_RARE, NEVER, NEVER, "abc"),
+        (CLEAR, CLEAR, ALWAYS, ALWAYS, "abc"),
     ],
     ids=[
         "none is needed",
-        "the noise asks for one",
+        "the noise asks for the second",
+        "the noise asks for the third",
+        "the noise asks for the one that is rare",
         "the noise asks for one that is not rare",
-        "unseen blocks ask for one",
-        "the noise asks for all",
-        "none is enough for the noise",
-        "none is enough for unseen blocks",
+        "what is clear stands",
+        "unseen blocks ask for the third",
+        "the noise asks for both",
+        "nothing is enough for the noise",
+        "nothing is enough for unseen blocks",
         "all are clear",
     ],
 )
-def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(monkeypatch, rarity, unseen, quiet, kept):
-    """`unseen` and `quiet`: with how many findings unseen blocks and the noise have no objection."""
-    findings = [_Found(name) for name in ("strongest", "second", "third")]
-    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: rarity)
-    monkeypatch.setattr(judging, "holds_out", lambda bench, nominal, model: len(model) in unseen)
-    monkeypatch.setattr(
-        judging,
-        "held_against_noise",
-        lambda bench, explanation, model, found, alpha: (
-            None,
-            judging.FINE if len(model) in quiet else "doubtful",
-        ),
-    )
+def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(
+    monkeypatch, second, third, unseen, quiet, kept
+):
+    """`unseen` and `quiet`: of which hypotheses unseen blocks and the noise have nothing to say."""
+    findings = [_Found(name) for name in "abc"]
+    rarity = {"a": 0.5, "b": second, "c": third}
+    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: rarity[finding.member])
+    monkeypatch.setattr(judging, "holds_out", lambda bench, nominal, model: unseen(model))
+    monkeypatch.setattr(judging, "is_fine", lambda bench, nominal, model, found, alpha: quiet(model))
     bench = SimpleNamespace(fit=lambda members, start: members)
     whole = tuple(f.member for f in findings)
     stand, model = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, whole, None, 0.01)
-    assert stand == findings[:kept]
-    assert model == whole[:kept]
+    assert "".join(f.member for f in stand) == "".join(model) == kept
