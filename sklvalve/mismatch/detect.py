@@ -24,19 +24,20 @@ _LEAST_P_VALUE = 1e-12
 
 @dataclass(frozen=True)
 class Evidence:
-    """How far a recording lies from the healthy simulation, in standard deviations as `strength` has them.
+    """How far a recording lies from the healthy simulation.
 
     Parameters
     ----------
     effects : float
-        The strongest that any effect tried makes of it, relative to what is usual for that effect; zero where
-        none was tried.
+        The strongest that any effect makes of it, relative to what is usual for that effect among healthy
+        recordings; zero where none was tried.
     rest : float or None
         What the learnt rest makes of it; None where no rest could be learnt.
     circumstances : Circumstances
         What chance depends on.
     strengths : dict, default={}
-        Effect key -> strength as `strength` has it, of all effects tried.
+        Effect key -> standard deviations as `strength` has them, of the effects tried beyond their tolerance
+        and of those found.
     """
 
     effects: float
@@ -92,6 +93,8 @@ def strengths_of_effects(explanation, workbench):
 
 def p_value_of_one(finding, workbench, circumstances):
     """Share of healthy recordings in which the strongest effect is as strong as this one, or stronger.
+
+    Each effect relative to what is usual for it.
 
     Parameters
     ----------
@@ -173,7 +176,6 @@ def p_value_of_what_counts(findings, tried, workbench):
     The hypothesis is that no effect is larger than what counts in practice: the likelihood ratio of each
     effect is taken from there on, in standard deviations of its size, and the least of the p-values is told.
     It is asked beside `mismatch_p_value`, never instead: what was selected, and of how many, is in that one.
-    Near one for nearly every healthy recording.
 
     Parameters
     ----------
