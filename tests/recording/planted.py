@@ -59,18 +59,3 @@ def screened(columns, sheet=None, **roles):
 
 def names(found):
     return {(each["finding"], each["role"]) for each in found}
-
-
-def swinging_door(values, band):
-    """Points that a historian's swinging door keeps, and the straight lines drawn between them."""
-    kept, start = [0], 0
-    low, high = -np.inf, np.inf
-    for row in range(1, len(values)):
-        low = max(low, (values[row] - band - values[start]) / (row - start))
-        high = min(high, (values[row] + band - values[start]) / (row - start))
-        if low > high:
-            start = row - 1
-            kept.append(start)
-            low, high = values[row] - band - values[start], values[row] + band - values[start]
-    kept.append(len(values) - 1)
-    return np.interp(np.arange(len(values)), kept, values[kept])

@@ -1,16 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Compression as fine as the noise is told, and what only looks like it is not."""
 
-import runpy
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from tests.recording.planted import N, healthy, names, screened, smooth, swinging_door
-
-BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
-box_car = runpy.run_path(str(BENCHMARKS / "data_defects.py"))["box_car"]
+from benchmarks.data_defects import box_car, swinging_door
+from tests.recording.planted import N, healthy, names, screened, smooth
 
 
 @pytest.mark.parametrize("share", [1.0, 2.0])

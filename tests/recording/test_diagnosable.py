@@ -14,16 +14,9 @@ from sklvalve.recording import (
     require_diagnosable,
     screen_recording,
 )
+from tests.recording.planted import ROLES
 
 N = 300
-ROLES = {
-    "command": {"column": "CV", "unit": "%"},
-    "opening": {"column": "X", "unit": "%"},
-    "p1": {"column": "P1", "unit": "kPa"},
-    "p2": {"column": "P2", "unit": "kPa"},
-    "temperature": {"column": "T", "unit": "degC"},
-    "flow": {"column": "F", "unit": "m3/h"},
-}
 
 
 def healthy(seed=0, n=N):

@@ -4,7 +4,8 @@
 import numpy as np
 import pytest
 
-from tests.recording.planted import healthy, names, screened, smooth, swinging_door
+from benchmarks.data_defects import swinging_door
+from tests.recording.planted import healthy, names, screened, smooth
 
 
 @pytest.mark.parametrize("column", ["P1", "P2"])

@@ -6,8 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from benchmarks.data_defects import swinging_door
 from sklvalve.recording import Recording, screen_recording
-from tests.recording.planted import ROLES, N, healthy, names, screened, swinging_door
+from tests.recording.planted import ROLES, N, healthy, names, screened
 
 
 @given(seed=st.integers(0, 10_000))
