@@ -11,6 +11,7 @@ from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.rivals import Finding, Rival
 from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.mismatch.verdict import NAMED_FROM, as_told
+from sklvalve.simulation.given import ACTUATOR_STAGES
 
 #: Recordings of two simulated plants without friction, a bent rod or play in the feedback, on which the rules
 #: were made: none of them shows such events.
@@ -166,8 +167,13 @@ def with_events(model, events, workbench, random_state=0):
 
 
 def beside_events(findings):
-    """Findings that events do not explain: those outside the actuator."""
-    return [f for f in findings if f.member.effect.block != _BLOCK and f.member.effect.alike != _ALIKE]
+    """Findings that events do not explain: those that do not move the stem, and are no play."""
+    effects = {f: f.member.effect for f in findings}
+    return [
+        f
+        for f, e in effects.items()
+        if e.block != _BLOCK and e.stage not in ACTUATOR_STAGES and e.alike != _ALIKE
+    ]
 
 
 def simulated(model):

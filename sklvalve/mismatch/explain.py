@@ -74,7 +74,7 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
     for last in (False, False, True):
         model = _what_stands(workbench, model, threshold)
         findings = find_rivals(workbench, model, effects, report, seen)
-        better = _better_in_place(findings) or _simpler(workbench, findings, seen, threshold)
+        better = _better_in_place(workbench, findings) or _simpler(workbench, findings, seen, threshold)
         if better is None or last:
             break
         noise = workbench.noise
@@ -147,16 +147,21 @@ def _under_its_own_noise(workbench, chosen, before):
     return settled, workbench.fit(settled.members[:-1], start=before)
 
 
-def _better_in_place(findings):
+def _better_in_place(workbench, findings):
     """A hypothesis with a rival in the place of an effect, where the recording prefers it; else None."""
     for finding in findings:
         first = finding.rivals[0]
         own = next(r for r in finding.rivals if r.member is finding.member)
         # of two that cannot be told apart either may stand in front: no reason to fit all again
         same = first.member.effect.name == finding.member.effect.name
-        if not same and first.probability > _CLEARLY * own.probability:
+        clearly = not same and first.probability > _CLEARLY * own.probability
+        if clearly and may_explain(workbench, first.model, _without_last(workbench, first.model)):
             return first.model
     return None
+
+
+def _without_last(workbench, model):
+    return workbench.fit(model.members[:-1], start=model)
 
 
 def _simpler(workbench, findings, seen, threshold):

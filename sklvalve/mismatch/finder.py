@@ -18,6 +18,7 @@ from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
 from sklvalve.mismatch.gathering import gathered
+from sklvalve.mismatch.hypothesis import going_on
 from sklvalve.mismatch.judging import blocked, judge
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
@@ -262,7 +263,8 @@ def _proof(workbench, whole, judged, flagged, seed):
 
 
 def _simulation_of(workbench, fitted, correction, given):
-    effects, onsets = workbench.physics_of(fitted.members)
+    # what grows goes on from where it began: on later rows it has the size of those hours, and not none
+    effects, onsets = workbench.physics_of(going_on(fitted.members, fitted.chain.clock[0]))
     return ValveSimulation.from_parts(
         workbench.valve,
         workbench.trim,

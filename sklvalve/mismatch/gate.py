@@ -59,6 +59,8 @@ _REDRAWN = {
     "p2": (*_WET_DYNAMICS, *_UNSTEADY),
     "temperature": ("density_change", "viscosity_change"),
 }
+# an opening that is known within a dead band shows how a stem moves; a flow damped by the meter follows less
+_WITHIN_A_BAND = {"opening": _WET_DYNAMICS}
 # finding -> role (None: any) -> effects that it imitates, or that cannot be seen for it
 _MIMICS = {
     "compressed": _REDRAWN,
@@ -142,12 +144,27 @@ def effects_switched_off(data):
         if name == "quantised" and finding.get("size", 1.0) < _COUNTS:
             continue
         by_role = _UNMEASURED if _never_moves(finding) else _MIMICS.get(name, {})
+        by_role = _WITHIN_A_BAND if held_within_a_band(finding) else by_role
         needs = _needs(name, role)
         seized = _STILL if finding.get("seized") else ()
         for effect in (*by_role.get(role, ()), *by_role.get(None, ())):
             if effect not in seized:
                 off.setdefault(effect, needs)
     return off
+
+
+def held_within_a_band(finding):
+    """Whether a historian left out moves of the stem that are too small to count, and no others."""
+    compressed = finding["finding"] == "compressed" and finding["role"] in _WITHIN_A_BAND
+    return compressed and finding.get("size", np.inf) < _COUNTS
+
+
+def _bands(data):
+    """Role -> dead band of its historian [SI], of those that are known well enough to be allowed for."""
+    bands: dict = {}
+    for each in filter(held_within_a_band, data):
+        bands[each["role"]] = max(each["size"], bands.get(each["role"], 0.0))
+    return bands
 
 
 def _never_moves(finding):
@@ -185,7 +202,7 @@ def blocking(data):
 
 
 def without_findings(recording, data):
-    """Recording without the rows that a sensor did not measure, and with clocks set right.
+    """Recording without the rows that a sensor did not measure, with clocks set right and dead bands told.
 
     Frozen and saturated stretches become NaN in their channel, so that no fit sees them; a channel that is
     saturated in more than six tenths of its rows is left as it is, as is a command, which drives the
@@ -219,9 +236,10 @@ def without_findings(recording, data):
                 rows = round(each["size"] / recording.slice(start, stop).sample_time)
                 moved[start:stop] = _moved_back(moved[start:stop], rows, hold=each["role"] == "command")
             signals[each["role"]] = moved
-    if all(signals[role] is recording.signals[role] for role in signals):
+    bands = _bands(data)
+    if not bands and all(signals[role] is recording.signals[role] for role in signals):
         return recording
-    return replace(recording, signals=signals)
+    return replace(recording, signals=signals, bands=bands)
 
 
 def _moved_back(values, rows, *, hold):

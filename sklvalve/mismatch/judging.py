@@ -178,11 +178,14 @@ def _clear_ones(workbench, explanation, findings, model, circumstances, alpha):
     """The strongest finding and those beside it that are clear or needed, with their model.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. So what is named beside
-    the strongest must be as rare among healthy recordings as alpha twice over, unless blocks that no fit has
-    seen, or the noise that no model has a part in, speak against what is left without it.
+    a stronger one of the same signals must be as rare among healthy recordings as alpha twice over, unless
+    blocks that no fit has seen, or the noise that no model has a part in, speak against what is left without
+    it. What shows in another signal is judged as if it were alone: where the opening is recorded no error of
+    its simulation reaches the flow.
     """
     rarity = {f: p_value_of_one(f, workbench, circumstances) for f in findings[1:]}
-    weak = [f for f in findings[1:] if rarity[f] > alpha**2]
+    asked = {f: alpha if _shows_alone(f, findings, workbench) else alpha**2 for f in findings[1:]}
+    weak = [f for f in findings[1:] if rarity[f] > asked[f]]
     # for the noise's sake nothing stands that is no rarer than an alarm
     rare = [f for f in weak if rarity[f] <= alpha]
     nominal, held_out = explanation.nominal, []
@@ -197,6 +200,15 @@ def _clear_ones(workbench, explanation, findings, model, circumstances, alpha):
             held_out.append((stand, fewer))
     all_needed = len(rare) == len(weak) and is_fine(workbench, nominal, model, findings, alpha)
     return held_out[0] if held_out and not all_needed else (findings, model)
+
+
+def _shows_alone(finding, findings, workbench):
+    """Whether a finding shows in no signal in which a stronger one does."""
+    if workbench.coupled:
+        return False
+    stronger = findings[: findings.index(finding)]
+    elsewhere = {c for f in stronger for c in workbench.channels_touched(f.member.effect)}
+    return elsewhere.isdisjoint(workbench.channels_touched(finding.member.effect))
 
 
 def _stands(workbench, model, unknown):

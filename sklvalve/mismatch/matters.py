@@ -62,6 +62,17 @@ def may_explain(workbench, model, without):
     return counts and not _absurd(model, member)
 
 
+def may_be_instead(workbench, model):
+    """Whether the last effect may be what stands in the place of another that counts.
+
+    Of one that began it is told already that something did: what made it may be shorter than a response that
+    would be told alone. And whether it counts is not asked again: what explains less lies far away.
+    """
+    member = model.members[-1]
+    open_to_it = member.onset is not None or beyond_tolerance(workbench, model, member)
+    return open_to_it and not _absurd(model, member)
+
+
 def _absurd(model, member):
     """Whether an effect's own size stands at the end of what is physically possible."""
     first = member.effect.quantities(model.chain)[0]

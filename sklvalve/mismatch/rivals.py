@@ -7,7 +7,7 @@ import numpy as np
 
 from sklvalve.mismatch.distance import distance, distance_of_strokes
 from sklvalve.mismatch.hypothesis import Member, Model, begun, is_in, price
-from sklvalve.mismatch.matters import may_explain
+from sklvalve.mismatch.matters import may_be_instead
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
@@ -85,7 +85,7 @@ def find_rivals(workbench, model, effects, report, seen=None):
         others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
         places = [(member, model)]
         instead = _others_in_place(workbench, model, rest, without, others, member, seen or {})
-        places += [(who, fitted) for who, fitted in instead if may_explain(workbench, fitted, without)]
+        places += [(who, fitted) for who, fitted in instead if may_be_instead(workbench, fitted)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = _weighed(workbench, places, without)
         findings.append(Finding(member, rivals, gain, workbench.change(model, without)))

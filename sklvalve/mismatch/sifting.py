@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A recording without what its sensors did not measure, both the rows used and those behind them."""
 
-from sklvalve.mismatch.gate import with_seized_stems, without_findings
+from sklvalve.mismatch.gate import held_within_a_band, with_seized_stems, without_findings
 from sklvalve.mismatch.gathering import settled
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 
@@ -10,7 +10,8 @@ def sifted(whole, recording, data):
     """Recordings without the rows that the findings about their data speak against.
 
     Rows behind those used are screened for themselves, and only for values that stand still or pile up;
-    how far a clock is off they are told by the rows used, so that they change nothing of the diagnosis.
+    how far a clock is off, or within which band a historian held a value, they are told by the rows used, so
+    that they change nothing of the diagnosis.
 
     Parameters
     ----------
@@ -39,8 +40,8 @@ def sifted(whole, recording, data):
         return cleaned, cleaned
     everywhere = with_seized_stems(screen_recording(whole), whole)
     still = [each for each in everywhere if each["finding"] in ("frozen", "saturated")]
-    clocks = [d for d in data if d["finding"] == "clock_shift"]
-    return settled(without_findings(whole, still + clocks)), cleaned
+    known = [d for d in data if d["finding"] == "clock_shift" or held_within_a_band(d)]
+    return settled(without_findings(whole, still + known)), cleaned
 
 
 def _require_enough(cleaned, data):

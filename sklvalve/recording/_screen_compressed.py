@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A historian's traces: straight lines between the points it kept, values it held, moves it left out."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -25,20 +27,24 @@ _SHUFFLED = 8.0  # written steps; bends below them are the rounding's
 _LEAST_CHANGES = 12
 
 
+class _Told(NamedTuple):
+    """What was seen, and the historian's dead band in the recorded unit where it has one."""
+
+    detail: str
+    band: float | None = None
+
+
 def screen_compressed(recording: Recording) -> list[Finding]:
     """A sensor's course redrawn from few points: straight lines, a dead band, or a slower scan."""
     found = []
     for role in measured(recording):
         values = recorded(recording, role)
         unit = recording.unit(role)
-        detail = (
-            _straight_lines(recording.time, values)
-            or _chords(recording.time, values)
-            or _held(values, unit)
-            or _edge(values, unit)
-        )
-        if detail:
-            found.append(finding("compressed", role, detail))
+        detail = _straight_lines(recording.time, values) or _chords(recording.time, values)
+        told = _Told(detail) if detail else _held(values, unit) or _edge(values, unit)
+        if told:
+            band = told.band and told.band / abs(recording.per_si(role))
+            found.append(finding("compressed", role, told.detail, size=band))
     return found
 
 
@@ -68,8 +74,11 @@ def _chords(time: Values, values: Values) -> str | None:
     rises = np.abs(np.diff(values)) / written
     bend = np.abs(np.diff(slope)) * step[1:] / written
     moving = (rises[1:] > 3.0) & (rises[:-1] > 3.0)
-    straight, close = moving & (bend <= 1.5), moving & (bend > 1.5) & (bend <= 7.5)
     broken = bend[moving & (bend > 1.5)]
+    # a converter's step is no round number: written with more digits it is still the least that a bend can be
+    least = float(np.quantile(broken, 0.02)) if len(broken) else 0.0
+    edge = 0.5 * least if least > _SHUFFLED else 1.5
+    straight, close = moving & (bend <= edge), moving & (bend > edge) & (bend <= 5.0 * edge)
     lines = runs(straight)
     if len(lines) < max(_LEAST_CHORDS, 0.05 * moving.sum()) or not len(broken):
         return None
@@ -85,7 +94,7 @@ def _chords(time: Values, values: Values) -> str | None:
     )
 
 
-def _held(values: Values, unit: str) -> str | None:
+def _held(values: Values, unit: str) -> _Told | None:
     """Values held between updates: by a dead band of the historian, or by a scan slower than the rows."""
     step = np.abs(np.diff(values))
     changes = np.flatnonzero(step > 0.0)
@@ -96,7 +105,9 @@ def _held(values: Values, unit: str) -> str | None:
     apart = np.bincount(np.diff(changes))
     scan = int(apart.argmax())
     if scan >= 2 and (np.diff(changes) % scan == 0).mean() > 0.95:
-        return f"each value is held for {scan} rows: it was scanned more slowly than the rows were written"
+        return _Told(
+            f"each value is held for {scan} rows: it was scanned more slowly than the rows were written"
+        )
     band = float(np.quantile(moves, 0.02))
     small = moves[moves < 5.0 * band] / band
     places = np.exp(2j * np.pi * values[changes] / band)
@@ -108,7 +119,7 @@ def _held(values: Values, unit: str) -> str | None:
     return None
 
 
-def _edge(values: Values, unit: str) -> str | None:
+def _edge(values: Values, unit: str) -> _Told | None:
     """Moves that begin at a dead band: none below it, many of all sizes just above.
 
     A coarse reading moves by its steps and comes back to the same levels; a rate limit gives the same move
@@ -134,11 +145,12 @@ def _edge(values: Values, unit: str) -> str | None:
     return _left_out(band, written, unit)
 
 
-def _left_out(band: float, written: float, unit: str) -> str:
-    return (
+def _left_out(band: float, written: float, unit: str) -> _Told:
+    detail = (
         f"changes of less than {band:.3g} {unit} are missing, although its step is {written:.3g} {unit}: "
         "a historian kept larger ones only, so lags and friction cannot be judged"
     )
+    return _Told(detail, band)
 
 
 def _written_step(values: Values) -> float:

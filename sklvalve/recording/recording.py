@@ -74,6 +74,9 @@ class Recording:
         Checksum of the file.
     pieces : tuple of Piece
         The recordings of which this one was joined (`join_recordings`); empty for a single one.
+    bands : dict
+        Role -> how far a signal may have moved before its historian wrote a new value [SI]. Empty unless a
+        diagnosis found such a band.
 
     Examples
     --------
@@ -96,6 +99,7 @@ class Recording:
     source: str = "data frame"
     sha256: str | None = None
     pieces: tuple[Piece, ...] = ()
+    bands: dict[str, float] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.time)

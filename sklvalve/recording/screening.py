@@ -58,8 +58,8 @@ def screen_recording(recording: Recording) -> list[Finding]:
     findings : list of dict
         Each with ``finding`` (a name above), ``role`` (None for the times), ``detail`` (a sentence for
         people, in the recording's own units) and ``rows`` (list of [start, stop) row spans, None where it
-        concerns all rows). Some have ``size``: seconds that a clock is late (negative: early), or the
-        share of the span that a step takes. Plain data, fit for JSON.
+        concerns all rows). Some have ``size``: seconds that a clock is late (negative: early), the
+        share of the span that a step takes, or a historian's dead band [SI]. Plain data, fit for JSON.
 
     Examples
     --------

@@ -57,8 +57,13 @@ def simulate_channels(chain, values, channels):
 
 
 def residual_of(chain, predictions, channel, rows):
-    """Recorded less simulated, NaN in rows that are not used."""
+    """Recorded less simulated, NaN in rows that are not used.
+
+    Of a value that a historian held within a dead band only what lies outside of the band is known to differ.
+    """
     left = chain.recording[channel] - predictions[channel]
+    if band := chain.recording.bands.get(channel):
+        left = np.copysign(np.maximum(np.abs(left) - band, 0.0), left)
     return left if rows is None else np.where(rows, left, np.nan)
 
 

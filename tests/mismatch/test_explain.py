@@ -80,14 +80,17 @@ def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, wit
     assert (bench.noise is before) == (kept is not None)
 
 
-def test_a_rival_takes_the_place_only_where_it_is_preferred():
-    member, other = Member(CLOGGING), Member(LEAK)
+@pytest.mark.parametrize("able", [True, False])
+def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alone(monkeypatch, able):
+    monkeypatch.setattr(explain, "may_explain", lambda *_: able)
+    bench = SimpleNamespace(fit=lambda members, start: None)
+    member, other, fit = Member(CLOGGING), Member(LEAK), SimpleNamespace(members=(Member(LEAK),))
     for own, rival, swapped in ((0.45, 0.55, False), (0.1, 0.9, False), (0.01, 0.99, True)):
         finding = SimpleNamespace(
             member=member,
-            rivals=[Rival(other, "the rival's fit", rival, 0.0), Rival(member, "its own fit", own, 0.0)],
+            rivals=[Rival(other, fit, rival, 0.0), Rival(member, "its own fit", own, 0.0)],
         )
-        assert explain._better_in_place([finding]) == ("the rival's fit" if swapped else None)
+        assert explain._better_in_place(bench, [finding]) is (fit if swapped and able else None)
 
 
 @pytest.mark.slow

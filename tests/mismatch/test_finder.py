@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from sklearn.base import clone
 
+from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import Tolerance, ValveSimulation
@@ -219,3 +220,20 @@ def test_neither_flow_nor_opening(healthy):
 def test_a_bare_array_is_refused():
     with pytest.raises(InputError, match="signals by name"):
         MissingPhysicsFinder().fit(np.zeros((500, 4)))
+
+
+def test_what_grows_goes_on_growing_in_later_rows():
+    made = make_valve_recording(
+        "flow_meter_drift", 0.1, n_samples=1500, n_later=700, loop="wide", random_state=4
+    )
+    seen, later = (
+        Recording.from_frame(frame, Valve.from_dict(made.valve)) for frame in (made.frame, made.later)
+    )
+    finder = MissingPhysicsFinder(effects=["flow_meter_drift", "seat_leakage"]).fit(seen)
+    assert finder.diagnosis_.to_dict()["verdict"] == "named"
+    corrected, nominal = (
+        np.nanmean(simulation.simulate(later)["flow"] - later["flow"])
+        for simulation in (finder.corrected_simulation_, finder.nominal_simulation_)
+    )
+    # a drift begun anew would leave all that has gathered by then
+    assert abs(corrected) < 0.2 * abs(nominal)

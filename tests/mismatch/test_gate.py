@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Findings about the data switch effects off, blank rows, set clocks right, or block the diagnosis."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.gate import NAMES, blocking, effects_switched_off, without_findings
 from sklvalve.recording import Recording
+from sklvalve.simulation.fitting import residual_of
 
 
 def found(name, role, rows=None, **more):
@@ -30,6 +33,8 @@ def test_every_effect_of_the_catalogue_is_in_the_table():
     [
         (found("compressed", "opening"), ("stiction", "backlash", "dead_time"), ("seat_leakage", "clogging")),
         (found("compressed", "flow"), ("flow_inertia", "backlash"), ("stiction", "slew_limit")),
+        (found("compressed", "opening", size=0.003), ("flow_inertia",), ("stiction", "dead_time")),
+        (found("compressed", "opening", size=0.006), ("stiction", "dead_time"), ("clogging",)),
         (found("frozen", "opening", [[5, 40]]), ("stuck_valve", "stiction"), ("clogging", "slew_limit")),
         (found("saturated", "flow", [[5, 40]]), ("clogging", "choked_flow"), ("stiction", "dead_time")),
         (found("clock_shift", "flow", size=5.0), ("dead_time", "sensor_lag"), ("clogging", "seat_leakage")),
@@ -116,3 +121,16 @@ def test_clock_is_set_right(role, late):
 def test_dead_time_says_that_an_early_command_looks_the_same():
     (dead_time,) = (effect for effect in CATALOGUE if effect.name == "dead_time")
     assert "a command stamped early looks the same" in dead_time.separated_by
+
+
+def test_only_what_leaves_a_small_band_counts_against_a_simulation():
+    held = without_findings(recording(), [found("compressed", "opening", size=0.003)])
+    assert held.bands == {"opening": 0.003}
+    simulated = held["opening"] + np.linspace(-0.006, 0.006, len(held))
+    chain = SimpleNamespace(recording=held)
+    left = residual_of(chain, {"opening": simulated}, "opening", None)
+    assert np.abs(left).max() == pytest.approx(0.003)
+    assert (left[30:70] == 0.0).all()
+    assert left[0] > 0.0 > left[-1]
+    wide = [found("compressed", "opening", size=0.006), found("compressed", "flow", size=1e-5)]
+    assert without_findings(recording(), wide).bands == {}

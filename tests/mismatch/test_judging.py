@@ -118,7 +118,35 @@ def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(
     monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: rarity[finding.member])
     monkeypatch.setattr(judging, "holds_out", lambda bench, nominal, model: unseen(model))
     monkeypatch.setattr(judging, "is_fine", lambda bench, nominal, model, found, alpha: quiet(model))
-    bench = SimpleNamespace(fit=lambda members, start: members)
+    bench = SimpleNamespace(fit=lambda members, start: members, coupled=True)
     whole = tuple(f.member for f in findings)
     stand, model = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, whole, None, 0.01)
     assert "".join(f.member for f in stand) == "".join(model) == kept
+
+
+@pytest.mark.parametrize(
+    ("second", "rarity", "coupled", "kept"),
+    [
+        ("flow", RARE, False, "ab"),
+        ("flow", NOT_RARE, False, "a"),
+        ("flow", RARE, True, "a"),
+        ("opening", RARE, False, "a"),
+    ],
+)
+def test_what_shows_in_a_signal_of_its_own_is_judged_as_if_alone(monkeypatch, second, rarity, coupled, kept):
+    shown = {"a": ("opening",), "b": (second,)}
+    findings = [SimpleNamespace(member=SimpleNamespace(effect=name)) for name in shown]
+    hashable = [_Hashable(f.member) for f in findings]
+    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: rarity)
+    monkeypatch.setattr(judging, "holds_out", lambda *_: True)
+    monkeypatch.setattr(judging, "is_fine", lambda *_: True)
+    bench = SimpleNamespace(
+        fit=lambda members, start: members, coupled=coupled, channels_touched=shown.__getitem__
+    )
+    stand, _ = judging._clear_ones(bench, SimpleNamespace(nominal=None), hashable, None, None, 0.01)
+    assert "".join(f.member.effect for f in stand) == kept
+
+
+class _Hashable:
+    def __init__(self, member):
+        self.member = member

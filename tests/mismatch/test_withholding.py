@@ -48,6 +48,7 @@ def test_nothing_is_claimed(verdict, channel, data):
     [
         ("none_of_these", "flow", []),
         ("none_of_these", "opening", [finding("compressed", "flow")]),
+        ("none_of_these", "opening", [finding("compressed", "opening", size=0.003)]),
         ("none_of_these", "opening", [finding("quantised", "opening", size=0.01)]),
         ("cannot_tell", None, [finding("quantised", "opening", size=0.001)]),
         ("cannot_tell", None, [finding("compressed", "temperature")]),

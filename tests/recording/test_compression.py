@@ -78,3 +78,20 @@ def test_pressure_that_lags_a_little_is_no_clock():
     columns = healthy()
     columns["P1"] = np.round(smooth(columns["P1"], 2.0), 1)
     assert names(screened(columns)) == set()
+
+
+def test_steps_of_a_converter_written_with_more_digits_are_no_lines():
+    # 12 bits over 104 %: bends of a moving stem are whole steps, and some are none
+    columns = healthy()
+    step, stem = 104.0 / 2**12, smooth(smooth(np.repeat([30.0, 70.0, 40.0, 60.0], N // 4), 300.0), 200.0)
+    noise = np.random.default_rng(4).normal(0.0, 0.08, N)
+    columns["X"] = np.round(np.round((5.0 * stem % 100.0 + noise) / step) * step, 4)
+    assert ("compressed", "opening") not in names(screened(columns))
+
+
+def test_dead_band_is_told():
+    columns = healthy()
+    columns["X"] = np.round(box_car(columns["X"], 0.3, hold=True), 2)
+    (found,) = screened(columns)
+    assert (found["finding"], found["role"]) == ("compressed", "opening")
+    assert found["size"] == pytest.approx(0.003, rel=0.1)
