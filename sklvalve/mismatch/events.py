@@ -115,7 +115,7 @@ def evident_events(workbench, effects, alpha):
 
 
 def worth_searching(effects, events):
-    """Effects still to be searched: beside events, of the actuator's those alone that look alike.
+    """Effects still to be searched: beside events, of those that move the stem the ones that look alike.
 
     Parameters
     ----------
@@ -126,7 +126,7 @@ def worth_searching(effects, events):
     -------
     searched : list of Effect
     """
-    return [e for e in effects if events is None or e.block != _BLOCK or e.alike == _ALIKE]
+    return [e for e in effects if events is None or not _moves_the_stem(e) or e.alike == _ALIKE]
 
 
 def with_events(model, events, workbench, random_state=0):
@@ -168,12 +168,11 @@ def with_events(model, events, workbench, random_state=0):
 
 def beside_events(findings):
     """Findings that events do not explain: those that do not move the stem, and are no play."""
-    effects = {f: f.member.effect for f in findings}
-    return [
-        f
-        for f, e in effects.items()
-        if e.block != _BLOCK and e.stage not in ACTUATOR_STAGES and e.alike != _ALIKE
-    ]
+    return [f for f in findings if not (_moves_the_stem(f.member.effect) or f.member.effect.alike == _ALIKE)]
+
+
+def _moves_the_stem(effect):
+    return effect.block == _BLOCK or effect.stage in ACTUATOR_STAGES
 
 
 def simulated(model):

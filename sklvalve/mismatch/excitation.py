@@ -13,7 +13,7 @@ import numpy as np
 
 from sklvalve.mismatch.distance import distance, distance_of_strokes
 from sklvalve.mismatch.foreseen import Foreseen
-from sklvalve.mismatch.hypothesis import Model, going_on
+from sklvalve.mismatch.hypothesis import Member, Model
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
 
@@ -42,7 +42,10 @@ class Explanation:
     @property
     def members(self):
         """Effects that go on: what grows from the recording's first row on does so in the test too."""
-        return going_on(self.model.members, self.model.chain.clock[0])
+        first = float(self.model.chain.clock[0])
+        return tuple(
+            Member(m.effect, first) if m.effect.grows and m.onset is None else m for m in self.model.members
+        )
 
     @property
     def in_actuator(self):

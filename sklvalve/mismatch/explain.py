@@ -150,13 +150,14 @@ def _under_its_own_noise(workbench, chosen, before):
 def _better_in_place(workbench, findings):
     """A hypothesis with a rival in the place of an effect, where the recording prefers it; else None."""
     for finding in findings:
-        first = finding.rivals[0]
         own = next(r for r in finding.rivals if r.member is finding.member)
-        # of two that cannot be told apart either may stand in front: no reason to fit all again
-        same = first.member.effect.name == finding.member.effect.name
-        clearly = not same and first.probability > _CLEARLY * own.probability
-        if clearly and may_explain(workbench, first.model, _without_last(workbench, first.model)):
-            return first.model
+        for rival in finding.rivals:
+            # of two that cannot be told apart either may stand in front: no reason to fit all again
+            same = rival.member.effect.name == finding.member.effect.name
+            if same or rival.probability <= _CLEARLY * own.probability:
+                break
+            if may_explain(workbench, rival.model, _without_last(workbench, rival.model)):
+                return rival.model
     return None
 
 

@@ -18,7 +18,6 @@ from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
 from sklvalve.mismatch.gathering import gathered
-from sklvalve.mismatch.hypothesis import going_on
 from sklvalve.mismatch.judging import blocked, judge
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
@@ -263,8 +262,7 @@ def _proof(workbench, whole, judged, flagged, seed):
 
 
 def _simulation_of(workbench, fitted, correction, given):
-    # what grows goes on from where it began: on later rows it has the size of those hours, and not none
-    effects, onsets = workbench.physics_of(going_on(fitted.members, fitted.chain.clock[0]))
+    effects, onsets = workbench.physics_of(fitted.members)
     return ValveSimulation.from_parts(
         workbench.valve,
         workbench.trim,
@@ -274,4 +272,5 @@ def _simulation_of(workbench, fitted, correction, given):
         onsets=onsets,
         correction=correction,
         given=given,
+        seen=fitted.chain.clock[[0, -1]],
     )

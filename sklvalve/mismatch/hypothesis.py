@@ -56,11 +56,6 @@ def begun(effect, times):
     return Member(effect, first, tuple(later) if may_come_and_go(effect) else ())
 
 
-def going_on(members, first):
-    """Members as they are on later rows: what grows from the first row on [s] goes on and begins not anew."""
-    return tuple(Member(m.effect, float(first)) if m.effect.grows and m.onset is None else m for m in members)
-
-
 @dataclass(frozen=True, eq=False)
 class Model:
     """A hypothesis fitted jointly with the calibration.

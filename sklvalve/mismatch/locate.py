@@ -10,6 +10,7 @@ from sklvalve.mismatch.boxes import boxes_of, covered, rows_in
 from sklvalve.mismatch.cells import cells_of
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.spells import Course, Evidence, course_of, growing_course
+from sklvalve.simulation.fitting import left_of
 from sklvalve.simulation.simulation import learnt_rest
 
 # boxes that hold nearly every row say nothing of where
@@ -125,7 +126,7 @@ def _slopes_of_calibration(workbench, model, cause):
     for i, misfit in enumerate(misfits):
         z, here = misfit.vector.pack(model.values), [c for c in channels if c in misfit.channels]
         base = misfit.predictions(z)
-        white = {c: workbench.noise[c].whiten(workbench.recording[c] - base[c]) for c in here}
+        white = {c: workbench.noise[c].whiten(left_of(workbench.recording, base, c)) for c in here}
         prior = misfit.vector.prior_residuals(z)
         priors[i] = len(prior)
         moved, reach = misfit.neighbours(z)
@@ -134,7 +135,7 @@ def _slopes_of_calibration(workbench, model, cause):
                 continue
             beside = misfit.predictions(at)
             parts = {
-                c: (workbench.noise[c].whiten(workbench.recording[c] - beside[c]) - white[c]) / r
+                c: (workbench.noise[c].whiten(left_of(workbench.recording, beside, c)) - white[c]) / r
                 for c in here
             }
             columns.append((i, parts, (misfit.vector.prior_residuals(at) - prior) / r))

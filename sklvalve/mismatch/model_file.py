@@ -38,7 +38,7 @@ def save_model(path, finder):
     if any(each["assumed"] for each in recordings):
         # the clock on which an onset stands was made up: later recordings hold what has begun by now
         for kind in ("corrected", "nominal"):
-            content[kind] = content[kind] | {"onsets": {}}
+            content[kind] = content[kind] | {"onsets": {}, "seen": None}
     path = Path(path)
     handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     os.close(handle)

@@ -78,7 +78,8 @@ def noise_of(recording, residuals, simulated, step, role, **settings):
 
     def of(low, high):
         rows = slice(low, high)
-        quantum = recording.slice(low, high).resolution(role)
+        # a value held within a band is known no better than one read in steps of it
+        quantum = max(recording.slice(low, high).resolution(role), recording.bands.get(role, 0.0))
         return fit_noise(residuals[rows], simulated[rows], step[rows], quantum=quantum, **settings)
 
     if role == "flow" and drop_is_unknown(recording):

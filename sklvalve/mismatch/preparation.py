@@ -14,6 +14,7 @@ from sklvalve.recording import InputError
 from sklvalve.recording.diagnosable import require_rows
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.going_on import going_on
 
 _NAMES = tuple(sorted({e.name for e in CATALOGUE}))
 # forms that an unrecorded pressure drop can make or hide: what bends, scales, slowly shifts or damps the
@@ -120,7 +121,8 @@ def _held(simulation, recording):
             f"the simulation given has an onset for {strange[0]!r}, which is none of its effects "
             f"({', '.join(sorted(keys)) or 'it has none'})"
         )
-    return tuple(begun(effect, onsets.get(effect.key)) for effect in simulation.effects)
+    times = going_on(simulation.effects, onsets, getattr(simulation, "seen_", None), recording)
+    return tuple(begun(effect, times.get(effect.key)) for effect in simulation.effects)
 
 
 def _made_by_the_drop(workbench):

@@ -11,7 +11,7 @@ from sklvalve.mismatch.black_box import black_box_prediction
 from sklvalve.mismatch.linearised import Linearised
 from sklvalve.mismatch.model_free import model_free_noise
 from sklvalve.mismatch.slow_rest import learn_rest
-from sklvalve.simulation.fitting import simulate_channels
+from sklvalve.simulation.fitting import left_of, simulate_channels
 from sklvalve.simulation.robust import robust_cost
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -99,7 +99,7 @@ def refitted(workbench, model, lines, rows):
 def _error(workbench, made, line, rows):
     """Squared errors of the channels of a line on some rows, each in its own size."""
     return sum(
-        np.nansum((workbench.recording[c] - made[c])[rows] ** 2) / workbench.spans[c] ** 2
+        np.nansum(left_of(workbench.recording, made, c)[rows] ** 2) / workbench.spans[c] ** 2
         for c in line.channels
     )
 
@@ -195,10 +195,12 @@ def holds_out(workbench, nominal, model, least=0.5):
             for m, lines in zip(models, both, strict=True)
         ]
         for channel in changed:
-            recorded, size = workbench.recording[channel][held], workbench.noise[channel].total
-            left = [np.nan_to_num((recorded - f.predictions[channel][held]) / size) for f in fits]
+            size = workbench.noise[channel].total
+            left = [
+                np.nan_to_num(left_of(workbench.recording, f.predictions, channel)[held] / size) for f in fits
+            ]
             # robust as the fits are: one wild minute must not outweigh an hour
-            losses = [robust_cost(each) / (0.5 * len(recorded)) for each in left]
+            losses = [robust_cost(each) / (0.5 * len(each)) for each in left]
             before += max(losses[0] - 1.0, 0.0)
             after += max(losses[1] - 1.0, 0.0)
     return bool(changed) and after < least * before

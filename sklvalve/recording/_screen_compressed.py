@@ -23,6 +23,7 @@ Values = NDArray[np.float64]
 _FINEST = 2e-7  # of the largest value; finer steps than that are the computer's
 _LEAST_CHORDS = 50
 _EXCESS = 4.0  # straight triples, as a multiple of what bends of nearly nought let expect
+_BLURRED = 4.0  # written steps; what rounding leaves of a bend that is none
 _SHUFFLED = 8.0  # written steps; bends below them are the rounding's
 _LEAST_CHANGES = 12
 
@@ -77,7 +78,7 @@ def _chords(time: Values, values: Values) -> str | None:
     broken = bend[moving & (bend > 1.5)]
     # a converter's step is no round number: written with more digits it is still the least that a bend can be
     least = float(np.quantile(broken, 0.02)) if len(broken) else 0.0
-    edge = 0.5 * least if least > _SHUFFLED else 1.5
+    edge = 0.5 * least if least > _BLURRED else 1.5
     straight, close = moving & (bend <= edge), moving & (bend > edge) & (bend <= 5.0 * edge)
     lines = runs(straight)
     if len(lines) < max(_LEAST_CHORDS, 0.05 * moving.sum()) or not len(broken):
@@ -148,7 +149,7 @@ def _edge(values: Values, unit: str) -> _Told | None:
 def _left_out(band: float, written: float, unit: str) -> _Told:
     detail = (
         f"changes of less than {band:.3g} {unit} are missing, although its step is {written:.3g} {unit}: "
-        "a historian kept larger ones only, so lags and friction cannot be judged"
+        "a historian kept larger ones only, so what is smaller cannot be judged"
     )
     return _Told(detail, band)
 

@@ -15,12 +15,18 @@ def screen_pieces(joined: Recording, screen: Callable[[Recording], list[Finding]
     by_piece = [_of_piece(joined, *span, screen) for span in joined.spans]
     first, *others = [{_kind(each) for each in found if each["rows"] is None} for found in by_piece]
     everywhere = first.intersection(*others)
-    told = [each for each in by_piece[0] if _kind(each) in everywhere]
+    told = [_worst(each, by_piece) for each in by_piece[0] if _kind(each) in everywhere]
     for found, (start, stop) in zip(by_piece, joined.spans, strict=True):
         for each in found:
             if _kind(each) not in everywhere:
                 told.append(each | {"rows": each["rows"] or [[start, stop]]})
     return told
+
+
+def _worst(finding: Finding, by_piece: list[list[Finding]]) -> Finding:
+    """The worst of a finding that holds in all pieces: one without a size, else that of the largest."""
+    alike = [each for found in by_piece for each in found if _kind(each) == _kind(finding)]
+    return max(alike, key=lambda each: float(each.get("size", np.inf)))  # type: ignore[arg-type]
 
 
 def _kind(finding: Finding) -> tuple[object, object]:

@@ -56,14 +56,20 @@ def simulate_channels(chain, values, channels):
     return {name: getattr(chain, name)(values) for name in channels}
 
 
-def residual_of(chain, predictions, channel, rows):
-    """Recorded less simulated, NaN in rows that are not used.
+def left_of(recording, predictions, channel):
+    """Recorded less simulated.
 
     Of a value that a historian held within a dead band only what lies outside of the band is known to differ.
     """
-    left = chain.recording[channel] - predictions[channel]
-    if band := chain.recording.bands.get(channel):
+    left = recording[channel] - predictions[channel]
+    if band := recording.bands.get(channel):
         left = np.copysign(np.maximum(np.abs(left) - band, 0.0), left)
+    return left
+
+
+def residual_of(chain, predictions, channel, rows):
+    """Recorded less simulated, NaN in rows that are not used."""
+    left = left_of(chain.recording, predictions, channel)
     return left if rows is None else np.where(rows, left, np.nan)
 
 

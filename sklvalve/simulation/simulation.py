@@ -20,6 +20,7 @@ from sklvalve.simulation.fitting import PlainNoise, fit_chain
 from sklvalve.simulation.given import chain_for, require_given
 from sklvalve.simulation.given_columns import with_given
 from sklvalve.simulation.given_trim import GivenTrim
+from sklvalve.simulation.going_on import going_on
 from sklvalve.simulation.rest import learnt_rest
 from sklvalve.simulation.tolerance import Tolerance
 from sklvalve.simulation.trim import LearntTrim, SheetTrim
@@ -93,7 +94,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         self.valve_ = self.valve or recording.valve
         self.trim_ = choose_trim(recording, self.valve_, tolerance)
         self.choking_ = "choked_flow" in self.valve_.physics
-        self.correction_ = self.given_ = None
+        self.correction_ = self.given_ = self.seen_ = None
         chain = self.chain_of(recording)
         parameters = []
         if "command" in recording:
@@ -106,19 +107,22 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
                 parameters.append(q.parameter_of(effect.key))
         noise = {c: PlainNoise(0.003 * (1.0 if c == "opening" else span_of(recording[c]))) for c in channels}
         self.values_ = fit_chain(chain, parameters, channels, noise).values
+        self.seen_ = (float(chain.clock[0]), float(chain.clock[-1]))
         return self
 
     @classmethod
     def from_parts(
-        cls, valve, trim, values, *, choking, effects=(), onsets=None, correction=None, given=None
+        cls, valve, trim, values, *, choking, effects=(), onsets=None, correction=None, given=None, seen=None
     ):
         """Fitted simulation from its parts; no recording is touched.
 
-        With `given`, a regressor or callable, what it predicts stands for a recorded simulation.
+        With `given`, a regressor or callable, what it predicts stands for a recorded simulation. `seen` holds
+        the first and the last time [s, absolute] of the recording that it was fitted to.
         """
         made = cls(valve, None, tuple(effects), dict(onsets or {}))
         made.valve_, made.trim_, made.values_ = valve, trim, dict(values)
         made.choking_, made.correction_, made.given_ = choking, correction, given
+        made.seen_ = None if seen is None else (float(seen[0]), float(seen[1]))
         return made
 
     def to_state(self):
@@ -130,6 +134,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             "choking": bool(self.choking_),
             "effects": [e.key for e in self.effects],
             "onsets": dict(self.onsets or {}),
+            "seen": None if self.seen_ is None else list(self.seen_),
             "trim": {
                 "knots": self.trim_.knots if learnt else None,
                 "rated": float(self.trim_.rated),
@@ -157,6 +162,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             effects=effects,
             onsets=state["onsets"],
             correction=state["correction"],
+            seen=state.get("seen"),
         )
 
     def simulate(self, X):
@@ -227,7 +233,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             self.valve_,
             self.trim_,
             effects=self.effects,
-            onsets=self.onsets,
+            onsets=going_on(self.effects, self.onsets, getattr(self, "seen_", None), recording),
             choking=self.choking_ and "p1" in recording and "p2" in recording,
         )
 

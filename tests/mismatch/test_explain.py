@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import MissingPhysicsFinder, explain, onset
+from sklvalve.mismatch import MissingPhysicsFinder, explain, matters, onset
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.rivals import Rival
@@ -80,17 +80,24 @@ def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, wit
     assert (bench.noise is before) == (kept is not None)
 
 
-@pytest.mark.parametrize("able", [True, False])
-def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alone(monkeypatch, able):
-    monkeypatch.setattr(explain, "may_explain", lambda *_: able)
+def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alone(monkeypatch):
+    monkeypatch.setattr(explain, "may_explain", lambda bench, model, without: model.able)
     bench = SimpleNamespace(fit=lambda members, start: None)
-    member, other, fit = Member(CLOGGING), Member(LEAK), SimpleNamespace(members=(Member(LEAK),))
-    for own, rival, swapped in ((0.45, 0.55, False), (0.1, 0.9, False), (0.01, 0.99, True)):
-        finding = SimpleNamespace(
-            member=member,
-            rivals=[Rival(other, fit, rival, 0.0), Rival(member, "its own fit", own, 0.0)],
-        )
-        assert explain._better_in_place(bench, [finding]) is (fit if swapped and able else None)
+    place = Member(CLOGGING)
+
+    def better(*rivals):
+        """Of (probability, whether it could stand alone), the most probable first; the last has the place."""
+        fits = [SimpleNamespace(members=(Member(LEAK),), able=able) for _, able in rivals]
+        who = [Member(LEAK) for _ in rivals[:-1]] + [place]
+        told = [Rival(m, f, p, 0.0) for m, f, (p, _) in zip(who, fits, rivals, strict=True)]
+        found = explain._better_in_place(bench, [SimpleNamespace(member=place, rivals=told)])
+        return None if found is None else fits.index(found)
+
+    assert better((0.55, True), (0.45, True)) is None
+    assert better((0.9, True), (0.1, True)) is None
+    assert better((0.99, True), (0.01, True)) == 0
+    assert better((0.99, False), (0.01, True)) is None
+    assert better((0.6, False), (0.39, True), (0.01, True)) == 1
 
 
 @pytest.mark.slow
@@ -104,3 +111,21 @@ def test_play_is_found_alone_also_in_the_first_rows_of_a_recording():
     assert content["effects"][0]["parameters"]["width"]["value"] == pytest.approx(0.04, rel=0.1)
     # after strokes the stem swings between the samples: without that the error was five times as large
     assert content["fit"]["flow"]["rmse"]["corrected"] < 0.3 * content["fit"]["flow"]["rmse"]["nominal"]
+
+
+@pytest.mark.parametrize(
+    ("onset", "beyond", "absurd", "able"),
+    [
+        (None, True, False, True),
+        (None, False, False, False),
+        (400.0, False, False, True),
+        (400.0, True, True, False),
+    ],
+)
+def test_a_rival_of_what_began_may_be_shorter_than_what_alone_is_told(
+    monkeypatch, onset, beyond, absurd, able
+):
+    monkeypatch.setattr(matters, "beyond_tolerance", lambda *_: beyond)
+    monkeypatch.setattr(matters, "_absurd", lambda *_: absurd)
+    model = SimpleNamespace(members=(Member(LEAK, onset),))
+    assert matters.may_be_instead(None, model) is able

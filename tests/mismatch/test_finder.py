@@ -8,6 +8,7 @@ import pytest
 from sklearn.base import clone
 
 from sklvalve.datasets import make_valve_recording
+from sklvalve.mechanism import ValidityWarning
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import Tolerance, ValveSimulation
@@ -222,18 +223,42 @@ def test_a_bare_array_is_refused():
         MissingPhysicsFinder().fit(np.zeros((500, 4)))
 
 
-def test_what_grows_goes_on_growing_in_later_rows():
+@pytest.fixture(scope="module")
+def drifting():
     made = make_valve_recording(
         "flow_meter_drift", 0.1, n_samples=1500, n_later=700, loop="wide", random_state=4
     )
-    seen, later = (
-        Recording.from_frame(frame, Valve.from_dict(made.valve)) for frame in (made.frame, made.later)
-    )
+    seen = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
     finder = MissingPhysicsFinder(effects=["flow_meter_drift", "seat_leakage"]).fit(seen)
     assert finder.diagnosis_.to_dict()["verdict"] == "named"
+    return finder, made
+
+
+def _wrong(simulation, frame, made):
+    later = Recording.from_frame(frame, Valve.from_dict(made.valve))
+    return abs(np.nanmean(simulation.simulate(later)["flow"] - later["flow"]))
+
+
+def test_what_grows_goes_on_growing_in_later_rows(drifting):
+    finder, made = drifting
     corrected, nominal = (
-        np.nanmean(simulation.simulate(later)["flow"] - later["flow"])
-        for simulation in (finder.corrected_simulation_, finder.nominal_simulation_)
+        _wrong(s, made.later, made) for s in (finder.corrected_simulation_, finder.nominal_simulation_)
     )
     # a drift begun anew would leave all that has gathered by then
-    assert abs(corrected) < 0.2 * abs(nominal)
+    assert corrected < 0.2 * nominal
+    given = ValveSimulation(effects=finder.corrected_simulation_.effects)
+    given.fit(Recording.from_frame(made.frame, Valve.from_dict(made.valve)))
+    assert _wrong(given, made.later, made) < 0.2 * nominal
+
+
+def test_what_grows_is_not_followed_on_another_clock(drifting):
+    finder, made = drifting
+    column = made.later.columns[0]
+    with pytest.warns(ValidityWarning, match="flow_meter_drift: this recording begins .* h after the end"):
+        far = _wrong(
+            finder.corrected_simulation_, made.later.assign(**{column: made.later[column] + 1.7e9}), made
+        )
+    anew = _wrong(
+        finder.corrected_simulation_, made.later.assign(**{column: made.later[column] - 1500.0}), made
+    )
+    assert far == pytest.approx(anew)

@@ -2,12 +2,14 @@
 """Stiction named by its slips: what is told, what stays, what is saved, and when slips name nothing."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from sklvalve.mismatch import MissingPhysicsFinder, load_model, save_model
-from sklvalve.mismatch.events import P_VALUE
+from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
+from sklvalve.mismatch.events import P_VALUE, beside_events, worth_searching
+from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.report import to_text
 from sklvalve.simulation import ValveSimulation
@@ -98,3 +100,12 @@ def test_slips_alone_name_nothing(slipping, less):
         .diagnosis_
     )
     assert all("jump" not in entry["parameters"] for entry in diagnosis.content["effects"])
+
+
+def test_what_moves_the_stem_does_not_stand_beside_its_events():
+    """Also where it is no part of the actuator: something in the seat that stops the plug."""
+    effects = {e.key: e for e in CATALOGUE}
+    found = ("clogging_closing", "friction", "backlash_linkage", "clogging", "flow_meter_bias")
+    kept = [key for key in found if beside_events([SimpleNamespace(member=Member(effects[key]))])]
+    assert kept == ["clogging", "flow_meter_bias"]
+    assert "clogging_closing" not in [e.key for e in worth_searching(CATALOGUE, "events")]

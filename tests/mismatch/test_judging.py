@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import pytest
 
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, judging
+from sklvalve.mismatch.rivals import Finding
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
 
@@ -135,18 +136,12 @@ def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(
 )
 def test_what_shows_in_a_signal_of_its_own_is_judged_as_if_alone(monkeypatch, second, rarity, coupled, kept):
     shown = {"a": ("opening",), "b": (second,)}
-    findings = [SimpleNamespace(member=SimpleNamespace(effect=name)) for name in shown]
-    hashable = [_Hashable(f.member) for f in findings]
+    findings = [Finding(SimpleNamespace(effect=name), [], 0.0, {}) for name in shown]
     monkeypatch.setattr(judging, "p_value_of_one", lambda *_: rarity)
     monkeypatch.setattr(judging, "holds_out", lambda *_: True)
     monkeypatch.setattr(judging, "is_fine", lambda *_: True)
     bench = SimpleNamespace(
         fit=lambda members, start: members, coupled=coupled, channels_touched=shown.__getitem__
     )
-    stand, _ = judging._clear_ones(bench, SimpleNamespace(nominal=None), hashable, None, None, 0.01)
+    stand, _ = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, None, None, 0.01)
     assert "".join(f.member.effect for f in stand) == kept
-
-
-class _Hashable:
-    def __init__(self, member):
-        self.member = member

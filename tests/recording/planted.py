@@ -50,9 +50,13 @@ ROLES = {
 }
 
 
-def screened(columns, sheet=None, **roles):
+def planted(columns, sheet=None, **roles):
     valve = Valve.from_dict({"valve": sheet or {"kv_rated": 40.0}, "recording": {**ROLES, **roles}})
-    found = screen_recording(Recording.from_frame(columns, valve))
+    return Recording.from_frame(columns, valve)
+
+
+def screened(columns, sheet=None, **roles):
+    found = screen_recording(planted(columns, sheet, **roles))
     assert json.loads(json.dumps(found)) == found
     return found
 

@@ -80,12 +80,13 @@ def test_pressure_that_lags_a_little_is_no_clock():
     assert names(screened(columns)) == set()
 
 
-def test_steps_of_a_converter_written_with_more_digits_are_no_lines():
-    # 12 bits over 104 %: bends of a moving stem are whole steps, and some are none
+@pytest.mark.parametrize(("span", "bits", "digits"), [(104.0, 12, 4), (104.0, 12, 3), (80.0, 10, 2)])
+def test_steps_of_a_converter_written_with_more_digits_are_no_lines(span, bits, digits):
+    # bends of a moving stem are whole steps, and some are none
     columns = healthy()
-    step, stem = 104.0 / 2**12, smooth(smooth(np.repeat([30.0, 70.0, 40.0, 60.0], N // 4), 300.0), 200.0)
-    noise = np.random.default_rng(4).normal(0.0, 0.08, N)
-    columns["X"] = np.round(np.round((5.0 * stem % 100.0 + noise) / step) * step, 4)
+    step = span / 2**bits
+    stem = smooth(columns["CV"], 60.0) + np.random.default_rng(4).normal(0.0, 1.2 * step, N)
+    columns["X"] = np.round(np.round(stem / step) * step, digits)
     assert ("compressed", "opening") not in names(screened(columns))
 
 

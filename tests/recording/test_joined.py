@@ -6,7 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.data_defects import box_car
 from sklvalve.recording import InputError, Recording, Valve, join_recordings, screen_recording
+from tests.recording.planted import healthy, planted
 
 
 def _recording(n=60, *, start=0.0, valve=None, **signals):
@@ -127,3 +129,14 @@ def test_clocks_that_begin_anew_are_said_to_be_assumed():
     rng = np.random.default_rng(0)
     one, other = (_recording(flow=0.01 + 1e-4 * rng.normal(size=60)) for _ in "ab")
     assert all(piece.assumed for piece in join_recordings([one, other]).pieces)
+
+
+@pytest.mark.parametrize("order", [(0.3, 2.0), (2.0, 0.3)])
+def test_of_two_dead_bands_the_wider_one_is_told(order):
+    frames = []
+    for k, band in enumerate(order):
+        columns = healthy()
+        columns["X"] = np.round(box_car(columns["X"], band, hold=True), 2)
+        frames.append(planted(columns | {"time": columns["time"] + 5000.0 * k}))
+    (told,) = [d for d in screen_recording(join_recordings(frames)) if d["finding"] == "compressed"]
+    assert told["size"] == pytest.approx(0.02, rel=0.1)
