@@ -156,13 +156,10 @@ def _better_in_place(workbench, findings):
             same = rival.member.effect.name == finding.member.effect.name
             if same or rival.probability <= _CLEARLY * own.probability:
                 break
-            if may_explain(workbench, rival.model, _without_last(workbench, rival.model)):
+            without = workbench.fit(rival.model.members[:-1], start=rival.model)
+            if may_explain(workbench, rival.model, without):
                 return rival.model
     return None
-
-
-def _without_last(workbench, model):
-    return workbench.fit(model.members[:-1], start=model)
 
 
 def _simpler(workbench, findings, seen, threshold):

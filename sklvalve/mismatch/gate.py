@@ -143,14 +143,20 @@ def effects_switched_off(data):
         name, role = finding["finding"], finding["role"]
         if name == "quantised" and finding.get("size", 1.0) < _COUNTS:
             continue
-        by_role = _UNMEASURED if _never_moves(finding) else _MIMICS.get(name, {})
-        by_role = _WITHIN_A_BAND if held_within_a_band(finding) else by_role
+        by_role = _imitated_by(finding)
         needs = _needs(name, role)
         seized = _STILL if finding.get("seized") else ()
         for effect in (*by_role.get(role, ()), *by_role.get(None, ())):
             if effect not in seized:
                 off.setdefault(effect, needs)
     return off
+
+
+def _imitated_by(finding):
+    """Role (None: any) -> effects that a finding imitates, or that cannot be seen for it."""
+    if _never_moves(finding):
+        return _UNMEASURED
+    return _WITHIN_A_BAND if held_within_a_band(finding) else _MIMICS.get(finding["finding"], {})
 
 
 def held_within_a_band(finding):

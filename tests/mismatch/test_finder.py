@@ -2,12 +2,12 @@
 """From short recordings to their diagnoses: right, repeatable, blind to later rows, plain about bad input."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from sklearn.base import clone
 
-from sklvalve.datasets import make_valve_recording
 from sklvalve.mechanism import ValidityWarning
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.recording import InputError, Recording, Valve
@@ -225,40 +225,29 @@ def test_a_bare_array_is_refused():
 
 @pytest.fixture(scope="module")
 def drifting():
-    made = make_valve_recording(
-        "flow_meter_drift", 0.1, n_samples=1500, n_later=700, loop="wide", random_state=4
-    )
-    seen = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    whole = record("flow_meter_drift", 0.1, random_state=4, n_later=700)
+    seen, later = whole.slice(0, ROWS), whole.slice(ROWS, None)
     finder = MissingPhysicsFinder(effects=["flow_meter_drift", "seat_leakage"]).fit(seen)
     assert finder.diagnosis_.to_dict()["verdict"] == "named"
-    return finder, made
+    return finder, seen, later
 
 
-def _wrong(simulation, frame, made):
-    later = Recording.from_frame(frame, Valve.from_dict(made.valve))
+def _wrong(simulation, later):
     return abs(np.nanmean(simulation.simulate(later)["flow"] - later["flow"]))
 
 
 def test_what_grows_goes_on_growing_in_later_rows(drifting):
-    finder, made = drifting
-    corrected, nominal = (
-        _wrong(s, made.later, made) for s in (finder.corrected_simulation_, finder.nominal_simulation_)
-    )
+    finder, seen, later = drifting
+    nominal = _wrong(finder.nominal_simulation_, later)
     # a drift begun anew would leave all that has gathered by then
-    assert corrected < 0.2 * nominal
-    given = ValveSimulation(effects=finder.corrected_simulation_.effects)
-    given.fit(Recording.from_frame(made.frame, Valve.from_dict(made.valve)))
-    assert _wrong(given, made.later, made) < 0.2 * nominal
+    assert _wrong(finder.corrected_simulation_, later) < 0.2 * nominal
+    given = ValveSimulation(effects=finder.corrected_simulation_.effects).fit(seen)
+    assert _wrong(given, later) < 0.2 * nominal
 
 
 def test_what_grows_is_not_followed_on_another_clock(drifting):
-    finder, made = drifting
-    column = made.later.columns[0]
+    finder, seen, later = drifting
     with pytest.warns(ValidityWarning, match="flow_meter_drift: this recording begins .* h after the end"):
-        far = _wrong(
-            finder.corrected_simulation_, made.later.assign(**{column: made.later[column] + 1.7e9}), made
-        )
-    anew = _wrong(
-        finder.corrected_simulation_, made.later.assign(**{column: made.later[column] - 1500.0}), made
-    )
-    assert far == pytest.approx(anew)
+        far = _wrong(finder.corrected_simulation_, replace(later, stamps=later.stamps + 1.7e9))
+    anew = replace(later, stamps=later.stamps - later.stamps[0] + seen.stamps[0])
+    assert far == pytest.approx(_wrong(finder.corrected_simulation_, anew))

@@ -85,7 +85,7 @@ def test_steps_of_a_converter_written_with_more_digits_are_no_lines(span, bits, 
     # bends of a moving stem are whole steps, and some are none
     columns = healthy()
     step = span / 2**bits
-    stem = smooth(columns["CV"], 60.0) + np.random.default_rng(4).normal(0.0, 1.2 * step, N)
+    stem = smooth(columns["CV"], 20.0) + np.random.default_rng(4).normal(0.0, 1.2 * step, N)
     columns["X"] = np.round(np.round(stem / step) * step, digits)
     assert ("compressed", "opening") not in names(screened(columns))
 
