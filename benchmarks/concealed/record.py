@@ -16,7 +16,6 @@ from benchmarks.concealed.plant.march import A_SECOND, COMMAND, METER
 from benchmarks.concealed.plant.rig import WARM_UP
 
 LATER = 900
-JITTER = 0.1  # of the scan [s]
 
 
 class Impossible(ValueError):
@@ -133,7 +132,7 @@ def _recorded(rng, plant, scene, case):
     roles = {"X": "opening", "P1": "p1", "P2": "p2", "T1": "temperature", "F": "flow"}
     scale = {"X": 100.0, "P1": 1e-3, "P2": 1e-3}
     for name, role in roles.items():
-        values = sensors.scan(fine[name], sensors.scan_moments(rng, n, JITTER), A_SECOND)
+        values = sensors.scan(fine[name], sensors.scan_moments(rng, n), A_SECOND)
         noise = plant.noise[role]
         if name == "F":
             noise = noise * plant.law.envelope(values, plant.span) + values * plant.noise["turbulence"]

@@ -9,6 +9,7 @@ from benchmarks.concealed.distances.between import APART
 from benchmarks.concealed.distances.calibration import nuisance_of
 from benchmarks.concealed.distances.detectable import DISTANCE, SHARE, of_times, scene_of, standing_out
 from benchmarks.concealed.plant import Course, Plant
+from benchmarks.concealed.plant.march import A_SECOND
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +36,21 @@ def test_what_a_sheet_leaves_open_is_no_effect(plant):
     within = standing_out(scene_of(plant, {"capacity_error": 0.08 - used}, Course()))[0]
     assert within < 5.0
     assert standing_out(scene_of(plant, {"capacity_error": 0.3}, Course()))[0] > 100.0
+
+
+def test_how_recovery_falls_with_travel_is_no_effect():
+    # a plant that chokes, and where a fall of F_L that nobody wrote down would stand out
+    choking = Plant(21, "wide", 1200, 60)
+    scene = scene_of(choking, {}, Course())
+    nuisance = nuisance_of(scene, "flow")
+    falling = choking.fl * (1.0 + 0.08 * (0.5 - np.linspace(0.0, 1.0, choking.fl.size)))
+    change = (scene.flow(scene.sound, fl=falling)[::A_SECOND] - scene.seen("flow", scene.sound))[
+        scene.recorded
+    ]
+    white = nuisance.law(change[:, None])[:, 0]
+    assert white @ white > DISTANCE
+    assert nuisance.distance(white) < 1.0
+    assert 0.0 < nuisance.multiples(white)[-1] <= 1.0
 
 
 def test_a_change_within_the_record_is_no_calibration(plant):

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks.concealed.plant import EFFECTS, Course, Plant, loop
+from benchmarks.concealed.plant import EFFECTS, Course, Plant, loop, sensors
 from benchmarks.concealed.plant.columns import COLUMNS
 from benchmarks.concealed.plant.fluids import water_density, water_vapour
 from benchmarks.concealed.plant.loop import least_of, nozzle
@@ -168,6 +168,24 @@ def test_noise_of_the_stem_is_white_by_its_own_law(kind):
     rng = np.random.default_rng(0)
     law = Law.drawn(rng, (kind,))
     drawn = law.draw(rng, 20_000, 60.0)["opening"]
-    white = whiten_opening(drawn[:, None], law)[:, 0]
+    white = whiten_opening(drawn[:, None], law, np.full(drawn.size, 0.5))[:, 0]
     assert np.std(white) == pytest.approx(1.0, abs=0.04)
     assert abs(np.corrcoef(white[1:], white[:-1])[0, 1]) < 0.03
+
+
+def test_a_jitter_of_the_scan_is_noise_of_a_stem_that_moves():
+    rng = np.random.default_rng(0)
+    law = Law.drawn(rng, ())
+    n = 20_000
+    # 3 % of travel in a second, up and down, and half of the time still
+    way = 0.5 + 0.03 * np.abs(np.arange(A_SECOND * n) / A_SECOND % 20.0 - 10.0)
+    way[(np.arange(A_SECOND * n) // 500) % 2 == 0] = 0.5
+    moments = sensors.scan_moments(rng, n)
+    late = np.mean(moments - np.arange(n))
+    clean = sensors.scan(way, np.arange(n) + late, A_SECOND)
+    wrong = sensors.scan(way, moments, A_SECOND) - clean + law.draw(rng, n, 60.0)["opening"]
+    white = whiten_opening(wrong[:, None], law, clean)[:, 0]
+    moves = np.abs(np.gradient(clean)) > 0.02
+    moves &= np.roll(moves, 1) & np.roll(moves, -1)
+    still = ~moves & (clean == 0.5)
+    assert np.std(white[moves]) == pytest.approx(np.std(white[still]), rel=0.1)

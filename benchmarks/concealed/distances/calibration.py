@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What of a change calibration could take up: all that a data sheet leaves open, each within its bounds.
 
-The bounds are those of the design: capacity, trim and F_L 10 %, responses 3 s each, static error half a
+The bounds are those of the design: capacity, trim and F_L 10 % (and as much for how F_L falls with travel,
+which no sheet tells), responses 3 s each, static error half a
 percent, zeros 1 % of travel, 0.5 % of the flow's span and 0.25 % of the pressures'. What the drawn plant has
 used of a bound already is no longer free. Where P2 was not recorded, what lies behind the valve is open too.
 """
@@ -126,6 +127,12 @@ def _flow_series(scene):
         taken = float(np.interp(place, grid, used))
         low.append(-1.0 - taken)
         high.append(1.0 - taken)
+    # F_L about the middle of the travel, from one value all the way to as much of a fall as its own tolerance
+    fall = (plant.fl[0] - plant.fl[-1]) / float(np.mean(plant.fl))
+    falling = plant.fl * (1.0 + RECOVERY * (0.5 - np.linspace(0.0, 1.0, plant.fl.size)))
+    series.append(scene.flow(scene.sound, fl=falling)[::A_SECOND] - base)
+    low.append(-fall / RECOVERY)
+    high.append(1.0 - fall / RECOVERY)
     if "p2" in scene.lacking:
         for column in _behind(scene, base):
             series.append(column)
@@ -157,7 +164,12 @@ def _left(used):
 
 
 def _opening_law(scene):
-    return lambda columns: whiten_opening(columns, scene.plant.law)
+    opening = _read_opening(scene)
+    return lambda columns: whiten_opening(columns, scene.plant.law, opening)
+
+
+def _read_opening(scene):
+    return scene.reading[::A_SECOND][scene.recorded]
 
 
 def _flow_law(scene):
@@ -173,5 +185,5 @@ def _flow_law(scene):
         law = replace(plant.law, p_wandering=plant.law.p_wandering + pressure)
     else:
         law = plant.law
-    lag = plant.sound["meter_lag"]
-    return lambda columns: whiten_flow(columns, law, plant.span, flow, by_opening, by_drop, lag)
+    lag, opening = plant.sound["meter_lag"], _read_opening(scene)
+    return lambda columns: whiten_flow(columns, law, plant.span, flow, opening, by_opening, by_drop, lag)

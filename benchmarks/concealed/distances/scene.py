@@ -74,14 +74,15 @@ class Scene:
             return self._stem
         return self.plant.actuator(schedule, self.command, self.p1 - self.p2)
 
-    def flow(self, schedule, trim=None):
+    def flow(self, schedule, trim=None, fl=None):
         """Flow that the record would hold [m3/h], a row each fifth of a second."""
         fine = self._fine(schedule)
         if "opening" in self.lacking:
             stem = self._moved(schedule)[:, 0]
         else:
             stem = ((self.reading - fine["x_bias"]) / fine["x_gain"] - fine["loop_bias"]) / fine["loop_gain"]
-        meter = self.plant.valve(schedule, stem, self.p1 - fine["p1_bias"], self.p2 - fine["p2_bias"], trim)
+        p1, p2 = self.p1 - fine["p1_bias"], self.p2 - fine["p2_bias"]
+        meter = self.plant.valve(schedule, stem, p1, p2, trim, fl)
         gain = np.repeat(schedule[:, _AT["meter_gain"]], A_SECOND)
         return gain * meter * (1.0 - self.lost(schedule)) + np.repeat(
             schedule[:, _AT["meter_bias"]], A_SECOND

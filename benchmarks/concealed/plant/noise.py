@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from benchmarks.concealed.plant.programs import wander
-from benchmarks.concealed.plant.sensors import BITS, FEW_BITS, FLOW_WIDTH, HELD, RANGES
+from benchmarks.concealed.plant.sensors import BITS, FEW_BITS, FLOW_WIDTH, HELD, JITTER, RANGES
 
 # kinds of noise that a record may have more of than usual
 KINDS = ("loud", "wandering", "correlated", "growing_with_flow")
@@ -16,6 +16,8 @@ KINDS = ("loud", "wandering", "correlated", "growing_with_flow")
 # what exception reporting makes of the square of its width, measured on healthy records of the plant
 _OF_HELD_X, _OF_HELD_FLOW = 0.12, 0.055
 _CONVERTER = 2.5e-4
+# standard deviation of the moment at which a channel is read [s]
+_LATE = JITTER / np.sqrt(12.0)
 
 
 def _misread(width, of_held, kinds):
@@ -123,22 +125,25 @@ def _whitened(columns, parts, white):
     )
 
 
-def whiten_opening(columns, law):
-    """Series of opening [1], one row a second, as multiples of what its sensor's noise leaves unforeseen."""
-    white = law.x_white**2 + law.x_misread + 1e-9
+def whiten_opening(columns, law, opening):
+    """Series of opening [1], one row a second, as multiples of what its sensor's noise leaves unforeseen.
+
+    While the stem moves, a jitter of the scan is an error of the `opening`, of a series as long as these.
+    """
+    white = law.x_white**2 + law.x_misread + (_LATE * np.gradient(opening)) ** 2 + 1e-9
     return _whitened(columns, [(500.0, law.x_wandering)], white)
 
 
-def whiten_flow(columns, law, span, flow, by_opening, by_drop, lag):
+def whiten_flow(columns, law, span, flow, opening, by_opening, by_drop, lag):
     """Series of flow [m3/h], as multiples of the noise of a flow that is computed from recorded signals.
 
     `by_opening` [m3/h] and `by_drop` [m3/h/Pa] say what the noise of position and pressures does to it; both
-    are damped as the meter damps.
+    are damped as the meter damps. A jitter of the scan is an error of what moves, of flow and opening.
     """
     pole = np.exp(-1.0 / max(lag, 0.3))
     damped = np.sqrt((1.0 - pole) / (1.0 + pole))
     rough = law.envelope(flow, span)
-    stem = np.sqrt(law.x_white**2 + law.x_misread)
+    stem = np.sqrt(law.x_white**2 + law.x_misread + (_LATE * np.gradient(opening)) ** 2)
     parts = [
         (20.0, law.correlated * span * rough),
         (law.slow, law.wandering * span * rough),
@@ -147,4 +152,5 @@ def whiten_flow(columns, law, span, flow, by_opening, by_drop, lag):
         (500.0, law.x_wandering * by_opening),
         (400.0, np.sqrt(2.0) * law.p_wandering * by_drop),
     ]
-    return _whitened(columns, parts, (law.white * span * rough) ** 2 + law.misread * span**2)
+    white = (law.white * span * rough) ** 2 + law.misread * span**2 + (_LATE * np.gradient(flow)) ** 2
+    return _whitened(columns, parts, white)

@@ -154,7 +154,8 @@ class Plant:
         """Stem as read, and as it stands [1], under a command of every second and a drop [Pa]."""
         return march.march_actuator(schedule, command, drop, self.hard)
 
-    def valve(self, schedule, stem, p1, p2, trim=None):
+    def valve(self, schedule, stem, p1, p2, trim=None, fl=None):
         """Flow at the meter [m3/h], its gain and zero left out."""
         trim = self.trim if trim is None else trim
-        return march.march_valve(schedule, stem, p1, p2, self.weather, self.hard, trim, self.fl)
+        fl = self.fl if fl is None else fl
+        return march.march_valve(schedule, stem, p1, p2, self.weather, self.hard, trim, fl)

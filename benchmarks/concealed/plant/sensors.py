@@ -6,6 +6,7 @@ import numpy as np
 BITS, FEW_BITS = 12, 9
 # of the flow meter's converter, in spans; of the historian's exception reporting, in widths of the converter
 FLOW_WIDTH, HELD = 1.25, 0.003
+JITTER = 0.1  # of the scan [s]
 RANGES = {"CV": 100.0, "X": 104.0, "P1": 2500.0, "P2": 2500.0, "T1": 200.0}
 
 
@@ -14,9 +15,9 @@ def scan(fine, moments, a_second):
     return np.interp(moments, np.arange(fine.size) / a_second, fine)
 
 
-def scan_moments(rng, n, jitter):
+def scan_moments(rng, n):
     """When one channel is read: every second, late by its place in the scan and a little more [s]."""
-    return np.arange(n) + rng.uniform(0.0, 0.15) + rng.uniform(0.0, jitter, n)
+    return np.arange(n) + rng.uniform(0.0, 0.15) + rng.uniform(0.0, JITTER, n)
 
 
 def convert(values, width, bits=BITS):
