@@ -12,7 +12,8 @@ reference has none of, against the table: rates of alarms with exact intervals, 
 
 The recordings are those of `sklvalve.datasets`, 2,400 to 4,200 rows, half to three times the noise, in closed
 loop, over the whole travel or both. Some have a meter's noise of 0.95 from row to row, coarse readings or a
-cycling temperature beside, and a third lack the pressures, the opening or the command.
+cycling temperature beside. Half lack the pressures or one of them, the opening or the command, and a fifth
+come from a historian that writes a value when it has left the last one by a band.
 """
 
 import argparse
@@ -37,14 +38,18 @@ from sklvalve.recording import Recording, Valve, screen_recording
 from sklvalve.simulation.side_by_side import with_threads
 
 KINDS = ("wander", "heavy tails", "noise that grows with the flow", "noisy pressures")
-# what a third of the recordings lack, and up to which draw of 0 to 1
-LACKING = ((0.12, ("P1", "P2")), (0.24, ("X",)), (0.32, ("CV",)))
+# what half of the recordings lack, and up to which draw of 0 to 1
+LACKING = ((0.12, ("P1", "P2")), (0.24, ("X",)), (0.32, ("CV",)), (0.46, ("P2",)), (0.5, ("P1",)))
+# share of recordings that a historian held, and widths of its band, shares of a signal's range
+HELD, BANDS = 0.2, (0.001, 0.005)
 # share of the reference above the threshold of its tail, and knots below
 ABOVE, KNOTS = 0.15, 18
 # the quantile by which each effect is held against all together, and the least that it is taken for
 OF_EACH, LEAST = 0.95, 0.3
 WEAKEST = 0.1  # strengths below are as good as none
-CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop")
+CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held")
+# what else the typical strength is a line in
+LINE = (*CIRCUMSTANCES, "noise_without_opening", "noise_without_drop")
 STRENGTHS = ("effects", "rest")
 
 
@@ -80,7 +85,22 @@ def draw(seed, *, nastier=False):
         role = next(r for r, d in columns.items() if isinstance(d, dict) and d.get("column") == name)
         del frame[name], columns[role]
     frame["F"] = frame.F.round(3)
+    if rng.random() < HELD:
+        told["band"] = float(rng.uniform(*BANDS))
+        for column in frame.columns.drop(["time", "CV"], errors="ignore"):
+            reach = 100.0 if column == "X" else frame[column].max()
+            frame[column] = held(frame[column].to_numpy(), told["band"] * reach)
     return Recording.from_frame(frame, Valve.from_dict(made.valve)), told
+
+
+def held(values, band):
+    """Values as a historian has them that keeps the last one until the signal has left it by a band."""
+    kept = np.empty_like(values)
+    last = values[0]
+    for k, value in enumerate(values):
+        last = value if abs(value - last) > band else last
+        kept[k] = last
+    return kept
 
 
 def add_noise(frame, kind, span, rng):
@@ -106,7 +126,7 @@ def searched(recording):
     with threadpool_limits(1, user_api="blas"), with_threads(1):
         workbench = prepared_workbench(recording, None, None)
         effects, _ = candidates(workbench, "all", data)
-        judged, _ = withheld(finder._judged(workbench, None, effects, 0), data)
+        judged, _ = withheld(finder._judged(workbench, None, effects, data, 0), data)
     told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
     told |= {name: getattr(judged.evidence.circumstances, name) for name in CIRCUMSTANCES}
     told["strengths"] = {key: round(found, 3) for key, found in judged.evidence.strengths.items()}
@@ -131,8 +151,8 @@ def table_of(rows, name):
     return {
         "recordings": len(rows),
         "offset": short(offset),
-        "slopes": {c: short(s) for c, s in zip(CIRCUMSTANCES, slopes, strict=True)},
-        "ranges": {c: (short(k.min()), short(k.max())) for c, k in zip(CIRCUMSTANCES, known.T, strict=True)},
+        "slopes": {c: short(s) for c, s in zip(LINE, slopes, strict=True)},
+        "ranges": {c: (short(k.min()), short(k.max())) for c, k in zip(LINE, known.T, strict=True)},
         "quantiles": tuple(short(q) for q in quantiles),
         "above": ABOVE,
         "scale": short(scale),
@@ -146,9 +166,14 @@ def short(value):
     return float(f"{value:.4g}")
 
 
+def circumstances_of(row):
+    """Circumstances of a recording, as a line of the file tells them."""
+    return Circumstances(*(row[c] for c in CIRCUMSTANCES))
+
+
 def typical_of(rows, found):
     """Typical strength of each recording in its circumstances, and the line that gives its logarithm."""
-    known = np.array([[row[c] for c in CIRCUMSTANCES] for row in rows])
+    known = np.array([[getattr(circumstances_of(row), c) for c in LINE] for row in rows])
     columns = np.column_stack([np.ones(len(rows)), known])
     line, *_ = np.linalg.lstsq(columns, np.log(np.maximum(found, WEAKEST)), rcond=None)
     return np.exp(columns @ line), line[0], line[1:], known
@@ -211,8 +236,7 @@ def check(rows):
 
     def again(row):
         strongest = EFFECTS.relative(row["strengths"])
-        circumstances = Circumstances(*(row[c] for c in CIRCUMSTANCES))
-        return mismatch_p_value(Evidence(strongest, row["rest"], circumstances))
+        return mismatch_p_value(Evidence(strongest, row["rest"], circumstances_of(row)))
 
     p_values = np.array([again(row) for row in rows])
     uniform = kstest(p_values, "uniform").pvalue
@@ -222,7 +246,9 @@ def check(rows):
         yield f"p <= {alpha:g}: {interval(int(np.sum(p_values <= alpha)), len(rows))}"
     alarms = sum(row["verdict"] != "no_mismatch" for row in rows)
     yield f"verdicts other than no_mismatch, at 0.01: {interval(alarms, len(rows))}"
-    for key in ("loop", "kind", "lacks"):
+    for row in rows:
+        row["historian"] = "keeps values" if row.get("band") else "every row"
+    for key in ("loop", "kind", "lacks", "historian"):
         for value in sorted({str(row.get(key)) for row in rows}):
             some = p_values[[str(row.get(key)) == value for row in rows]]
             below, uniform = np.mean(some <= 0.05), kstest(some, "uniform").pvalue

@@ -119,15 +119,18 @@ def in_counts(sizes, workbench):
     return max((size / workbench.least(c) for c, size in sizes.items()), default=0.0)
 
 
-def circumstances_of(workbench):
+def circumstances_of(workbench, data=()):
     """What chance depends on, known before the search: its noise and how the valve moved.
 
     Parameters
     ----------
     workbench : Workbench
         With the noise that the calibrated simulation leaves.
+    data : list of dict, default=()
+        Findings of `screen_recording` of its recording.
     """
     recording = workbench.recording
+    compressed = {each["role"] for each in data if each["finding"] == "compressed"}
     moved = next(recording[r] for r in ("opening", "command", "flow") if r in recording)
     low, high = np.nanquantile(moved, [0.05, 0.95])
     span = 1.0 if "opening" in recording or "command" in recording else np.nanmax(np.abs(moved))
@@ -139,6 +142,8 @@ def circumstances_of(workbench):
         travel=float((high - low) / span),
         no_opening=float("opening" not in recording),
         no_drop=float(drop_is_unknown(recording)),
+        one_pressure=float(drop_is_unknown(recording) and ("p1" in recording or "p2" in recording)),
+        held=float(not compressed.isdisjoint(workbench.channels)),
     )
 
 

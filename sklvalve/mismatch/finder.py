@@ -174,7 +174,7 @@ class MissingPhysicsFinder(BaseEstimator):
         workbench = prepared_workbench(recording, ours, self.tolerance)
         effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
-        judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, seed)
+        judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, data, seed)
         judged, spoilt = withheld(judged, data)
         self.evidence_ = judged.evidence
         self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
@@ -212,19 +212,19 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("done", 1.0)
         return self
 
-    def _judged(self, workbench, ours, effects, seed):
+    def _judged(self, workbench, ours, effects, data, seed):
         """The judgement on a recording; of a long one stretches are searched."""
         events = evident_events(workbench, effects, float(self.alpha)) if self.max_effects else None
         stretches = stretches_of(workbench.recording, self.search_rows)
         if stretches is workbench.recording:
-            return self._judge(workbench, effects, events, seed)
+            return self._judge(workbench, effects, events, data, seed)
         bench = prepared_workbench(stretches, ours, self.tolerance, trim=workbench.trim)
-        return over_the_whole(workbench, self._judge(bench, effects, events, seed))
+        return over_the_whole(workbench, self._judge(bench, effects, events, data, seed))
 
-    def _judge(self, workbench, effects, events, seed):
+    def _judge(self, workbench, effects, events, data, seed):
         """Search among the effects, and the judgement on what it finds."""
         nominal = calibrated(workbench)
-        circumstances = circumstances_of(workbench)
+        circumstances = circumstances_of(workbench, data)
         explanation = explain(
             workbench,
             nominal,

@@ -168,8 +168,10 @@ def held_within_a_band(finding):
 def _bands(data):
     """Role -> dead band of its historian [SI], of those that are known well enough to be allowed for."""
     bands: dict = {}
-    for each in filter(held_within_a_band, data):
-        bands[each["role"]] = max(each["size"], bands.get(each["role"], 0.0))
+    for each in data:
+        of_flow = (each["finding"], each["role"]) == ("compressed", "flow") and each.get("size")
+        if of_flow or held_within_a_band(each):
+            bands[each["role"]] = max(each["size"], bands.get(each["role"], 0.0))
     return bands
 
 

@@ -23,12 +23,28 @@ class Circumstances:
         1 where no opening is recorded, else 0.
     no_drop : float
         1 where nothing tells the pressure drop, else 0.
+    one_pressure : float
+        1 where nothing tells the drop but one of its two pressures is recorded, else 0.
+    held : float
+        1 where a historian did not write down every value of the opening or the flow, else 0.
     """
 
     noise: float
     travel: float
     no_opening: float
     no_drop: float
+    one_pressure: float = 0.0
+    held: float = 0.0
+
+    @property
+    def noise_without_opening(self):
+        """The noise where it is the flow's alone, else 0."""
+        return self.noise * self.no_opening
+
+    @property
+    def noise_without_drop(self):
+        """The noise where it is next to all the opening's, else 0."""
+        return self.noise * self.no_drop
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,8 @@ from sklvalve.simulation import Tolerance
 # one or two events, in deviations of the scatter (k equal events among many stretches make the root of k)
 _LEFT_WITHOUT = 2.0
 SPREADS = 2.0
+# of what counts, an explanation in the place of another must make this share
+_OF_A_RIVAL = 0.5
 # an explanation that needs all that is physically possible speaks against itself: share of its range
 _AT_AN_END = 1e-3
 
@@ -62,15 +64,16 @@ def may_explain(workbench, model, without):
     return counts and not _absurd(model, member)
 
 
-def may_be_instead(workbench, model):
+def may_be_instead(workbench, model, without):
     """Whether the last effect may be what stands in the place of another that counts.
 
     Of one that began it is told already that something did: what made it may be shorter than a response that
-    would be told alone. And whether it counts is not asked again: what explains less lies far away.
+    would be told alone. And it may count for somewhat less than the other, but not for a fraction of it.
     """
     member = model.members[-1]
     open_to_it = member.onset is not None or beyond_tolerance(workbench, model, member)
-    return open_to_it and not _absurd(model, member)
+    sizes = {channel: size / _OF_A_RIVAL for channel, size in workbench.change(model, without).items()}
+    return open_to_it and workbench.counts(sizes) and not _absurd(model, member)
 
 
 def _absurd(model, member):

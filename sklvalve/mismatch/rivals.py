@@ -85,7 +85,7 @@ def find_rivals(workbench, model, effects, report, seen=None):
         others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
         places = [(member, model)]
         instead = _others_in_place(workbench, model, rest, without, others, member, seen or {})
-        places += [(who, fitted) for who, fitted in instead if may_be_instead(workbench, fitted)]
+        places += [(who, fitted) for who, fitted in instead if may_be_instead(workbench, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = _weighed(workbench, places, without)
         findings.append(Finding(member, rivals, gain, workbench.change(model, without)))

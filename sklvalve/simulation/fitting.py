@@ -59,10 +59,12 @@ def simulate_channels(chain, values, channels):
 def left_of(recording, predictions, channel):
     """Recorded less simulated.
 
-    Of a value that a historian held within a dead band only what lies outside of the band is known to differ.
+    Of an opening that a historian held within a dead band only what lies outside of the band is known to
+    differ. A flow keeps all of its difference: in the mean over many values it tells far less than its band,
+    and its noise model knows the band as the step of a reading.
     """
     left = recording[channel] - predictions[channel]
-    if band := recording.bands.get(channel):
+    if channel == "opening" and (band := recording.bands.get(channel)):
         left = np.copysign(np.maximum(np.abs(left) - band, 0.0), left)
     return left
 

@@ -27,6 +27,8 @@ CIRCUMSTANCES = st.builds(
     travel=st.floats(0.0, 1.5),
     no_opening=st.sampled_from((0.0, 1.0)),
     no_drop=st.sampled_from((0.0, 1.0)),
+    one_pressure=st.sampled_from((0.0, 1.0)),
+    held=st.sampled_from((0.0, 1.0)),
 )
 STRENGTHS = st.floats(0.0, 200.0)
 BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[channel])
@@ -73,7 +75,7 @@ def test_what_is_seldom_strong_by_chance_counts_for_more():
 def test_the_reference_knows_the_effects_of_the_catalogue():
     assert set(EFFECTS.usual) == {effect.key for effect in CATALOGUE}
     assert all(0.0 < usual <= 1.0 for usual in EFFECTS.usual.values())
-    assert max(EFFECTS.usual.values()) > 2.0 * min(EFFECTS.usual.values())
+    assert max(EFFECTS.usual.values()) > 1.5 * min(EFFECTS.usual.values())
     assert REST.usual == {}
 
 
@@ -146,11 +148,27 @@ def test_circumstances_are_those_of_the_noise_and_of_the_movement():
     found = circumstances_of(bench)
     assert found.noise == pytest.approx(np.log(2.0))
     assert found.travel == pytest.approx(0.9 * 0.6)
-    assert (found.no_opening, found.no_drop) == (0.0, 0.0)
+    assert (found.no_opening, found.no_drop, found.one_pressure, found.held) == (0.0, 0.0, 0.0, 0.0)
     bench.recording = {"flow": 3.0 * rows}
     found = circumstances_of(bench)
     assert found.travel == pytest.approx(0.9 * 0.6 / 0.8)
-    assert (found.no_opening, found.no_drop) == (1.0, 1.0)
+    assert (found.no_opening, found.no_drop, found.one_pressure) == (1.0, 1.0, 0.0)
+    bench.recording = {"flow": 3.0 * rows, "p1": rows}
+    assert (circumstances_of(bench).no_drop, circumstances_of(bench).one_pressure) == (1.0, 1.0)
+
+
+def test_a_historian_that_leaves_values_out_is_a_circumstance():
+    rows = np.linspace(0.2, 0.8, 101)
+    bench = SimpleNamespace(
+        recording={"opening": rows, "flow": rows, "p1": rows, "p2": rows},
+        channels=("opening", "flow"),
+        spans={"opening": 1.0, "flow": 1.0},
+        noise={"opening": SimpleNamespace(floor=0.005), "flow": SimpleNamespace(floor=0.005)},
+        least=BENCH.least,
+    )
+    found = [{"finding": "compressed", "role": "p1"}, {"finding": "quantised", "role": "flow"}]
+    assert circumstances_of(bench, found).held == 0.0
+    assert circumstances_of(bench, [*found, {"finding": "compressed", "role": "flow"}]).held == 1.0
 
 
 def test_healthy_recording_is_one_among_many_and_a_leak_is_not(found_healthy, found_leaking):

@@ -114,18 +114,24 @@ def test_play_is_found_alone_also_in_the_first_rows_of_a_recording():
 
 
 @pytest.mark.parametrize(
-    ("onset", "beyond", "absurd", "able"),
+    ("onset", "beyond", "size", "absurd", "able"),
     [
-        (None, True, False, True),
-        (None, False, False, False),
-        (400.0, False, False, True),
-        (400.0, True, True, False),
+        (None, True, 0.006, False, True),
+        (None, False, 0.006, False, False),
+        (400.0, False, 0.006, False, True),
+        (400.0, True, 0.006, True, False),
+        # of half a percent that counts it makes more than half, or less
+        (None, True, 0.003, False, True),
+        (400.0, True, 0.002, False, False),
     ],
 )
-def test_a_rival_of_what_began_may_be_shorter_than_what_alone_is_told(
-    monkeypatch, onset, beyond, absurd, able
+def test_a_rival_of_what_began_may_be_shorter_and_smaller_than_what_alone_is_told(
+    monkeypatch, onset, beyond, size, absurd, able
 ):
     monkeypatch.setattr(matters, "beyond_tolerance", lambda *_: beyond)
     monkeypatch.setattr(matters, "_absurd", lambda *_: absurd)
     model = SimpleNamespace(members=(Member(LEAK, onset),))
-    assert matters.may_be_instead(None, model) is able
+    bench = SimpleNamespace(
+        change=lambda *_: {"flow": size}, counts=lambda sizes: any(s >= 0.005 for s in sizes.values())
+    )
+    assert matters.may_be_instead(bench, model, None) is able

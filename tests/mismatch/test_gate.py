@@ -8,6 +8,7 @@ import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.gate import NAMES, blocking, effects_switched_off, without_findings
+from sklvalve.mismatch.noise_of_pieces import noise_of
 from sklvalve.recording import Recording
 from sklvalve.simulation.fitting import residual_of
 
@@ -132,5 +133,20 @@ def test_only_what_leaves_a_small_band_counts_against_a_simulation():
     assert np.abs(left).max() == pytest.approx(0.003)
     assert (left[30:70] == 0.0).all()
     assert left[0] > 0.0 > left[-1]
-    wide = [found("compressed", "opening", size=0.006), found("compressed", "flow", size=1e-5)]
-    assert without_findings(recording(), wide).bands == {}
+    assert without_findings(recording(), [found("compressed", "opening", size=0.006)]).bands == {}
+    assert without_findings(recording(), [found("compressed", "flow")]).bands == {}
+
+
+def test_a_flow_held_within_a_band_is_compared_whole_and_known_no_better_than_the_band():
+    whole = recording()
+    held = without_findings(whole, [found("compressed", "flow", size=10.0)])
+    assert held.bands == {"flow": 10.0}
+    simulated = {"flow": held["flow"] + np.random.default_rng(0).normal(0.0, 0.1, len(held))}
+    left = [residual_of(SimpleNamespace(recording=r), simulated, "flow", None) for r in (whole, held)]
+    np.testing.assert_array_equal(*left)
+    floors = [noise_of(r, left[0], simulated["flow"], np.ones(len(r)), "flow").floor for r in (whole, held)]
+    # its steps of 1 say 0.3, the band ten times that
+    assert floors == [
+        pytest.approx(1.0 / np.sqrt(12.0), rel=0.1),
+        pytest.approx(10.0 / np.sqrt(12.0), rel=0.1),
+    ]
