@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Healthy recordings through the whole search: what the p-value is held against, and whether it is uniform.
 
-    python benchmarks/healthy_reference.py draw REFERENCE.jsonl --records 290
+    python benchmarks/healthy_reference.py draw REFERENCE.jsonl --records 360
     python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/healthy_table.py
-    python benchmarks/healthy_reference.py draw OTHER.jsonl --first 1000 --records 170 --nastier
+    python benchmarks/healthy_reference.py draw OTHER.jsonl --first 2000 --records 36 --nastier
     python benchmarks/healthy_reference.py check OTHER.jsonl
 
 `draw` writes a line of JSON a recording, and goes on where it was stopped; five to ten seconds each. `table`
@@ -143,7 +143,7 @@ def table_of(rows, name):
         strongest = np.array([max(each.values(), default=0.0) for each in strengths])
         usual = usual_of(strengths, typical_of(rows, strongest)[0])
         found = np.array([relative_to(usual, each) for each in strengths])
-    typical, offset, slopes, known = typical_of(rows, found)
+    typical, offset, slopes = typical_of(rows, found)
     relative = found / typical
     quantiles = np.quantile(relative, np.linspace(0.0, 1.0 - ABOVE, KNOTS))
     excess = relative[relative > quantiles[-1]] - quantiles[-1]
@@ -152,13 +152,22 @@ def table_of(rows, name):
         "recordings": len(rows),
         "offset": short(offset),
         "slopes": {c: short(s) for c, s in zip(LINE, slopes, strict=True)},
-        "ranges": {c: (short(k.min()), short(k.max())) for c, k in zip(LINE, known.T, strict=True)},
+        "ranges": {c: (short(min(k)), short(max(k))) for c, k in ranged(rows).items()},
         "quantiles": tuple(short(q) for q in quantiles),
         "above": ABOVE,
         "scale": short(scale),
         "shape": short(shape),
         "usual": usual,
     }
+
+
+def ranged(rows):
+    """Circumstances beyond whose range the edge is taken, with their values in the reference."""
+    found = {"travel": [row["travel"] for row in rows], "noise": [], **{c: [] for c in LINE[-2:]}}
+    for row in rows:
+        lacking = "_without_opening" if row["no_opening"] else "_without_drop" if row["no_drop"] else ""
+        found[f"noise{lacking}"].append(row["noise"])
+    return found
 
 
 def short(value):
@@ -176,7 +185,7 @@ def typical_of(rows, found):
     known = np.array([[getattr(circumstances_of(row), c) for c in LINE] for row in rows])
     columns = np.column_stack([np.ones(len(rows)), known])
     line, *_ = np.linalg.lstsq(columns, np.log(np.maximum(found, WEAKEST)), rcond=None)
-    return np.exp(columns @ line), line[0], line[1:], known
+    return np.exp(columns @ line), line[0], line[1:]
 
 
 def usual_of(strengths, typical):

@@ -14,6 +14,7 @@ from scipy.stats import chi2
 from sklvalve.mismatch.distance import SHARE_MISTAKEN
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.steady import LENGTH, drivers_of, steady_floor
+from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
 
 # a healthy simulation is slowly wrong by this share of what counts as an effect
@@ -251,7 +252,7 @@ def effective_number(series):
 def _quick_noise(recording, rest, quiet, span):
     """Quick noise of the flow, share of span: of stretches at rest, or else what the rest itself jitters."""
     driver, beside = drivers_of(recording, "flow")
-    steady = steady_floor(recording["flow"], driver, beside, recording.resolution("flow")).value
+    steady = steady_floor(recording["flow"], driver, beside, step_of(recording, "flow")).value
     if steady is not None:
         return steady / span
     variances = _variances_about_lines(np.where(quiet, rest, np.nan))

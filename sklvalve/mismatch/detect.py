@@ -130,7 +130,10 @@ def circumstances_of(workbench, data=()):
         Findings of `screen_recording` of its recording.
     """
     recording = workbench.recording
-    compressed = {each["role"] for each in data if each["finding"] == "compressed"}
+    # of lines and slower scans no healthy recording of the reference tells
+    held = {each["role"] for each in data if each["finding"] == "compressed" and each.get("size")}
+    # without a flow nothing waits for its drop
+    no_drop = "flow" in workbench.channels and drop_is_unknown(recording)
     moved = next(recording[r] for r in ("opening", "command", "flow") if r in recording)
     low, high = np.nanquantile(moved, [0.05, 0.95])
     span = 1.0 if "opening" in recording or "command" in recording else np.nanmax(np.abs(moved))
@@ -141,9 +144,9 @@ def circumstances_of(workbench, data=()):
         noise=float(np.log(noise)),
         travel=float((high - low) / span),
         no_opening=float("opening" not in recording),
-        no_drop=float(drop_is_unknown(recording)),
-        one_pressure=float(drop_is_unknown(recording) and ("p1" in recording or "p2" in recording)),
-        held=float(not compressed.isdisjoint(workbench.channels)),
+        no_drop=float(no_drop),
+        one_pressure=float(no_drop and ("p1" in recording or "p2" in recording)),
+        held=float(not held.isdisjoint(workbench.channels)),
     )
 
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sklvalve.recording.dead_bands import DeadBand
 from sklvalve.recording.standing import stem_may_stand
 
 # moves of the stem that stick, lose motion or come late: all that a record redrawn in time cannot show
@@ -165,13 +166,23 @@ def held_within_a_band(finding):
     return compressed and finding.get("size", np.inf) < _COUNTS
 
 
-def _bands(data):
-    """Role -> dead band of its historian [SI], of those that are known well enough to be allowed for."""
+def tells_a_band(finding):
+    """Whether a finding says within which band an opening or a flow was held, so that it is allowed for."""
+    of_flow = (finding["finding"], finding["role"]) == ("compressed", "flow") and finding.get("size")
+    return bool(of_flow) or held_within_a_band(finding)
+
+
+def _bands(recording, data):
+    """Role -> dead bands of its historian."""
     bands: dict = {}
-    for each in data:
-        of_flow = (each["finding"], each["role"]) == ("compressed", "flow") and each.get("size")
-        if of_flow or held_within_a_band(each):
-            bands[each["role"]] = max(each["size"], bands.get(each["role"], 0.0))
+    for each in filter(tells_a_band, data):
+        # one that lasts to the last row goes on behind it
+        spans = [
+            (recording.time[start], recording.time[stop - 1] if stop < len(recording) else np.inf)
+            for start, stop in each.get("rows") or ()
+        ]
+        told = tuple(DeadBand(*span, each["size"]) for span in spans or [(-np.inf, np.inf)])
+        bands[each["role"]] = bands.get(each["role"], ()) + told
     return bands
 
 
@@ -244,7 +255,7 @@ def without_findings(recording, data):
                 rows = round(each["size"] / recording.slice(start, stop).sample_time)
                 moved[start:stop] = _moved_back(moved[start:stop], rows, hold=each["role"] == "command")
             signals[each["role"]] = moved
-    bands = _bands(data)
+    bands = _bands(recording, data)
     if not bands and all(signals[role] is recording.signals[role] for role in signals):
         return recording
     return replace(recording, signals=signals, bands=bands)

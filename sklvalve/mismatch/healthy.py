@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How strong the evidence against healthy recordings gets by chance, and how rare a stronger one is."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -26,7 +26,7 @@ class Circumstances:
     one_pressure : float
         1 where nothing tells the drop but one of its two pressures is recorded, else 0.
     held : float
-        1 where a historian did not write down every value of the opening or the flow, else 0.
+        1 where a historian held a compared channel, opening or flow, within a dead band, else 0.
     """
 
     noise: float
@@ -51,9 +51,10 @@ class Circumstances:
 class Table:
     r"""Distribution of a strength among healthy recordings, relative to what is typical in the circumstances.
 
-    The typical strength is the exponential of a linear function of the circumstances, each held within its
-    range in the reference. Relative to it the chance of more falls as in the reference up to a threshold,
-    linearly between quantiles, and from there on as the generalised Pareto law has it,
+    The typical strength is the exponential of a linear function of the circumstances, of which noise and
+    travel are held within their range in the reference. Relative to it the chance of more falls as in the
+    reference up to a threshold, linearly between quantiles, and from there on as the generalised Pareto law
+    has it,
 
     .. math:: P(v) = P_u \left(1 + \xi \frac{v - u}{\sigma}\right)^{-1/\xi}
 
@@ -69,7 +70,8 @@ class Table:
     slopes : dict
         Circumstance -> change of that logarithm.
     ranges : dict
-        Circumstance -> (lowest, highest) in the reference.
+        Circumstance -> (lowest, highest) in the reference, beyond which its edge is taken: of the travel, and
+        of the noise among recordings that lack neither opening nor drop, one, or the other.
     quantiles : tuple of float
         Of the relative strength, at equally spaced probabilities from 0 to that of the threshold.
     above : float
@@ -98,8 +100,14 @@ class Table:
 
     def typical(self, circumstances):
         """Typical strength of healthy recordings."""
-        held = {c: np.clip(getattr(circumstances, c), *self.ranges[c]) for c in self.slopes}
-        return float(np.exp(self.offset + sum(slope * held[c] for c, slope in self.slopes.items())))
+        # its effect on what lacks a signal is known as far as the noise of those in the reference goes
+        alike = "noise"
+        if circumstances.no_opening or circumstances.no_drop:
+            alike = "noise_without_opening" if circumstances.no_opening else "noise_without_drop"
+        noise = float(np.clip(circumstances.noise, *self.ranges[alike]))
+        travel = float(np.clip(circumstances.travel, *self.ranges["travel"]))
+        within = replace(circumstances, noise=noise, travel=travel)
+        return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))
 
 
 def relative_to(usual, strengths):

@@ -16,14 +16,10 @@ TABLES: dict[str, dict] = {
             "noise_without_drop": -0.209,
         },
         "ranges": {
-            "noise": (-2.657, 0.8019),
             "travel": (0.0735, 0.9792),
-            "no_opening": (0.0, 1.0),
-            "no_drop": (0.0, 1.0),
-            "one_pressure": (0.0, 1.0),
-            "held": (0.0, 1.0),
+            "noise": (-1.881, 0.8019),
             "noise_without_opening": (-1.113, 0.6152),
-            "noise_without_drop": (-2.657, -0.0),
+            "noise_without_drop": (-2.657, -0.06424),
         },
         "quantiles": (
             0.2855,
@@ -125,14 +121,10 @@ TABLES: dict[str, dict] = {
             "noise_without_drop": 0.1406,
         },
         "ranges": {
-            "noise": (-2.657, 0.8019),
             "travel": (0.0735, 0.9792),
-            "no_opening": (0.0, 1.0),
-            "no_drop": (0.0, 1.0),
-            "one_pressure": (0.0, 1.0),
-            "held": (0.0, 1.0),
+            "noise": (-1.881, 0.8019),
             "noise_without_opening": (-1.113, 0.6152),
-            "noise_without_drop": (-2.657, -0.0),
+            "noise_without_drop": (-2.657, -0.06424),
         },
         "quantiles": (
             0.007455,

@@ -68,7 +68,7 @@ def may_be_instead(workbench, model, without):
     """Whether the last effect may be what stands in the place of another that counts.
 
     Of one that began it is told already that something did: what made it may be shorter than a response that
-    would be told alone. And it may count for somewhat less than the other, but not for a fraction of it.
+    would be told alone. And it may be smaller than what counts, down to half of it.
     """
     member = model.members[-1]
     open_to_it = member.onset is not None or beyond_tolerance(workbench, model, member)

@@ -3,6 +3,7 @@
 
 from sklvalve.mismatch.repeats import repeats_floor
 from sklvalve.mismatch.steady import drivers_of, steady_floor
+from sklvalve.recording.dead_bands import step_of
 
 # a noise model is clearly above the noise of steady stretches from here on; on healthy recordings of a plant
 # with known noise it was so in none (docs/validation.md)
@@ -39,7 +40,7 @@ def model_free_noise(recording, channel, floor, achieved=None):
         None where there is nothing to compare.
     """
     driver, beside = drivers_of(recording, channel)
-    quantum, values = recording.resolution(channel), recording[channel]
+    quantum, values = step_of(recording, channel), recording[channel]
     # an error of opening is a share of travel, as that of a flow is in its unit: only the slope of it counts
     unit = abs(recording.per_si(channel))
     found = {

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mismatch.noise import NoiseModel, fit_noise
+from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
 
 
@@ -78,8 +79,7 @@ def noise_of(recording, residuals, simulated, step, role, **settings):
 
     def of(low, high):
         rows = slice(low, high)
-        # a value held within a band is known no better than one read in steps of it
-        quantum = max(recording.slice(low, high).resolution(role), recording.bands.get(role, 0.0))
+        quantum = step_of(recording.slice(low, high), role)
         return fit_noise(residuals[rows], simulated[rows], step[rows], quantum=quantum, **settings)
 
     if role == "flow" and drop_is_unknown(recording):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A recording without what its sensors did not measure, both the rows used and those behind them."""
 
-from sklvalve.mismatch.gate import held_within_a_band, with_seized_stems, without_findings
+from sklvalve.mismatch.gate import tells_a_band, with_seized_stems, without_findings
 from sklvalve.mismatch.gathering import settled
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 
@@ -40,7 +40,7 @@ def sifted(whole, recording, data):
         return cleaned, cleaned
     everywhere = with_seized_stems(screen_recording(whole), whole)
     still = [each for each in everywhere if each["finding"] in ("frozen", "saturated")]
-    known = [d for d in data if d["finding"] == "clock_shift" or held_within_a_band(d)]
+    known = [d for d in data if d["finding"] == "clock_shift" or tells_a_band(d)]
     return settled(without_findings(whole, still + known)), cleaned
 
 

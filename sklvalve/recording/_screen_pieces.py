@@ -24,13 +24,14 @@ def screen_pieces(joined: Recording, screen: Callable[[Recording], list[Finding]
 
 
 def _worst(finding: Finding, by_piece: list[list[Finding]]) -> Finding:
-    """The worst of a finding that holds in all pieces: one without a size, else that of the largest."""
+    """The worst of a finding that holds in all pieces: that of the largest size where it has one."""
     alike = [each for found in by_piece for each in found if _kind(each) == _kind(finding)]
-    return max(alike, key=lambda each: float(each.get("size", np.inf)))  # type: ignore[arg-type]
+    return max(alike, key=lambda each: float(each.get("size") or 0.0))  # type: ignore[arg-type]
 
 
-def _kind(finding: Finding) -> tuple[object, object]:
-    return finding["finding"], finding["role"]
+def _kind(finding: Finding) -> tuple[object, ...]:
+    # a dead band and lines are both compression, and allowed for in ways of their own
+    return finding["finding"], finding["role"], finding.get("size") is None
 
 
 def _of_piece(

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sklvalve.recording._assembly import Parts, assemble, frame_columns, named_roles
+from sklvalve.recording.dead_bands import DeadBand
 from sklvalve.recording.errors import InputError, hint
 from sklvalve.recording.signal import ROLES, Signal, si_signal
 from sklvalve.recording.timebase import read_time, seconds_at
@@ -75,8 +76,7 @@ class Recording:
     pieces : tuple of Piece
         The recordings of which this one was joined (`join_recordings`); empty for a single one.
     bands : dict
-        Role -> how far a signal may have moved before its historian wrote a new value [SI]. Empty unless a
-        diagnosis found such a band.
+        Role -> dead bands of its historian, a tuple of `DeadBand`. Empty unless a diagnosis found any.
 
     Examples
     --------
@@ -99,7 +99,7 @@ class Recording:
     source: str = "data frame"
     sha256: str | None = None
     pieces: tuple[Piece, ...] = ()
-    bands: dict[str, float] = field(default_factory=dict)
+    bands: dict[str, tuple[DeadBand, ...]] = field(default_factory=dict)
 
     def __len__(self) -> int:
         return len(self.time)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from sklvalve.recording.dead_bands import band_of
 from sklvalve.simulation.parameters import ParameterVector
 from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
 
@@ -64,8 +65,8 @@ def left_of(recording, predictions, channel):
     and its noise model knows the band as the step of a reading.
     """
     left = recording[channel] - predictions[channel]
-    if channel == "opening" and (band := recording.bands.get(channel)):
-        left = np.copysign(np.maximum(np.abs(left) - band, 0.0), left)
+    if channel == "opening" and channel in recording.bands:
+        left = np.copysign(np.maximum(np.abs(left) - band_of(recording, channel), 0.0), left)
     return left
 
 

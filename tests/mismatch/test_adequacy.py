@@ -22,6 +22,7 @@ from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.rivals import Finding
 from sklvalve.mismatch.workbench import Workbench
+from sklvalve.recording.dead_bands import DeadBand
 from sklvalve.report import summary_sentence
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.stages import first_order_lag
@@ -55,6 +56,14 @@ def test_healthy_flow_leaves_less_than_its_quick_noise(healthy):
     assert left.size < left.noise < left.allowed
     assert not left.too_much
     assert not left.is_no_wander(0.01)
+
+
+def test_quick_noise_of_a_flow_that_was_held_is_no_less_than_that_of_its_band(healthy):
+    left = _left(healthy)
+    band = 20.0 * left.noise * np.ptp(healthy["flow"])
+    held = _left(replace(healthy, bands={"flow": (DeadBand(-np.inf, np.inf, band),)}))
+    assert held.noise > 5.0 * left.noise
+    assert held.allowed > left.allowed
 
 
 def test_what_the_noise_model_takes_for_wander_is_told(healthy):

@@ -75,7 +75,7 @@ def test_what_is_seldom_strong_by_chance_counts_for_more():
 def test_the_reference_knows_the_effects_of_the_catalogue():
     assert set(EFFECTS.usual) == {effect.key for effect in CATALOGUE}
     assert all(0.0 < usual <= 1.0 for usual in EFFECTS.usual.values())
-    assert max(EFFECTS.usual.values()) > 1.5 * min(EFFECTS.usual.values())
+    assert max(EFFECTS.usual.values()) > 2.0 * min(EFFECTS.usual.values())
     assert REST.usual == {}
 
 
@@ -166,9 +166,38 @@ def test_a_historian_that_leaves_values_out_is_a_circumstance():
         noise={"opening": SimpleNamespace(floor=0.005), "flow": SimpleNamespace(floor=0.005)},
         least=BENCH.least,
     )
-    found = [{"finding": "compressed", "role": "p1"}, {"finding": "quantised", "role": "flow"}]
+    lines = {"finding": "compressed", "role": "opening"}
+    found = [
+        lines,
+        {**lines, "role": "p1", "size": 9.0},
+        {"finding": "quantised", "role": "flow", "size": 1.0},
+    ]
     assert circumstances_of(bench, found).held == 0.0
-    assert circumstances_of(bench, [*found, {"finding": "compressed", "role": "flow"}]).held == 1.0
+    assert circumstances_of(bench, [*found, {**lines, "role": "flow", "size": 0.01}]).held == 1.0
+
+
+def test_without_a_flow_no_drop_is_missed():
+    rows = np.linspace(0.2, 0.8, 101)
+    bench = SimpleNamespace(
+        recording={"opening": rows, "command": rows},
+        channels=("opening",),
+        spans={"opening": 1.0},
+        noise={"opening": SimpleNamespace(floor=0.005)},
+        least=BENCH.least,
+    )
+    found = circumstances_of(bench)
+    assert (found.no_drop, found.one_pressure) == (0.0, 0.0)
+
+
+@pytest.mark.parametrize("lacking", ["no_opening", "no_drop"])
+def test_noise_is_known_as_far_as_it_went_among_recordings_that_lack_the_same(lacking):
+    low, high = EFFECTS.ranges[lacking.replace("no_", "noise_without_")]
+    lacks = replace(USUAL, **{lacking: 1.0})
+    for far, edge in ((low - 1.0, low), (high + 1.0, high)):
+        assert EFFECTS.typical(replace(lacks, noise=far)) == EFFECTS.typical(replace(lacks, noise=edge))
+    between = EFFECTS.typical(replace(lacks, noise=0.5 * (low + high)))
+    ends = [EFFECTS.typical(replace(lacks, noise=noise)) for noise in (low, high)]
+    assert between == pytest.approx(np.sqrt(np.prod(ends)))
 
 
 def test_healthy_recording_is_one_among_many_and_a_leak_is_not(found_healthy, found_leaking):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Findings about the data switch effects off, blank rows, set clocks right, or block the diagnosis."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,6 +11,7 @@ from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.gate import NAMES, blocking, effects_switched_off, without_findings
 from sklvalve.mismatch.noise_of_pieces import noise_of
 from sklvalve.recording import Recording
+from sklvalve.recording.dead_bands import DeadBand, band_of, step_of
 from sklvalve.simulation.fitting import residual_of
 
 
@@ -126,7 +128,7 @@ def test_dead_time_says_that_an_early_command_looks_the_same():
 
 def test_only_what_leaves_a_small_band_counts_against_a_simulation():
     held = without_findings(recording(), [found("compressed", "opening", size=0.003)])
-    assert held.bands == {"opening": 0.003}
+    assert held.bands == {"opening": (DeadBand(-np.inf, np.inf, 0.003),)}
     simulated = held["opening"] + np.linspace(-0.006, 0.006, len(held))
     chain = SimpleNamespace(recording=held)
     left = residual_of(chain, {"opening": simulated}, "opening", None)
@@ -140,7 +142,7 @@ def test_only_what_leaves_a_small_band_counts_against_a_simulation():
 def test_a_flow_held_within_a_band_is_compared_whole_and_known_no_better_than_the_band():
     whole = recording()
     held = without_findings(whole, [found("compressed", "flow", size=10.0)])
-    assert held.bands == {"flow": 10.0}
+    assert held.bands == {"flow": (DeadBand(-np.inf, np.inf, 10.0),)}
     simulated = {"flow": held["flow"] + np.random.default_rng(0).normal(0.0, 0.1, len(held))}
     left = [residual_of(SimpleNamespace(recording=r), simulated, "flow", None) for r in (whole, held)]
     np.testing.assert_array_equal(*left)
@@ -150,3 +152,19 @@ def test_a_flow_held_within_a_band_is_compared_whole_and_known_no_better_than_th
         pytest.approx(1.0 / np.sqrt(12.0), rel=0.1),
         pytest.approx(10.0 / np.sqrt(12.0), rel=0.1),
     ]
+
+
+def test_a_band_holds_for_the_rows_it_was_found_in_and_for_those_behind():
+    whole = recording()
+    first = without_findings(whole, [found("compressed", "flow", [[0, 40]], size=10.0)])
+    np.testing.assert_array_equal(band_of(first, "flow"), np.where(np.arange(100) < 40, 10.0, 0.0))
+    np.testing.assert_array_equal(band_of(first.slice(30, 60), "flow"), np.repeat([10.0, 0.0], [10, 20]))
+    assert (step_of(first, "flow"), step_of(first.slice(40, 100), "flow")) == pytest.approx((10.0, 1.0))
+    # of the rows used it was the end: the rows behind them are told of it too
+    last = without_findings(whole.slice(0, 80), [found("compressed", "opening", [[40, 80]], size=0.003)])
+    onwards = replace(whole, bands=last.bands)
+    np.testing.assert_array_equal(band_of(onwards, "opening") > 0.0, np.arange(100) >= 40)
+    simulated = {"opening": whole["opening"] + 0.002}
+    left = residual_of(SimpleNamespace(recording=onwards), simulated, "opening", None)
+    np.testing.assert_allclose(left, np.where(np.arange(100) < 40, -0.002, 0.0), atol=1e-12)
+    assert band_of(onwards, "p1").tolist() == [0.0] * 100

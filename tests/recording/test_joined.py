@@ -140,3 +140,19 @@ def test_of_two_dead_bands_the_wider_one_is_told(order):
         frames.append(planted(columns | {"time": columns["time"] + 5000.0 * k}))
     (told,) = [d for d in screen_recording(join_recordings(frames)) if d["finding"] == "compressed"]
     assert told["size"] == pytest.approx(0.02, rel=0.1)
+
+
+def test_a_dead_band_and_a_slower_scan_are_told_of_the_pieces_that_have_them():
+    held, scanned, sound = healthy(), healthy(), healthy()
+    n = len(held["time"])
+    held["X"] = np.round(box_car(held["X"], 0.3, hold=True), 2)
+    scanned["X"] = scanned["X"][5 * (np.arange(n) // 5)]
+    frames = [planted(c | {"time": c["time"] + 5000.0 * k}) for k, c in enumerate((held, scanned, sound))]
+    told = {
+        len(pieces): [d for d in screen_recording(join_recordings(pieces)) if d["finding"] == "compressed"]
+        for pieces in (frames[:2], frames)
+    }
+    for found in told.values():
+        assert [d["rows"] for d in found] == [[[0, n]], [[n, 2 * n]]]
+        assert found[0]["size"] == pytest.approx(0.003, rel=0.1)
+        assert found[1].get("size") is None
