@@ -21,6 +21,7 @@ import json
 from pathlib import Path
 
 import numpy as np
+from data_defects import box_car
 from scipy.optimize import minimize_scalar
 from scipy.signal import lfilter
 from scipy.stats import beta, genpareto, kstest
@@ -89,18 +90,8 @@ def draw(seed, *, nastier=False):
         told["band"] = float(rng.uniform(*BANDS))
         for column in frame.columns.drop(["time", "CV"], errors="ignore"):
             reach = 100.0 if column == "X" else frame[column].max()
-            frame[column] = held(frame[column].to_numpy(), told["band"] * reach)
+            frame[column] = box_car(frame[column].to_numpy(), told["band"] * reach, hold=True)
     return Recording.from_frame(frame, Valve.from_dict(made.valve)), told
-
-
-def held(values, band):
-    """Values as a historian has them that keeps the last one until the signal has left it by a band."""
-    kept = np.empty_like(values)
-    last = values[0]
-    for k, value in enumerate(values):
-        last = value if abs(value - last) > band else last
-        kept[k] = last
-    return kept
 
 
 def add_noise(frame, kind, span, rng):
@@ -165,8 +156,7 @@ def ranged(rows):
     """Circumstances beyond whose range the edge is taken, with their values in the reference."""
     found = {"travel": [row["travel"] for row in rows], "noise": [], **{c: [] for c in LINE[-2:]}}
     for row in rows:
-        lacking = "_without_opening" if row["no_opening"] else "_without_drop" if row["no_drop"] else ""
-        found[f"noise{lacking}"].append(row["noise"])
+        found[circumstances_of(row).noise_among].append(row["noise"])
     return found
 
 

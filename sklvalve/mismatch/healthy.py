@@ -46,6 +46,13 @@ class Circumstances:
         """The noise where it is next to all the opening's, else 0."""
         return self.noise * self.no_drop
 
+    @property
+    def noise_among(self):
+        """Name of the noise of those recordings in the reference that lack the same: how far theirs went."""
+        if self.no_opening:
+            return "noise_without_opening"
+        return "noise_without_drop" if self.no_drop else "noise"
+
 
 @dataclass(frozen=True)
 class Table:
@@ -100,11 +107,7 @@ class Table:
 
     def typical(self, circumstances):
         """Typical strength of healthy recordings."""
-        # its effect on what lacks a signal is known as far as the noise of those in the reference goes
-        alike = "noise"
-        if circumstances.no_opening or circumstances.no_drop:
-            alike = "noise_without_opening" if circumstances.no_opening else "noise_without_drop"
-        noise = float(np.clip(circumstances.noise, *self.ranges[alike]))
+        noise = float(np.clip(circumstances.noise, *self.ranges[circumstances.noise_among]))
         travel = float(np.clip(circumstances.travel, *self.ranges["travel"]))
         within = replace(circumstances, noise=noise, travel=travel)
         return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))

@@ -2,9 +2,9 @@
 """What of a change calibration could take up: all that a data sheet leaves open, each within its bounds.
 
 The bounds are those of the design: capacity, trim and F_L 10 % (and as much for how F_L falls with travel,
-which no sheet tells), responses 3 s each, static error half a
-percent, zeros 1 % of travel, 0.5 % of the flow's span and 0.25 % of the pressures'. What the drawn plant has
-used of a bound already is no longer free. Where P2 was not recorded, what lies behind the valve is open too.
+which no sheet tells), responses 3 s each, static error half a percent, zeros 1 % of travel, 0.5 % of the
+flow's span and 0.25 % of the pressures'. What the drawn plant has used of a bound already is no longer free.
+Where P2 was not recorded, what lies behind the valve is open too.
 """
 
 from copy import copy
