@@ -42,7 +42,7 @@ KINDS = ("wander", "heavy tails", "noise that grows with the flow", "noisy press
 # what half of the recordings lack, and up to which draw of 0 to 1
 LACKING = ((0.12, ("P1", "P2")), (0.24, ("X",)), (0.32, ("CV",)), (0.46, ("P2",)), (0.5, ("P1",)))
 # share of recordings that a historian held, and widths of its band, shares of a signal's range
-HELD, BANDS = 0.2, (0.001, 0.005)
+HELD, BANDS = 0.2, (0.001, 0.01)
 # share of the reference above the threshold of its tail, and knots below
 ABOVE, KNOTS = 0.15, 18
 # the quantile by which each effect is held against all together, and the least that it is taken for
@@ -117,7 +117,7 @@ def searched(recording):
     with threadpool_limits(1, user_api="blas"), with_threads(1):
         workbench = prepared_workbench(recording, None, None)
         effects, _ = candidates(workbench, "all", data)
-        judged, _ = withheld(finder._judged(workbench, None, effects, data, 0), data)
+        judged, _ = withheld(finder._judged(workbench, None, effects, data, 0), data, recording)
     told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
     told |= {name: getattr(judged.evidence.circumstances, name) for name in CIRCUMSTANCES}
     told["strengths"] = {key: round(found, 3) for key, found in judged.evidence.strengths.items()}
@@ -154,7 +154,8 @@ def table_of(rows, name):
 
 def ranged(rows):
     """Circumstances beyond whose range the edge is taken, with their values in the reference."""
-    found = {"travel": [row["travel"] for row in rows], "noise": [], **{c: [] for c in LINE[-2:]}}
+    found = {c: [row[c] for row in rows] for c in ("travel", "held")}
+    found |= {"noise": [], **{c: [] for c in LINE[-2:]}}
     for row in rows:
         found[circumstances_of(row).noise_among].append(row["noise"])
     return found

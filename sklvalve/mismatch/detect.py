@@ -130,8 +130,6 @@ def circumstances_of(workbench, data=()):
         Findings of `screen_recording` of its recording.
     """
     recording = workbench.recording
-    # of lines and slower scans no healthy recording of the reference tells
-    held = {each["role"] for each in data if each["finding"] == "compressed" and each.get("size")}
     # without a flow nothing waits for its drop
     no_drop = "flow" in workbench.channels and drop_is_unknown(recording)
     moved = next(recording[r] for r in ("opening", "command", "flow") if r in recording)
@@ -146,8 +144,23 @@ def circumstances_of(workbench, data=()):
         no_opening=float("opening" not in recording),
         no_drop=float(no_drop),
         one_pressure=float(no_drop and ("p1" in recording or "p2" in recording)),
-        held=float(not held.isdisjoint(workbench.channels)),
+        held=float(np.log1p(max((_left_out(workbench, each) for each in data), default=0.0))),
     )
+
+
+def _left_out(workbench, finding):
+    """Dead band of a historian, in multiples of what counts in the channel that it changes most [1]."""
+    role, band, recording = finding["role"], finding.get("size"), workbench.recording
+    # of lines and slower scans, which have no size, no healthy recording of the reference tells
+    if finding["finding"] != "compressed" or not band:
+        return 0.0
+    if role in workbench.channels:
+        return band / (workbench.spans[role] * workbench.tolerated(role))
+    if role not in ("p1", "p2") or not {"p1", "p2"} <= set(recording) or "flow" not in workbench.channels:
+        return 0.0
+    # flow goes with the root of the drop
+    drop = np.nanmedian(np.abs(recording["p1"] - recording["p2"]))
+    return float(0.5 * band / max(drop, band) / workbench.tolerated("flow"))
 
 
 def mismatch_p_value(evidence):

@@ -175,7 +175,7 @@ class MissingPhysicsFinder(BaseEstimator):
         effects, not_testable = candidates(workbench, self.effects, data)
         self._say("calibrating", 0.05)
         judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, data, seed)
-        judged, spoilt = withheld(judged, data)
+        judged, spoilt = withheld(judged, data, recording)
         self.evidence_ = judged.evidence
         self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
         self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)

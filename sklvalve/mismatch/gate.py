@@ -100,6 +100,9 @@ _UNMEASURED = {
 # of a channel, where values pile up: what is left would say nothing of the whole; a frozen value is none
 _MOST_BLANK = {"frozen": 1.0, "saturated": 0.6}
 _COUNTS = 0.005  # of the span; steps below this cannot pass for an effect that counts
+# as far, in shares of it, the pressures of healthy recordings with a historian moved the flow: what is called
+# rare is rare beside those
+_MOVED_IN_HEALTHY = 0.01
 
 
 def with_seized_stems(data, recording):
@@ -170,6 +173,26 @@ def tells_a_band(finding):
     """Whether a finding says within which band an opening or a flow was held, so that it is allowed for."""
     of_flow = (finding["finding"], finding["role"]) == ("compressed", "flow") and finding.get("size")
     return bool(of_flow) or held_within_a_band(finding)
+
+
+def redraws_the_flow(finding):
+    """Whether a finding is that the flow was drawn in steps or lines, which leaves the moves of the stem."""
+    return finding["finding"] in ("compressed", "quantised") and finding["role"] == "flow"
+
+
+def left_out_is_known(finding, recording):
+    """Whether what a historian left out of a signal is allowed for where it is compared, or judged.
+
+    That of an opening and a flow is allowed for in their comparison (`tells_a_band`), that of pressures by
+    the healthy recordings that the mismatch is held against, if it moves the flow no more than theirs.
+    """
+    role, band = finding["role"], finding.get("size")
+    if role in ("opening", "flow"):
+        return tells_a_band(finding)
+    if not band or role not in ("p1", "p2") or "p1" not in recording or "p2" not in recording:
+        return False
+    drop = np.nanmedian(np.abs(recording["p1"] - recording["p2"]))
+    return bool(0.5 * band <= _MOVED_IN_HEALTHY * drop)  # flow goes with the root of the drop
 
 
 def _bands(recording, data):

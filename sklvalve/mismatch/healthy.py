@@ -26,7 +26,8 @@ class Circumstances:
     one_pressure : float
         1 where nothing tells the drop but one of its two pressures is recorded, else 0.
     held : float
-        1 where a historian held a compared channel, opening or flow, within a dead band, else 0.
+        Logarithm of one plus the widest dead band of a historian in a compared channel, in multiples of what
+        counts there; that of a pressure by what it moves the flow. 0 where every value was written.
     """
 
     noise: float
@@ -58,10 +59,10 @@ class Circumstances:
 class Table:
     r"""Distribution of a strength among healthy recordings, relative to what is typical in the circumstances.
 
-    The typical strength is the exponential of a linear function of the circumstances, of which noise and
-    travel are held within their range in the reference. Relative to it the chance of more falls as in the
-    reference up to a threshold, linearly between quantiles, and from there on as the generalised Pareto law
-    has it,
+    The typical strength is the exponential of a linear function of the circumstances, of which noise, travel
+    and dead band are held within their range in the reference. Relative to it the chance of more falls as in
+    the reference up to a threshold, linearly between quantiles, and from there on as the generalised Pareto
+    law has it,
 
     .. math:: P(v) = P_u \left(1 + \xi \frac{v - u}{\sigma}\right)^{-1/\xi}
 
@@ -77,8 +78,8 @@ class Table:
     slopes : dict
         Circumstance -> change of that logarithm.
     ranges : dict
-        Circumstance -> (lowest, highest) in the reference, beyond which its edge is taken: of the travel, and
-        of the noise among recordings that lack neither opening nor drop, one, or the other.
+        Circumstance -> (lowest, highest) in the reference, beyond which its edge is taken: of travel and dead
+        band, and of the noise among recordings that lack neither opening nor drop, one, or the other.
     quantiles : tuple of float
         Of the relative strength, at equally spaced probabilities from 0 to that of the threshold.
     above : float
@@ -109,7 +110,8 @@ class Table:
         """Typical strength of healthy recordings."""
         noise = float(np.clip(circumstances.noise, *self.ranges[circumstances.noise_among]))
         travel = float(np.clip(circumstances.travel, *self.ranges["travel"]))
-        within = replace(circumstances, noise=noise, travel=travel)
+        held = float(np.clip(circumstances.held, *self.ranges["held"]))
+        within = replace(circumstances, noise=noise, travel=travel, held=held)
         return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))
 
 

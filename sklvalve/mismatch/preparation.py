@@ -7,7 +7,7 @@ from numbers import Integral
 
 from sklvalve.mismatch.effects import CATALOGUE, Effect
 from sklvalve.mismatch.effects.spring_fault import knows_air
-from sklvalve.mismatch.gate import effects_switched_off
+from sklvalve.mismatch.gate import effects_switched_off, redraws_the_flow
 from sklvalve.mismatch.hypothesis import begun, is_in
 from sklvalve.mismatch.workbench import Workbench
 from sklvalve.recording import InputError
@@ -172,6 +172,8 @@ def candidates(workbench, wanted, data):
             f"effects names {strange[0]!r}, which is no effect; the effects are {', '.join(_NAMES)}"
         )
     off = effects_switched_off(data)
+    # what the opening shows is not hidden by a flow that was drawn anew
+    off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)])
     found, untestable, by_the_drop = [], {}, _made_by_the_drop(workbench)
     names |= {e.name for e in own}
     for effect in (*CATALOGUE, *(e for e in own if e not in CATALOGUE)):
@@ -179,12 +181,13 @@ def candidates(workbench, wanted, data):
         if effect.name not in names or is_in(effect, workbench.held):
             continue
         missing = [role for role in effect.needs if role not in workbench.recording]
+        hidden = off_the_stem if "opening" in workbench.channels_touched(effect) else off
         if missing:
             untestable.setdefault(effect.name, " and ".join(missing))
         elif effect.key in by_the_drop:
             untestable.setdefault(effect.name, "p1 and p2")
-        elif effect.name in off:
-            untestable.setdefault(effect.name, off[effect.name])
+        elif effect.name in hidden:
+            untestable.setdefault(effect.name, hidden[effect.name])
         elif workbench.plain.lacks(effect):
             untestable.setdefault(effect.name, workbench.plain.lacks(effect))
         elif effect.stage == "actuator" and workbench.coupled and not knows_air(workbench.plain):

@@ -193,7 +193,7 @@ def _weighed(workbench, places, without):
 def _distance(workbench, best, other, without, who):
     if who.effect.block == "actuator":
         return distance_of_strokes(workbench, best, other, without)
-    return distance(best, other, best.log_likelihood - without.log_likelihood)
+    return distance(best, other, best.log_likelihood - without.log_likelihood, who.effect.mistaken)
 
 
 def _touch_the_same(workbench, effect, other):

@@ -3,7 +3,7 @@
 
 from dataclasses import replace
 
-from sklvalve.mismatch.gate import effects_switched_off, held_within_a_band
+from sklvalve.mismatch.gate import effects_switched_off, left_out_is_known
 
 # a signal redrawn from few points -> the channels in which what it lost passes for missing physics
 _SPOILT = {
@@ -15,18 +15,19 @@ _SPOILT = {
 }
 
 
-def withheld(judgement, data):
+def withheld(judgement, data, recording):
     """Judgement without a rest, or a mere mismatch, that the data may have made.
 
-    What a historian took from a signal is predictable, as missing physics is, and no effect explains it. The
-    steps of a coarse reading are not predictable, but enough to raise the test. What is named stays: effects
-    that either could imitate were not asked.
+    What a historian took from a signal is predictable, as missing physics is, and no effect explains it;
+    unless it is known to be less than what is allowed for. The steps of a coarse reading are not predictable,
+    but enough to raise the test. What is named stays: effects that either could imitate were not asked.
 
     Parameters
     ----------
     judgement : Judgement
     data : list of dict
         Findings of `screen_recording`.
+    recording : Recording
 
     Returns
     -------
@@ -35,11 +36,8 @@ def withheld(judgement, data):
     reason : str or None
         For people, where nothing is left to be said.
     """
-    redrawn = _roles(data, "compressed")
-    # a stem is compared with its simulation beyond the band in which its position was held
-    openings = [d for d in data if (d["finding"], d["role"]) == ("compressed", "opening")]
-    bounded = ("opening", "opening") if all(map(held_within_a_band, openings)) else None
-    spoilt = {channel for role in redrawn for channel in _SPOILT[role] if (role, channel) != bounded}
+    redrawn = _roles([each for each in data if not left_out_is_known(each, recording)], "compressed")
+    spoilt = {channel for role in redrawn for channel in _SPOILT[role]}
     unknown = judgement.unknown
     if unknown is not None and unknown.channel in spoilt:
         judgement = replace(judgement, unknown=None, tried=None, kept=False, errors=None)

@@ -26,6 +26,7 @@ _EXCESS = 4.0  # straight triples, as a multiple of what bends of nearly nought 
 _BLURRED = 4.0  # written steps; what rounding leaves of a bend that is none
 _SHUFFLED = 8.0  # written steps; bends below them are the rounding's
 _LEAST_CHANGES = 12
+_OTHERS_HELD = 2
 
 
 class _Told(NamedTuple):
@@ -46,7 +47,31 @@ def screen_compressed(recording: Recording) -> list[Finding]:
         if told:
             band = told.band and told.band / abs(recording.per_si(role))
             found.append(finding("compressed", role, told.detail, size=band))
-    return found
+    return found + _steps_held(recording, found)
+
+
+def _steps_held(recording: Recording, found: list[Finding]) -> list[Finding]:
+    """Coarse readings that were held as well, told where the historian held other signals.
+
+    A stem that sticks moves so too, by several steps at once; but it sticks alone.
+    """
+    held = {each["role"] for each in found if each.get("size")}
+    if len(held) < _OTHERS_HELD:
+        return []
+    told = []
+    for role in [role for role in measured(recording) if role not in {each["role"] for each in found}]:
+        values = recorded(recording, role)
+        moves = np.abs(np.diff(values))
+        moves, rows = moves[moves > 0.0], np.isfinite(moves).sum()
+        levels = np.unique(np.round(values[np.isfinite(values)], 9))
+        if not _LEAST_CHANGES < len(moves) < 0.5 * rows or len(levels) < _LEAST_CHANGES:
+            continue
+        step, band = float(np.median(np.diff(levels))), float(np.quantile(moves, 0.02))
+        if band > 1.5 * step:
+            left_out = _left_out(band, step, recording.unit(role))
+            size = band / abs(recording.per_si(role))
+            told.append(finding("compressed", role, left_out.detail, size=size))
+    return told
 
 
 def _straight_lines(time: Values, values: Values) -> str | None:

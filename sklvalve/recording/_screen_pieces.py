@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sklvalve.recording._screen_tools import Finding
+from sklvalve.recording._screen_tools import Finding, worth
 from sklvalve.recording.recording import Recording
 
 
@@ -47,10 +47,9 @@ def _of_piece(
         told.append(each | {"detail": f"in {source}: {each['detail']}", "rows": moved})
         if each["finding"] == "quantised" and "size" in each:
             # a step is coarse or fine beside all that the signal does, and a short piece shows little of that
-            told[-1]["size"] = float(each["size"]) * _share_of_span(joined, piece, str(each["role"]))  # type: ignore[arg-type]
+            told[-1]["size"] = float(each["size"]) * _share_of_worth(joined, piece, str(each["role"]))  # type: ignore[arg-type]
     return told
 
 
-def _share_of_span(joined: Recording, piece: Recording, role: str) -> float:
-    spans = [np.ptp(r[role][np.isfinite(r[role])]) for r in (piece, joined)]
-    return float(spans[0] / spans[1]) if spans[1] > 0.0 else 1.0
+def _share_of_worth(joined: Recording, piece: Recording, role: str) -> float:
+    return worth(piece, role) / worth(joined, role)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.recording.recording import Recording
+from sklvalve.recording.signal import OPENING_ROLES
 
 Finding = dict[str, object]
 
@@ -49,6 +50,25 @@ def boiling_point(pressure: float) -> float:
 def measured(recording: Recording) -> list[str]:
     """Roles that a sensor measured, in the order of the signal's way."""
     return [role for role in MEASURED if role in recording and role not in recording.constants]
+
+
+def worth(recording: Recording, role: str) -> float:
+    """What half a percent must be of to count, in the recorded unit; above zero.
+
+    The whole travel, of a flow what it reaches, of a pressure what moves the flow as much: flow goes with the
+    root of the drop. Of anything else its range.
+    """
+    if role in OPENING_ROLES:
+        return abs(recording.per_si(role))
+    values = recorded(recording, role)
+    low, high = np.nanquantile(values, [0.01, 0.99])
+    reach = high - low
+    if role == "flow":
+        reach = np.nanquantile(np.abs(values), 0.995)
+    elif role in ("p1", "p2") and "p1" in recording and "p2" in recording:
+        drop = np.nanmedian(np.abs(recording["p1"] - recording["p2"]))
+        reach = max(2.0 * drop * abs(recording.per_si(role)), reach)
+    return float(reach) or 1.0
 
 
 def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

@@ -14,6 +14,7 @@ from sklvalve.recording._screen_tools import (
     quantum,
     recorded,
     resting_quantum,
+    worth,
 )
 from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
@@ -45,19 +46,8 @@ def screen_quantised(recording: Recording) -> list[Finding]:
             f"read in steps of {step:.4g} {unit}{between}, {100.0 * step / span:.2g} % of its span; "
             f"its noise is {noise:.2g} {unit} between samples"
         )
-        found.append(finding("quantised", role, detail, size=step / _worth(recording, role, span)))
+        found.append(finding("quantised", role, detail, size=step / worth(recording, role)))
     return found
-
-
-def _worth(recording, role, span):
-    """What a step is held against: the signal's span; of a pressure, what moves the flow as much.
-
-    Flow goes with the root of the drop, so that a step moves it by half of its share of the drop.
-    """
-    if role not in ("p1", "p2") or "p1" not in recording or "p2" not in recording:
-        return span
-    drop = np.nanmedian(np.abs(recording["p1"] - recording["p2"]))
-    return max(2.0 * drop * abs(recording.per_si(role)), span)
 
 
 def screen_saturated(recording: Recording) -> list[Finding]:

@@ -157,23 +157,30 @@ def test_circumstances_are_those_of_the_noise_and_of_the_movement():
     assert (circumstances_of(bench).no_drop, circumstances_of(bench).one_pressure) == (1.0, 1.0)
 
 
-def test_a_historian_that_leaves_values_out_is_a_circumstance():
+def test_what_a_historian_leaves_out_is_a_circumstance():
     rows = np.linspace(0.2, 0.8, 101)
     bench = SimpleNamespace(
-        recording={"opening": rows, "flow": rows, "p1": rows, "p2": rows},
+        recording={"opening": rows, "flow": rows, "p1": 8e5 + rows, "p2": 6e5 + rows},
         channels=("opening", "flow"),
-        spans={"opening": 1.0, "flow": 1.0},
+        spans={"opening": 1.0, "flow": 4.0},
         noise={"opening": SimpleNamespace(floor=0.005), "flow": SimpleNamespace(floor=0.005)},
         least=BENCH.least,
+        tolerated=lambda channel: 0.005,
     )
-    lines = {"finding": "compressed", "role": "opening"}
-    found = [
-        lines,
-        {**lines, "role": "p1", "size": 9.0},
-        {"finding": "quantised", "role": "flow", "size": 1.0},
-    ]
-    assert circumstances_of(bench, found).held == 0.0
-    assert circumstances_of(bench, [*found, {**lines, "role": "flow", "size": 0.01}]).held == 1.0
+
+    def held(*found):
+        return circumstances_of(bench, [{"finding": "compressed", **each} for each in found]).held
+
+    lines, coarse = {"role": "opening"}, {"finding": "quantised", "role": "flow", "size": 1.0}
+    assert held() == held(lines, coarse) == held({"role": "temperature", "size": 9.0}) == 0.0
+    # in multiples of what counts: of the travel, of the span of the flow, of what a pressure moves the flow
+    assert held({"role": "opening", "size": 0.005}) == pytest.approx(np.log(2.0))
+    assert held({"role": "flow", "size": 0.04}) == pytest.approx(np.log(3.0))
+    assert held({"role": "p1", "size": 8e3}) == pytest.approx(np.log(5.0))
+    assert held({"role": "p1", "size": 8e3}, {"role": "flow", "size": 0.04}) == pytest.approx(np.log(5.0))
+    # where the drop is nowhere told, a pressure moves no simulated flow
+    del bench.recording["p2"]
+    assert held({"role": "p1", "size": 8e3}) == 0.0
 
 
 def test_without_a_flow_no_drop_is_missed():

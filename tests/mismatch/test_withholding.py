@@ -12,6 +12,8 @@ from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.withholding import withheld
 from sklvalve.recording import Recording, Valve
 
+# pressures with a drop of 2 bar
+HELD = {"p1": np.full(9, 5e5), "p2": np.full(9, 3e5)}
 FEW = ["seat_leakage", "clogging", "capacity_error"]
 
 
@@ -31,13 +33,15 @@ def finding(name, role, **more):
     [
         ("none_of_these", "flow", [finding("compressed", "flow")]),
         ("none_of_these", "flow", [finding("compressed", "p1")]),
+        ("none_of_these", "flow", [finding("compressed", "p1", size=5000.0)]),
+        ("none_of_these", "flow", [finding("compressed", "opening", size=0.006)]),
         ("none_of_these", "opening", [finding("compressed", "opening")]),
         ("cannot_tell", None, [finding("compressed", "opening")]),
         ("cannot_tell", None, [finding("quantised", "opening", size=0.01)]),
     ],
 )
 def test_nothing_is_claimed(verdict, channel, data):
-    silent, reason = withheld(judged(verdict, channel), data)
+    silent, reason = withheld(judged(verdict, channel), data, HELD)
     assert (silent.verdict, silent.p_value, silent.found) == ("cannot_tell", None, False)
     assert (silent.unknown, silent.correction, silent.findings, silent.model) == (None, None, [], "nominal")
     assert data[0]["role"] in reason
@@ -49,6 +53,10 @@ def test_nothing_is_claimed(verdict, channel, data):
         ("none_of_these", "flow", []),
         ("none_of_these", "opening", [finding("compressed", "flow")]),
         ("none_of_these", "opening", [finding("compressed", "opening", size=0.003)]),
+        ("none_of_these", "flow", [finding("compressed", "flow", size=1e-4)]),
+        ("none_of_these", "flow", [finding("compressed", "p1", size=3000.0)]),
+        ("none_of_these", "flow", [finding("compressed", "opening", size=0.003)]),
+        ("cannot_tell", None, [finding("compressed", "flow", size=1e-4)]),
         ("none_of_these", "opening", [finding("quantised", "opening", size=0.01)]),
         ("cannot_tell", None, [finding("quantised", "opening", size=0.001)]),
         ("cannot_tell", None, [finding("compressed", "temperature")]),
@@ -59,11 +67,11 @@ def test_nothing_is_claimed(verdict, channel, data):
 )
 def test_what_the_data_cannot_have_made_stays(verdict, channel, data):
     judgement = judged(verdict, channel)
-    assert withheld(judgement, data) == (judgement, None)
+    assert withheld(judgement, data, HELD) == (judgement, None)
 
 
 def test_name_stays_where_the_rest_goes():
-    kept, reason = withheld(judged("named", "flow"), [finding("compressed", "flow")])
+    kept, reason = withheld(judged("named", "flow"), [finding("compressed", "flow")], HELD)
     assert (kept.verdict, kept.findings, kept.unknown, kept.tried, reason) == (
         "named",
         ["what was found"],
@@ -89,3 +97,10 @@ def test_flow_redrawn_by_lines_is_no_unknown_effect():
     assert content["next_test"].startswith("The recording differs from the simulation, but what a historian")
     assert content["effects"] == []
     assert "unknown" not in content
+
+
+def test_a_band_of_a_pressure_is_not_known_where_nothing_tells_the_drop():
+    data = [finding("compressed", "p1", size=3000.0)]
+    silent, reason = withheld(judged("none_of_these", "flow"), data, {"p1": HELD["p1"]})
+    assert silent.verdict == "cannot_tell"
+    assert "p1" in reason

@@ -26,6 +26,17 @@ def test_coarse_steps_are_stated(step):
     assert f"steps of {step:g} %" in found["detail"]
 
 
+@pytest.mark.parametrize(("column", "step", "size"), [("X", 0.25, 0.0025), ("F", 0.5, None)])
+@pytest.mark.parametrize("travel", [1.0, 0.2])
+def test_steps_are_held_against_what_an_effect_must_be_of_to_count(column, step, size, travel):
+    # the whole travel, of a flow what it reaches, however little of it a recording goes through
+    columns = healthy()
+    kept = columns[column]
+    columns[column] = step * np.round((kept.mean() + travel * (kept - kept.mean())) / step)
+    (found,) = [each for each in screened(columns) if each["finding"] == "quantised"]
+    assert found["size"] == pytest.approx(size or step / np.quantile(columns[column], 0.995), rel=1e-3)
+
+
 def test_coarse_steps_redrawn_between():
     columns = healthy()
     coarse = 10.0 * np.round(columns["P1"] / 10.0)
@@ -62,14 +73,41 @@ def test_rate_limit_is_no_compression():
 
 def test_dead_band_of_a_historian_is_compression():
     columns = healthy()
-    kept = columns["P1"].copy()
-    for row in range(1, N):
-        if abs(kept[row] - kept[row - 1]) < 3.0:
-            kept[row] = kept[row - 1]
-    columns["P1"] = kept
+    columns["P1"] = _held(columns["P1"], 3.0)
     found = screened(columns)
     assert ("compressed", "p1") in names(found)
     assert "changes of less than 3" in found[0]["detail"]
+
+
+def _held(values, band):
+    kept = values.copy()
+    for row in range(1, N):
+        if abs(kept[row] - kept[row - 1]) < band:
+            kept[row] = kept[row - 1]
+    return kept
+
+
+@pytest.mark.parametrize("others", [("P1", "P2", "F"), ("P1",), ()])
+def test_coarse_steps_that_were_held_are_known_by_the_other_signals(others):
+    # three steps of a converter at once: a stem that sticks moves so, but it sticks alone
+    step = 100.0 / 326.3291
+    columns = healthy()
+    columns["X"] = _held(step * np.round(columns["X"] / step), 0.7)
+    for name in others:
+        columns[name] = _held(columns[name], 0.01 * columns[name].max())
+    found = {each["role"]: each for each in screened(columns) if each["finding"] == "compressed"}
+    assert ("opening" in found) == (len(others) >= 2)
+    if len(others) >= 2:
+        assert found["opening"]["size"] == pytest.approx(0.03 / 3.263291)
+        assert "changes of less than 0.919 %" in found["opening"]["detail"]
+
+
+def test_coarse_steps_beside_held_signals_are_no_dead_band():
+    columns = healthy()
+    columns["X"] = 0.306 * np.round(columns["X"] / 0.306)
+    for name in ("P1", "P2", "F"):
+        columns[name] = _held(columns[name], 0.01 * columns[name].max())
+    assert ("compressed", "opening") not in names(screened(columns))
 
 
 def test_slow_scan_is_compression():

@@ -70,6 +70,8 @@ class Effect:
         stops of the stem.
     grows : bool
         Whether it grows from its onset on, so that with another onset it is another signal.
+    mistaken : float
+        What its simulation gets wrong of it, share of its size: so much passes for something else [1].
     damadics : str
         Fault of the benchmark with the same physics, or ``""``.
     source : str
@@ -85,6 +87,7 @@ class Effect:
     may_begin = True
     grows = False
     in_loop = False
+    mistaken = 0.15
     needs: tuple = ()
     parameters: tuple = ()
 

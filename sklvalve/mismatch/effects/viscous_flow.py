@@ -20,6 +20,8 @@ class ViscousFlow(Effect):
     block, stage = "valve", "capacity"
     parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4, 2e-3), log=True),)
     needs: tuple = ("flow", "p1", "p2")
+    # between laminar and turbulent the standard's law is a fit by pieces, with a jump at either end
+    mistaken = 0.3
     phrase = "the flow is not turbulent (viscosity about {viscosity:.2g} m2/s at 20 degC)"
     separated_by = (
         "Hold a small opening at three pressure drops, cold and warm: viscous flow is nearer to proportional "
