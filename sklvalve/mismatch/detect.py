@@ -12,6 +12,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from sklvalve.mismatch.healthy import EFFECTS, REST, Circumstances, exceeded
+from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
 
 # a healthy simulation is wrong by about this share of what counts as an effect
@@ -156,11 +157,9 @@ def _left_out(workbench, finding):
         return 0.0
     if role in workbench.channels:
         return band / (workbench.spans[role] * workbench.tolerated(role))
-    if role not in ("p1", "p2") or not {"p1", "p2"} <= set(recording) or "flow" not in workbench.channels:
-        return 0.0
-    # flow goes with the root of the drop
-    drop = np.nanmedian(np.abs(recording["p1"] - recording["p2"]))
-    return float(0.5 * band / max(drop, band) / workbench.tolerated("flow"))
+    # where nothing tells the drop no flow is simulated from a pressure
+    moved = flow_moved_by(recording, band) if role in ("p1", "p2") and "flow" in workbench.channels else 0.0
+    return moved / workbench.tolerated("flow") if np.isfinite(moved) else 0.0
 
 
 def mismatch_p_value(evidence):

@@ -11,7 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
-from sklvalve.mismatch.distance import distance, distance_of_strokes
+from sklvalve.mismatch.distance import SHARE_MISTAKEN, distance, distance_of_strokes
 from sklvalve.mismatch.foreseen import Foreseen
 from sklvalve.mismatch.hypothesis import Member, Model
 from sklvalve.simulation.fitting import Misfit
@@ -50,7 +50,16 @@ class Explanation:
     @property
     def in_actuator(self):
         """Whether the effect of its name sits in the actuator."""
-        return any(m.effect.name == self.name and m.effect.block == "actuator" for m in self.model.members)
+        return any(effect.block == "actuator" for effect in self._named)
+
+    @property
+    def mistaken(self):
+        """What a simulation gets wrong of the effect of its name, share of its size [1]."""
+        return max((effect.mistaken for effect in self._named), default=SHARE_MISTAKEN)
+
+    @property
+    def _named(self):
+        return [m.effect for m in self.model.members if m.effect.name == self.name]
 
     @cached_property
     def groups(self):
@@ -131,7 +140,7 @@ class Advisor:
         def of_classes(best, other, gain, who):
             if who.in_actuator and self.without:
                 return distance_of_strokes(self.workbench, best, other, self.without.model)
-            return distance(best, other, gain)
+            return distance(best, other, gain, who.mistaken)
 
         return self._present(of_classes)
 
@@ -148,7 +157,7 @@ class Advisor:
 
     def _pooled(self, costs, measure=None):
         """Distances from the present recording and the test together."""
-        measure = measure or (lambda best, other, gain, who: distance(best, other, gain))
+        measure = measure or (lambda best, other, gain, who: distance(best, other, gain, who.mistaken))
         k = len(self.explanations)
         likelihood = [e.model.log_likelihood for e in self.explanations]
         found = np.zeros((k, k))

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from sklvalve.recording.dead_bands import DeadBand
+from sklvalve.recording.dead_bands import DeadBand, flow_moved_by
 from sklvalve.recording.standing import stem_may_stand
+from sklvalve.simulation.calibration import span_of
 
 # moves of the stem that stick, lose motion or come late: all that a record redrawn in time cannot show
 _STICKING = ("stiction", "friction", "backlash", "presliding", "positioner_deadband", "rod_bend")
@@ -99,9 +100,10 @@ _UNMEASURED = {
 }
 # of a channel, where values pile up: what is left would say nothing of the whole; a frozen value is none
 _MOST_BLANK = {"frozen": 1.0, "saturated": 0.6}
-_COUNTS = 0.005  # of the span; steps below this cannot pass for an effect that counts
-# as far, in shares of it, the pressures of healthy recordings with a historian moved the flow: what is called
-# rare is rare beside those
+_COUNTS = 0.005  # of what an effect must change to count; steps below this cannot pass for one
+_FINE = {"opening": 0.004}  # and as coarse as this the openings of healthy recordings were read
+# by as much of it the historians of healthy recordings left the flow, or their pressures moved it: what is
+# called rare is rare beside those
 _MOVED_IN_HEALTHY = 0.01
 
 
@@ -145,7 +147,7 @@ def effects_switched_off(data):
     off = {}
     for finding in data:
         name, role = finding["finding"], finding["role"]
-        if name == "quantised" and finding.get("size", 1.0) < _COUNTS:
+        if name == "quantised" and finding.get("size", 1.0) < _FINE.get(role, _COUNTS):
             continue
         by_role = _imitated_by(finding)
         needs = _needs(name, role)
@@ -183,16 +185,17 @@ def redraws_the_flow(finding):
 def left_out_is_known(finding, recording):
     """Whether what a historian left out of a signal is allowed for where it is compared, or judged.
 
-    That of an opening and a flow is allowed for in their comparison (`tells_a_band`), that of pressures by
-    the healthy recordings that the mismatch is held against, if it moves the flow no more than theirs.
+    That of an opening is allowed for in its comparison (`tells_a_band`). That of flow and pressures is by the
+    healthy recordings that the mismatch is held against, if it moves the flow no more than theirs.
     """
     role, band = finding["role"], finding.get("size")
-    if role in ("opening", "flow"):
+    if role == "opening":
         return tells_a_band(finding)
-    if not band or role not in ("p1", "p2") or "p1" not in recording or "p2" not in recording:
+    if not band or role not in ("flow", "p1", "p2"):
         return False
-    drop = np.nanmedian(np.abs(recording["p1"] - recording["p2"]))
-    return bool(0.5 * band <= _MOVED_IN_HEALTHY * drop)  # flow goes with the root of the drop
+    if role == "flow":
+        return bool(band <= _MOVED_IN_HEALTHY * span_of(recording["flow"]))
+    return bool(flow_moved_by(recording, band) <= _MOVED_IN_HEALTHY)
 
 
 def _bands(recording, data):

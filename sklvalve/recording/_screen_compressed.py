@@ -26,7 +26,7 @@ _EXCESS = 4.0  # straight triples, as a multiple of what bends of nearly nought 
 _BLURRED = 4.0  # written steps; what rounding leaves of a bend that is none
 _SHUFFLED = 8.0  # written steps; bends below them are the rounding's
 _LEAST_CHANGES = 12
-_OTHERS_HELD = 2
+_BESIDE_THE_STEM, _OTHERS_HELD = ("p1", "p2", "temperature"), 2
 
 
 class _Told(NamedTuple):
@@ -53,10 +53,11 @@ def screen_compressed(recording: Recording) -> list[Finding]:
 def _steps_held(recording: Recording, found: list[Finding]) -> list[Finding]:
     """Coarse readings that were held as well, told where the historian held other signals.
 
-    A stem that sticks moves so too, by several steps at once; but it sticks alone.
+    A stem that sticks moves so too, by several steps at once, and a flow goes with it; but no pressure before
+    the valve and no temperature stands still for that.
     """
     held = {each["role"] for each in found if each.get("size")}
-    if len(held) < _OTHERS_HELD:
+    if len(held.intersection(_BESIDE_THE_STEM)) < _OTHERS_HELD:
         return []
     told = []
     for role in [role for role in measured(recording) if role not in {each["role"] for each in found}]:

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.signal import OPENING_ROLES
 
@@ -62,13 +63,13 @@ def worth(recording: Recording, role: str) -> float:
         return abs(recording.per_si(role))
     values = recorded(recording, role)
     low, high = np.nanquantile(values, [0.01, 0.99])
-    reach = high - low
+    reach = float(high - low)
     if role == "flow":
-        reach = np.nanquantile(np.abs(values), 0.995)
-    elif role in ("p1", "p2") and "p1" in recording and "p2" in recording:
-        drop = np.nanmedian(np.abs(recording["p1"] - recording["p2"]))
-        reach = max(2.0 * drop * abs(recording.per_si(role)), reach)
-    return float(reach) or 1.0
+        reach = float(np.nanquantile(np.abs(values), 0.995))
+    elif role in ("p1", "p2"):
+        one = abs(recording.per_si(role))
+        reach = max(one / flow_moved_by(recording, 1.0), reach)
+    return reach if reach > 0.0 else float(np.ptp(values[np.isfinite(values)])) or 1.0
 
 
 def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:

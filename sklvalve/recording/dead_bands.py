@@ -62,3 +62,25 @@ def step_of(recording: "Recording", role: str) -> float:
         In the signal's SI unit; 0 where all values are equal.
     """
     return max(recording.resolution(role), float(band_of(recording, role).max(initial=0.0)))
+
+
+def flow_moved_by(recording: "Recording", change: float) -> float:
+    """Share of the flow that a change of one pressure moves: half its share of the drop, as with its root.
+
+    Parameters
+    ----------
+    recording : Recording
+    change : float
+        Of either pressure [Pa].
+
+    Returns
+    -------
+    share : float
+        Of the flow [1]; infinite where the drop is not known or none is left.
+    """
+    if "p1" not in recording or "p2" not in recording:
+        return np.inf
+    drops = np.abs(recording["p1"] - recording["p2"])
+    drops = drops[np.isfinite(drops)]
+    drop = float(np.median(drops)) if len(drops) else 0.0
+    return 0.5 * change / drop if drop > 0.0 else np.inf

@@ -12,8 +12,8 @@ from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.withholding import withheld
 from sklvalve.recording import Recording, Valve
 
-# pressures with a drop of 2 bar
-HELD = {"p1": np.full(9, 5e5), "p2": np.full(9, 3e5)}
+# a drop of 2 bar, 72 m3/h
+HELD = {"p1": np.full(9, 5e5), "p2": np.full(9, 3e5), "flow": np.full(9, 0.02)}
 FEW = ["seat_leakage", "clogging", "capacity_error"]
 
 
@@ -34,6 +34,7 @@ def finding(name, role, **more):
         ("none_of_these", "flow", [finding("compressed", "flow")]),
         ("none_of_these", "flow", [finding("compressed", "p1")]),
         ("none_of_these", "flow", [finding("compressed", "p1", size=5000.0)]),
+        ("none_of_these", "flow", [finding("compressed", "flow", size=3e-4)]),
         ("none_of_these", "flow", [finding("compressed", "opening", size=0.006)]),
         ("none_of_these", "opening", [finding("compressed", "opening")]),
         ("cannot_tell", None, [finding("compressed", "opening")]),

@@ -102,13 +102,15 @@ def test_a_sensor_that_never_moves_in_any_recording_is_told_once():
     assert [(each["finding"], each["rows"]) for each in found] == [("frozen", None)]
 
 
-def test_a_short_recording_does_not_make_steps_coarse():
+def test_a_recording_of_little_flow_does_not_make_steps_coarse():
     time = np.arange(900.0)
-    flow = np.round(0.01 + 0.005 * np.sin(time / 90.0), 5)
-    whole = _recording(900, flow=flow)
-    pieces = [whole.slice(0, 860), whole.slice(860, 900)]
-    told = [each for each in screen_recording(join_recordings(pieces)) if each["finding"] == "quantised"]
-    assert all(each["size"] < 0.005 for each in told)
+    flow = np.where(time < 600.0, 0.01, 0.0005) * (1.0 + 0.5 * np.sin(time / 30.0))
+    whole = _recording(900, flow=np.round(flow, 5))
+    pieces = [whole.slice(0, 600), whole.slice(600, 900)]
+    for recording, reach in ((pieces[1], 0.00075), (join_recordings(pieces), 0.015)):
+        told = [each for each in screen_recording(recording) if each["finding"] == "quantised"]
+        sizes = [each["size"] for each in told if each["role"] == "flow"]
+        assert max(sizes) == pytest.approx(1e-5 / reach, rel=0.02)
 
 
 def test_hours_that_are_given_twice_are_refused():
