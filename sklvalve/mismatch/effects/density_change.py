@@ -56,11 +56,12 @@ class ThermalDensity(DensityChange):
 
     .. math:: \rho' = \rho\, e^{-\beta (T - 293.15\,\mathrm{K})}
 
-    Organic liquids expand by about 0.001 per kelvin, liquefied gases by 0.003, water by 0.0002 to 0.0007.
+    Organic liquids expand by about 0.001 per kelvin, water by 0.0002 to 0.0007, liquefied gases by 0.003 and,
+    the nearer their critical point, by 0.01 and more.
     """
 
     key = "density_change_thermal"
-    parameters = (Quantity("expansion", "1/K", -0.002, 0.006, (0.001, -0.0005)),)
+    parameters = (Quantity("expansion", "1/K", -0.002, 0.02, (0.001, -0.0005)),)
     needs = ("flow", "temperature")
     family = ""
     phrase = "the liquid's density changes by {expansion:+.3%} a kelvin more than the sheet has it"
