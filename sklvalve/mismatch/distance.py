@@ -8,12 +8,13 @@ ratio jump from event to event by far more than that law allows.
 
 import numpy as np
 
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.onset import row_losses
 
 # two explanations are told apart from this distance on (3 % confusion)
 DISTINGUISHABLE = 14.0
-# what a simulation of an effect gets wrong of it, share of its size: so much passes for something else
-SHARE_MISTAKEN = 0.15
+# what a simulation gets wrong of most effects, share of their size: so much passes for something else
+SHARE_MISTAKEN = Effect.mistaken
 # and of one inside positioner and actuator, of whose air and friction a sheet tells less
 _OF_STROKES = 0.3
 # stretches are longer than whatever a valve remembers, and so many that a few make a scatter

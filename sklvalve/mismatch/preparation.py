@@ -181,7 +181,8 @@ def candidates(workbench, wanted, data):
         if effect.name not in names or is_in(effect, workbench.held):
             continue
         missing = [role for role in effect.needs if role not in workbench.recording]
-        hidden = off_the_stem if "opening" in workbench.channels_touched(effect) else off
+        touched = workbench.channels_touched(effect)
+        hidden = off_the_stem if "opening" in touched else off
         if missing:
             untestable.setdefault(effect.name, " and ".join(missing))
         elif effect.key in by_the_drop:
@@ -193,7 +194,7 @@ def candidates(workbench, wanted, data):
         elif effect.stage == "actuator" and workbench.coupled and not knows_air(workbench.plain):
             # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
             untestable.setdefault(effect.name, "opening, or a data sheet of the actuator")
-        elif effect.possible(workbench.plain) and (touched := workbench.channels_touched(effect)):
+        elif effect.possible(workbench.plain) and touched:
             steady = by_the_drop and touched == ("flow",) and effect.key in _PLAYS
             found.append(_throughout(effect) if steady else effect)
         else:

@@ -53,14 +53,16 @@ def screen_compressed(recording: Recording) -> list[Finding]:
 def _steps_held(recording: Recording, found: list[Finding]) -> list[Finding]:
     """Coarse readings that were held as well, told where the historian held other signals.
 
-    A stem that sticks moves so too, by several steps at once, and a flow goes with it; but no pressure before
-    the valve and no temperature stands still for that.
+    A stem that sticks moves so too, by several steps at once, and a flow goes with it; but no temperature
+    stands still for that, and the pressures seldom do.
     """
     held = {each["role"] for each in found if each.get("size")}
     if len(held.intersection(_BESIDE_THE_STEM)) < _OTHERS_HELD:
         return []
-    told = []
-    for role in [role for role in measured(recording) if role not in {each["role"] for each in found}]:
+    told, seen = [], {each["role"] for each in found}
+    for role in measured(recording):
+        if role in seen:
+            continue
         values = recorded(recording, role)
         moves = np.abs(np.diff(values))
         moves, rows = moves[moves > 0.0], np.isfinite(moves).sum()

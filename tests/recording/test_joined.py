@@ -102,6 +102,15 @@ def test_a_sensor_that_never_moves_in_any_recording_is_told_once():
     assert [(each["finding"], each["rows"]) for each in found] == [("frozen", None)]
 
 
+def test_a_short_recording_does_not_make_steps_coarse():
+    time = np.arange(900.0)
+    flow = np.round(0.01 + 0.005 * np.sin(time / 90.0), 5)
+    whole = _recording(900, flow=flow)
+    pieces = [whole.slice(0, 860), whole.slice(860, 900)]
+    told = [each for each in screen_recording(join_recordings(pieces)) if each["finding"] == "quantised"]
+    assert all(each["size"] < 0.005 for each in told)
+
+
 def test_a_recording_of_little_flow_does_not_make_steps_coarse():
     time = np.arange(900.0)
     flow = np.where(time < 600.0, 0.01, 0.0005) * (1.0 + 0.5 * np.sin(time / 30.0))
