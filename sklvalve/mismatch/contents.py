@@ -48,8 +48,12 @@ class Judgement:
         What they leave over of it.
     strays : StemRest or None
         Where the stem is further off than any sound one, and nothing that was tried tells why.
+    pulses : Pulses or None
+        Where the flow breaks out to one side, again and again, and no noise does.
     suspects : tuple of str
         Blocks of the effects that come near, each by itself, to explaining what was found; sorted.
+    suspected : Model or None
+        The hypothesis of the search, where none of it may be named: it tells in which rows something is.
     """
 
     verdict: str
@@ -66,7 +70,9 @@ class Judgement:
     closest: list = field(default_factory=list)
     closest_leaves: object = None
     strays: object = None
+    pulses: object = None
     suspects: tuple = ()
+    suspected: object = None
 
     @property
     def found(self):
@@ -95,8 +101,11 @@ def flagged_rows(workbench, judgement):
     if unknown is not None and not judgement.findings:
         rest = np.abs(learnt_rest(unknown.correction, model.chain, model.values))
         flagged = rest > 0.25 * np.quantile(rest, 0.99)
-    if judgement.strays is not None:
-        flagged = flagged | judgement.strays.rows
+    if judgement.suspected is not None and judgement.found:
+        near = judgement.suspected
+        flagged = flagged | acting_rows(workbench, near, workbench.simulate((), near.values))
+    for seen in (judgement.strays, judgement.pulses):
+        flagged = flagged if seen is None else flagged | seen.rows
     events = events_of(workbench.recording) if told_by_events(judgement.findings) else None
     if events is not None:
         flagged = flagged | events.flagged
@@ -113,7 +122,7 @@ def content_of(
     unknown, found = judgement.unknown, judgement.found
     entries = [effect_entry(f, whole, workbench) for f in judgement.findings]
     blocks = sorted({b for e in entries for b in e["blocks"]})
-    rest = unknown if unknown is not None else judgement.left
+    rest = next((r for r in (unknown, judgement.left, judgement.pulses) if r is not None), None)
     if not blocks and judgement.found:
         blocks = list(judgement.suspects)
     if not blocks and rest is not None:
@@ -122,9 +131,12 @@ def content_of(
     location = {"blocks": blocks, "regions": [], "onset": None, "intervals": []}
     if found:
         more = {"alpha": alpha, "random_state": random_state}
-        location = location_of(workbench, judgement.model, unknown, blocks, **more)
+        seen = judgement.suspected or judgement.model
+        location = location_of(workbench, seen, unknown, blocks, **more)
     if judgement.strays is not None:
-        location |= _when_it_strays(judgement)
+        location |= _when_seen(judgement, judgement.strays, ["actuator"])
+    if judgement.pulses is not None:
+        location |= _when_seen(judgement, judgement.pulses, ["line", "measurement", "valve"])
     joined = _recordings(whole)
     if joined:
         # times are of their common clock, and read by the recording that they fall into
@@ -156,16 +168,18 @@ def content_of(
         content["unknown"] = _unknown_entry(whole, judgement) if unknown is not None else _unlearnt(rest)
     if judgement.left is not None:
         content["unknown"] |= _beyond_noise(whole, workbench, judgement)
+    if judgement.pulses is not None:
+        content["unknown"] |= _in_moments(judgement.pulses)
     return content
 
 
-def _when_it_strays(judgement):
-    """Place and times of a location, where the stem strays [s from the first sample]."""
+def _when_seen(judgement, seen, blocks):
+    """Place and times of a location, where rows speak for themselves [s from the first sample]."""
     clock = judgement.model.chain.clock - judgement.model.chain.clock[0]
-    rows, last = judgement.strays.intervals, len(clock) - 1
+    rows, last = seen.intervals, len(clock) - 1
     seconds = [[float(clock[a]), float(clock[min(b, last)])] for a, b in rows]
-    onset = seconds[0][0] if rows[0][0] > _AT_FIRST * len(clock) else None
-    return {"blocks": ["actuator"], "onset": onset, "intervals": seconds}
+    onset = seconds[0][0] if rows and rows[0][0] > _AT_FIRST * len(clock) else None
+    return {"blocks": blocks, "onset": onset, "intervals": seconds}
 
 
 def _recordings(whole):
@@ -211,6 +225,12 @@ def _beyond_noise(whole, workbench, judgement):
         "closest": [{key: entry[key] for key in keys} for entry in closest],
         "closest_leaves": leaves.size if closest and leaves is not None and leaves.too_much else None,
     }
+
+
+def _in_moments(pulses):
+    """To which side a flow breaks out, and how often to that one and to the other."""
+    side = "below" if pulses.falls else "above"
+    return {"pulses": {"side": side, "moments": pulses.many, "against": pulses.against}}
 
 
 def _unknown_entry(whole, judgement):

@@ -3,6 +3,7 @@
 
 from sklvalve.mismatch.adequacy import LeftOver
 from sklvalve.mismatch.planning import planned
+from sklvalve.mismatch.pulses import Pulses
 
 
 def next_test(classes, verdict, unknown, workbench, findings=()):
@@ -13,7 +14,7 @@ def next_test(classes, verdict, unknown, workbench, findings=()):
     classes : list of dict
         Classes as `class_of` gives them.
     verdict : str
-    unknown : Unknown, LeftOver or None
+    unknown : Unknown, LeftOver, Pulses or None
     workbench : Workbench
     findings : sequence of Finding, default=()
         Those of the classes: with them the test is one that simulations of it have shown to be the best.
@@ -29,7 +30,7 @@ def next_test(classes, verdict, unknown, workbench, findings=()):
     for members in open_ones or classes:
         who = next(iter(members.values()))[1]
         return who.effect.separated_by
-    if isinstance(unknown, LeftOver):
+    if isinstance(unknown, LeftOver | Pulses):
         return (
             "Hold the command for half an hour while the pressures go on: what still comes and goes hangs on "
             "something that is not recorded; record what is near, such as pumps, gas, deposits or the meter."

@@ -139,10 +139,17 @@ def course_of(evidence, onset, *, late=0):
     gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
     raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * gain / DISTINGUISHABLE
     blocks = acts[starts]
-    path = _switched(*evidence.quadratic(starts), blocks, SWITCH_PRICE * raised)
-    edges = _edges(path, starts) if np.any(path != blocks) else ([onset] if onset else [])
-    begins = bool(path[0]) and not onset if np.all(path == blocks) else bool(path[0])
-    return _settled(evidence, edges, begins, raised, late, moved=bool(np.any(path != blocks)))
+    price = SWITCH_PRICE * raised
+    path = _switched(*evidence.quadratic(starts), blocks, price)
+    own = [onset] if onset else []
+    if np.any(path != blocks):
+        edges, begins = _edges(path, starts), bool(path[0])
+        found = _settled(evidence, edges, begins, raised, late, moved=True)
+        # the quadratic may mistake a change as large as this one: the cost itself has the last word
+        spared = evidence.cost(acts) - evidence.cost(_acting(n, edges, begins))
+        if spared > price * (len(edges) - len(own)):
+            return found
+    return _settled(evidence, own, not own, raised, late, moved=False)
 
 
 def _switched(square, pull, blocks, price):

@@ -11,6 +11,8 @@ from sklvalve.mismatch.gathering import without_settling
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.prove import correction_holds_out, folded
+from sklvalve.mismatch.pulses import find_pulses
+from sklvalve.mismatch.stem_rest import stem_rest
 
 #: Rows of one stretch: long beside the slow wander of a meter, short beside a recording of a day.
 STRETCH = 640
@@ -66,6 +68,14 @@ def over_the_whole(workbench, judged):
     findings = [_finding(workbench, f, _with_events(workbench, model, judged.model)) for f in judged.findings]
     model = nominal if nothing else _with_events(workbench, workbench.least_squares(model), judged.model)
     judged = replace(judged, nominal=nominal, model=model, findings=findings)
+    if judged.suspected is not None:
+        near = judged.suspected
+        judged = replace(judged, suspected=workbench.simulate(near.members, near.values))
+    # rows that speak for themselves are those of the whole
+    if judged.strays is not None:
+        judged = replace(judged, strays=stem_rest(workbench, nominal))
+    if judged.pulses is not None:
+        judged = replace(judged, pulses=find_pulses(workbench, nominal, 1.0))
     if judged.unknown is None:
         return replace(judged, tried=None)
     tried = folded(workbench, model, judged.unknown)

@@ -45,11 +45,13 @@ def withheld(judgement, data, recording):
     left = judgement.left if unknown is None else None
     if left is not None and left.channel in spoilt:
         judgement = replace(judgement, left=None, closest=[])
+    if judgement.pulses is not None and "flow" in spoilt:
+        judgement = replace(judgement, pulses=None)
     blamed = [f"what a historian left out of {role}" for role in redrawn]
     blamed += [f"the coarse steps of {role}" for role in _roles(data, "quantised")]
-    # and no coarse reading is as far off as a stem that strays
+    # and no coarse reading is as far off as a stem that strays, or to one side only
     strays = judgement.strays is not None and "opening" not in spoilt
-    beyond = unknown is not None or judgement.left is not None or strays
+    beyond = unknown is not None or judgement.left is not None or strays or judgement.pulses is not None
     if not blamed or beyond or judgement.verdict in ("no_mismatch", "named"):
         return judgement, None
     silent = replace(

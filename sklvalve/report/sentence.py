@@ -118,7 +118,13 @@ def _unknown(d: dict) -> str:
 def no_noise(d: dict) -> str:
     """What tells it from noise: the signals from which it can be predicted, or its size alone."""
     unknown = d.get("unknown") or {}
-    inputs, beyond = unknown.get("inputs"), unknown.get("beyond_noise")
+    inputs, beyond, pulses = (unknown.get(key) for key in ("inputs", "beyond_noise", "pulses"))
+    if pulses:
+        return (
+            f"follows from nothing recorded, but the flow goes {pulses['side']} its simulation for moments, "
+            f"{pulses['moments']} times while the valve rests, and {pulses['against'] or 'not once'} to the "
+            "other side, as no noise does"
+        )
     if beyond and not inputs:
         return (
             f"follows from nothing recorded, but its slow part ({percent(beyond['size'])} of span) is more "

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A flow that breaks out to one side for moments, again and again, while nothing that drives it moves.
+
+The noise model takes such moments for outliers, and means over stretches lose them. But noise, wander and
+spikes of a sensor go to both sides alike, so the sides are counted: what favours one is no noise, however
+heavy its tails.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import median_filter
+from scipy.stats import binom
+
+from sklvalve.recording.dead_bands import step_of
+from sklvalve.simulation.calibration import drop_is_unknown
+
+# moments are means of so many rows, against the median of so many around
+_MOMENT, _AROUND = 5, 121
+# they break out beyond so many robust standard deviations, half of what counts, and so many steps of reading
+_OUT, _OF_WHAT_COUNTS, _STEPS = 3.5, 0.5, 1.5
+# two moments are one where no more than so many rows lie between
+_APART = 10
+# rows from one in which the simulated flow moves by more than a share of its span that count for nothing
+_SETTLING, _MOVES = 10, 0.004
+_FEWEST_ROWS = 300
+#: Share of the level of the test that this look at a recording has.
+OF_ALPHA = 0.25
+_NORMAL = 1.4826
+
+
+@dataclass(frozen=True)
+class Pulses:
+    """Moments in which a flow breaks out.
+
+    Attributes
+    ----------
+    rows : ndarray of shape (n,), bool
+        Those of the moments to the side of most.
+    many, against : int
+        Moments to that side, and to the other one.
+    falls : bool
+        Whether it is the lower side.
+    size : float
+        Rms of the rest about its surroundings in these rows, share of span [1].
+    p_value : float
+        Chance of sides as unequal where either is as likely as the other.
+    """
+
+    rows: np.ndarray
+    many: int
+    against: int
+    falls: bool
+    size: float
+    p_value: float
+    channel = "flow"
+
+    @property
+    def intervals(self):
+        """First row and the one after the last of each moment."""
+        return _runs(self.rows)
+
+
+def find_pulses(workbench, model, alpha):
+    r"""Moments in which the flow breaks out to one side of its simulation.
+
+    Of the rest r of the flow, :math:`h = \overline{r}_5 - \mathrm{median}_{121}(r)` is taken, and runs of
+    rows beyond 3.5 times its robust standard deviation are counted above and below. With n moments of which
+    m are on the side of more, chance makes as many with
+
+    .. math:: p = 2 \sum_{k \ge m} \binom{n}{k} 2^{-n}
+
+    (the sign test), whatever the noise, as long as it is symmetrical. Rows near those in which the simulated
+    flow moves are left out: there a response that is timed a little wrong breaks out as well.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        Fitted for the least error, without an effect on the flow.
+    alpha : float
+        Level of the test; a quarter of it is asked for.
+
+    Returns
+    -------
+    pulses : Pulses or None
+        None where the sides are alike, where the moments are smaller than what counts, where too few rows
+        are at rest, and where opening or drop are not recorded: then a stem or a pump may be all of it.
+    """
+    recording = workbench.recording
+    if "flow" not in workbench.channels or workbench.coupled or drop_is_unknown(recording):
+        return None
+    span = workbench.spans["flow"]
+    rest, shown = workbench.residuals(model)["flow"] / span, model.predictions["flow"] / span
+    usable = np.isfinite(rest) & _settled(shown)
+    if usable.sum() < _FEWEST_ROWS:
+        return None
+    about = _about_surroundings(rest, recording.spans)
+    about -= np.median(about[usable])
+    scatter = _NORMAL * np.median(np.abs(about[usable]))
+    step = step_of(recording, "flow") / span
+    limit = max(_OUT * scatter, _OF_WHAT_COUNTS * workbench.least("flow"), _STEPS * step)
+    above, below = (_moments(usable & (side * about > limit)) for side in (1.0, -1.0))
+    most, fewest = max(len(above), len(below)), min(len(above), len(below))
+    p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)))
+    if p_value > OF_ALPHA * alpha:
+        return None
+    falls = len(below) > len(above)
+    rows = _whole(usable & ((-about if falls else about) > 0.5 * limit), below if falls else above)
+    size = float(np.sqrt(np.mean(about[rows] ** 2)))
+    return Pulses(rows, most, fewest, falls, size, p_value) if size >= workbench.least("flow") else None
+
+
+def _settled(shown):
+    """Rows that lie at least so many after, or before, one in which the simulated flow moves."""
+    smooth = np.convolve(np.nan_to_num(shown), np.full(_MOMENT, 1.0 / _MOMENT), "same")
+    moves = np.abs(np.gradient(smooth)) >= _MOVES
+    return np.convolve(moves, np.ones(2 * _SETTLING + 1), "same") < 0.5
+
+
+def _about_surroundings(rest, spans):
+    """Means of few rows about the median of many around, each recording for itself; gaps count as zero."""
+    filled, about = np.nan_to_num(rest), np.zeros(len(rest))
+    for low, high in spans:
+        piece = filled[low:high]
+        mean = np.convolve(
+            piece - median_filter(piece, _AROUND, mode="nearest"), np.ones(_MOMENT) / _MOMENT, "same"
+        )
+        about[low:high] = mean
+    return about
+
+
+def _runs(rows):
+    edges = np.flatnonzero(np.diff(rows.astype(int), prepend=0, append=0))
+    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+
+
+def _moments(out):
+    """First rows of runs of two rows or more, those close behind another one left out."""
+    starts, last = [], -_APART - 1
+    for first, end in _runs(out):
+        if end - first < 2:
+            continue
+        if first - last > _APART:
+            starts.append(first)
+        last = end
+    return starts
+
+
+def _whole(wider, starts):
+    """The runs of a wider mask that hold one of these rows."""
+    rows = np.zeros(len(wider), dtype=bool)
+    for first, end in _runs(wider):
+        if any(first <= start < end for start in starts):
+            rows[first:end] = True
+    return rows
