@@ -13,7 +13,7 @@ reference has none of, against the table: rates of alarms with exact intervals, 
 The recordings are those of `sklvalve.datasets`, 2,400 to 4,200 rows, half to three times the noise, in closed
 loop, over the whole travel or both. Some have a meter's noise of 0.95 from row to row, coarse readings or a
 cycling temperature beside. Half lack the pressures or one of them, the opening or the command, and a fifth
-come from a historian that writes a value when it has left the last one by a band.
+come from a historian that writes a value when it has left the last one by a band, each signal's its own.
 """
 
 import argparse
@@ -31,7 +31,7 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.gate import with_seized_stems
-from sklvalve.mismatch.healthy import EFFECTS, Circumstances, relative_to
+from sklvalve.mismatch.healthy import EDGED, EFFECTS, Circumstances, relative_to
 from sklvalve.mismatch.preparation import candidates, prepared_workbench
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.withholding import withheld
@@ -41,14 +41,14 @@ from sklvalve.simulation.side_by_side import with_threads
 KINDS = ("wander", "heavy tails", "noise that grows with the flow", "noisy pressures")
 # what half of the recordings lack, and up to which draw of 0 to 1
 LACKING = ((0.12, ("P1", "P2")), (0.24, ("X",)), (0.32, ("CV",)), (0.46, ("P2",)), (0.5, ("P1",)))
-# share of recordings that a historian held, and widths of its band, shares of a signal's range
+# share of recordings that a historian held, and widths of its bands, shares of a signal's range
 HELD, BANDS = 0.2, (0.001, 0.01)
 # share of the reference above the threshold of its tail, and knots below
 ABOVE, KNOTS = 0.15, 18
 # the quantile by which each effect is held against all together, and the least that it is taken for
 OF_EACH, LEAST = 0.95, 0.3
 WEAKEST = 0.1  # strengths below are as good as none
-CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held")
+CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held_opening", "held_flow")
 # what else the typical strength is a line in
 LINE = (*CIRCUMSTANCES, "noise_without_opening", "noise_without_drop")
 STRENGTHS = ("effects", "rest")
@@ -87,10 +87,11 @@ def draw(seed, *, nastier=False):
         del frame[name], columns[role]
     frame["F"] = frame.F.round(3)
     if rng.random() < HELD:
-        told["band"] = float(rng.uniform(*BANDS))
-        for column in frame.columns.drop(["time", "CV"], errors="ignore"):
+        held = frame.columns.drop(["time", "CV"], errors="ignore")
+        told["bands"] = {column: float(rng.uniform(*BANDS)) for column in held}
+        for column, band in told["bands"].items():
             reach = 100.0 if column == "X" else frame[column].max()
-            frame[column] = box_car(frame[column].to_numpy(), told["band"] * reach, hold=True)
+            frame[column] = box_car(frame[column].to_numpy(), band * reach, hold=True)
     return Recording.from_frame(frame, Valve.from_dict(made.valve)), told
 
 
@@ -154,7 +155,7 @@ def table_of(rows, name):
 
 def ranged(rows):
     """Circumstances beyond whose range the edge is taken, with their values in the reference."""
-    found = {c: [row[c] for row in rows] for c in ("travel", "held")}
+    found = {c: [row[c] for row in rows] for c in EDGED}
     found |= {"noise": [], **{c: [] for c in LINE[-2:]}}
     for row in rows:
         found[circumstances_of(row).noise_among].append(row["noise"])
@@ -247,7 +248,7 @@ def check(rows):
     alarms = sum(row["verdict"] != "no_mismatch" for row in rows)
     yield f"verdicts other than no_mismatch, at 0.01: {interval(alarms, len(rows))}"
     for row in rows:
-        row["historian"] = "keeps values" if row.get("band") else "every row"
+        row["historian"] = "keeps values" if row.get("bands") else "every row"
     for key in ("loop", "kind", "lacks", "historian"):
         for value in sorted({str(row.get(key)) for row in rows}):
             some = p_values[[str(row.get(key)) == value for row in rows]]

@@ -145,8 +145,15 @@ def circumstances_of(workbench, data=()):
         no_opening=float("opening" not in recording),
         no_drop=float(no_drop),
         one_pressure=float(no_drop and ("p1" in recording or "p2" in recording)),
-        held=float(np.log1p(max((_left_out(workbench, each) for each in data), default=0.0))),
+        held_opening=_held(workbench, data, ("opening",)),
+        held_flow=_held(workbench, data, ("flow", "p1", "p2")),
     )
+
+
+def _held(workbench, data, roles):
+    """Logarithm of one plus the widest dead band of some signals, in multiples of what counts."""
+    bands = [_left_out(workbench, each) for each in data if each["role"] in roles]
+    return float(np.log1p(max(bands, default=0.0)))
 
 
 def _left_out(workbench, finding):

@@ -25,9 +25,10 @@ class Circumstances:
         1 where nothing tells the pressure drop, else 0.
     one_pressure : float
         1 where nothing tells the drop but one of its two pressures is recorded, else 0.
-    held : float
-        Logarithm of one plus the widest dead band of a historian in a compared channel, in multiples of what
-        counts there; that of a pressure by what it moves the flow. 0 where every value was written.
+    held_opening, held_flow : float
+        Logarithm of one plus the dead band of a historian in that channel, where it is compared, in multiples
+        of what counts there; of the flow's and those of the pressures, by what they move it, the widest. 0
+        where every value was written.
     """
 
     noise: float
@@ -35,7 +36,8 @@ class Circumstances:
     no_opening: float
     no_drop: float
     one_pressure: float = 0.0
-    held: float = 0.0
+    held_opening: float = 0.0
+    held_flow: float = 0.0
 
     @property
     def noise_without_opening(self):
@@ -55,12 +57,16 @@ class Circumstances:
         return "noise_without_drop" if self.no_drop else "noise"
 
 
+#: Circumstances that are held within their range in the reference, besides the noise.
+EDGED = ("travel", "held_opening", "held_flow")
+
+
 @dataclass(frozen=True)
 class Table:
     r"""Distribution of a strength among healthy recordings, relative to what is typical in the circumstances.
 
     The typical strength is the exponential of a linear function of the circumstances, of which noise, travel
-    and dead band are held within their range in the reference. Relative to it the chance of more falls as in
+    and dead bands are held within their range in the reference. Relative to it the chance of more falls as in
     the reference up to a threshold, linearly between quantiles, and from there on as the generalised Pareto
     law has it,
 
@@ -79,7 +85,7 @@ class Table:
         Circumstance -> change of that logarithm.
     ranges : dict
         Circumstance -> (lowest, highest) in the reference, beyond which its edge is taken: of travel and dead
-        band, and of the noise among recordings that lack neither opening nor drop, one, or the other.
+        bands, and of the noise among recordings that lack neither opening nor drop, one, or the other.
     quantiles : tuple of float
         Of the relative strength, at equally spaced probabilities from 0 to that of the threshold.
     above : float
@@ -109,9 +115,8 @@ class Table:
     def typical(self, circumstances):
         """Typical strength of healthy recordings."""
         noise = float(np.clip(circumstances.noise, *self.ranges[circumstances.noise_among]))
-        travel = float(np.clip(circumstances.travel, *self.ranges["travel"]))
-        held = float(np.clip(circumstances.held, *self.ranges["held"]))
-        within = replace(circumstances, noise=noise, travel=travel, held=held)
+        edged = {c: float(np.clip(getattr(circumstances, c), *self.ranges[c])) for c in EDGED}
+        within = replace(circumstances, noise=noise, **edged)
         return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))
 
 

@@ -119,14 +119,16 @@ def _settled(shown):
 
 
 def _about_surroundings(rest, spans):
-    """Means of few rows about the median of many around, each recording for itself; gaps count as zero."""
-    filled, about = np.nan_to_num(rest), np.zeros(len(rest))
+    """Means of few rows about the median of many around, each recording for itself; gaps are left out."""
+    about, known = np.zeros(len(rest)), np.isfinite(rest)
     for low, high in spans:
-        piece = filled[low:high]
-        mean = np.convolve(
-            piece - median_filter(piece, _AROUND, mode="nearest"), np.ones(_MOMENT) / _MOMENT, "same"
-        )
-        about[low:high] = mean
+        piece, seen = rest[low:high], known[low:high]
+        if not seen.any():
+            continue
+        filled = np.interp(np.arange(len(piece)), np.flatnonzero(seen), piece[seen])
+        left = np.where(seen, piece - median_filter(filled, _AROUND, mode="nearest"), 0.0)
+        total, many = (np.convolve(each, np.ones(_MOMENT), "same") for each in (left, seen.astype(float)))
+        about[low:high] = total / np.maximum(many, 1.0)
     return about
 
 

@@ -28,7 +28,8 @@ CIRCUMSTANCES = st.builds(
     no_opening=st.sampled_from((0.0, 1.0)),
     no_drop=st.sampled_from((0.0, 1.0)),
     one_pressure=st.sampled_from((0.0, 1.0)),
-    held=st.sampled_from((0.0, 1.0)),
+    held_opening=st.sampled_from((0.0, 1.0)),
+    held_flow=st.sampled_from((0.0, 1.0)),
 )
 STRENGTHS = st.floats(0.0, 200.0)
 BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[channel])
@@ -148,7 +149,8 @@ def test_circumstances_are_those_of_the_noise_and_of_the_movement():
     found = circumstances_of(bench)
     assert found.noise == pytest.approx(np.log(2.0))
     assert found.travel == pytest.approx(0.9 * 0.6)
-    assert (found.no_opening, found.no_drop, found.one_pressure, found.held) == (0.0, 0.0, 0.0, 0.0)
+    assert (found.no_opening, found.no_drop, found.one_pressure) == (0.0, 0.0, 0.0)
+    assert (found.held_opening, found.held_flow) == (0.0, 0.0)
     bench.recording = {"flow": 3.0 * rows}
     found = circumstances_of(bench)
     assert found.travel == pytest.approx(0.9 * 0.6 / 0.8)
@@ -169,18 +171,23 @@ def test_what_a_historian_leaves_out_is_a_circumstance():
     )
 
     def held(*found):
-        return circumstances_of(bench, [{"finding": "compressed", **each} for each in found]).held
+        told = circumstances_of(bench, [{"finding": "compressed", **each} for each in found])
+        return told.held_opening, told.held_flow
 
     lines, coarse = {"role": "opening"}, {"finding": "quantised", "role": "flow", "size": 1.0}
-    assert held() == held(lines, coarse) == held({"role": "temperature", "size": 9.0}) == 0.0
+    assert held() == held(lines, coarse) == held({"role": "temperature", "size": 9.0}) == (0.0, 0.0)
     # in multiples of what counts: of the travel, of the span of the flow, of what a pressure moves the flow
-    assert held({"role": "opening", "size": 0.005}) == pytest.approx(np.log(2.0))
-    assert held({"role": "flow", "size": 0.04}) == pytest.approx(np.log(3.0))
-    assert held({"role": "p1", "size": 8e3}) == pytest.approx(np.log(5.0))
-    assert held({"role": "p1", "size": 8e3}, {"role": "flow", "size": 0.04}) == pytest.approx(np.log(5.0))
+    opening, flow, pressure = (
+        {"role": role, "size": size} for role, size in (("opening", 0.005), ("flow", 0.04), ("p1", 8e3))
+    )
+    assert held(opening) == pytest.approx((np.log(2.0), 0.0))
+    assert held(flow) == pytest.approx((0.0, np.log(3.0)))
+    assert held(pressure) == pytest.approx((0.0, np.log(5.0)))
+    # each channel for itself, by its widest
+    assert held(pressure, flow, opening) == pytest.approx((np.log(2.0), np.log(5.0)))
     # where the drop is nowhere told, a pressure moves no simulated flow
     del bench.recording["p2"]
-    assert held({"role": "p1", "size": 8e3}) == 0.0
+    assert held(pressure) == (0.0, 0.0)
 
 
 def test_without_a_flow_no_drop_is_missed():

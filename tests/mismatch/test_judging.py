@@ -57,6 +57,18 @@ def test_a_weak_finding_stands_where_the_mismatch_is_told_without_it(monkeypatch
     assert "actuator" not in told["location"]["blocks"]
 
 
+def test_what_may_not_be_named_tells_when_and_in_which_rows_it_acts(monkeypatch):
+    monkeypatch.setattr(judging, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
+    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: 0.2)
+    leaking = record("seat_leakage", 0.05, random_state=1, onset=900.0)
+    found = MissingPhysicsFinder(effects=["seat_leakage", "flow_meter_bias", "line_loss"]).fit(leaking)
+    told, flagged = found.diagnosis_.to_dict(), found.diagnosis_.traces["flagged"]
+    assert (told["verdict"], told["effects"]) == ("cannot_tell", [])
+    assert told["location"]["onset"] == pytest.approx(900.0, abs=30.0)
+    assert not flagged[:870].any()
+    assert flagged[930:].mean() > 0.5
+
+
 def test_a_meter_may_read_off_by_half_of_what_it_shows():
     healthy = record(random_state=0)
     columns = {role: healthy[role].copy() for role in healthy.signals}

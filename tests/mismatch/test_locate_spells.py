@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 
+from sklvalve.mismatch import spells
 from sklvalve.mismatch.noise import NoiseModel
 from sklvalve.mismatch.spells import Evidence, course_of, growing_course
 
@@ -60,6 +61,19 @@ def test_end_and_spells_are_found_with_intervals():
         for moment, (low, high), was in zip(spell, ranges, told, strict=True):
             assert low <= moment <= high
             assert abs(moment - was) <= 15
+
+
+def test_the_cost_itself_has_the_last_word(monkeypatch):
+    # to second order a change as large as this one may seem to act throughout
+    made = evidence(rows((700, ROWS)))
+    assert course_of(made, 700).spells == [(700, ROWS)]
+    monkeypatch.setattr(spells, "_switched", lambda square, pull, blocks, price: np.ones_like(blocks))
+    course = course_of(made, 700)
+    assert (course.kind, course.spells) == ("from an onset on", [(700, ROWS)])
+    low, high = course.ranges[0][0]
+    assert low <= 700 <= high
+    # where the cost bears it out the quadratic is followed
+    assert course_of(evidence(rows((0, ROWS))), 700).kind == "throughout"
 
 
 def test_a_strength_that_is_somewhat_wrong_makes_no_spells():

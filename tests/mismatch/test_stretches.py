@@ -5,11 +5,17 @@ import numpy as np
 import pytest
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.stretches import STRETCH, stretches_of
+from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
+from sklvalve.mismatch.contents import Judgement, flagged_rows
+from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.pulses import Pulses
+from sklvalve.mismatch.stem_rest import StemRest
+from sklvalve.mismatch.stretches import STRETCH, over_the_whole, stretches_of
 from sklvalve.recording import Recording, Valve
 
 ONSET = 2100.0
+BY_KEY = {effect.key: effect for effect in CATALOGUE}
 
 
 @pytest.fixture(scope="module")
@@ -61,6 +67,30 @@ def test_what_stretches_show_is_fitted_to_all_rows_and_dated_by_them(leaky):
     assert low <= ONSET <= high
     assert abs(content["location"]["onset"] - ONSET) < 300.0
     assert stages == sorted(stages)
+
+
+def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky):
+    whole = prepared_workbench(leaky)
+    bench = prepared_workbench(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
+    nominal = bench.fit(())
+    few = np.ones(len(bench.recording), dtype=bool)
+    judged = Judgement(
+        "cannot_tell",
+        0.005,
+        [],
+        None,
+        nominal,
+        nominal,
+        strays=StemRest(few, 5, 20, 0.02),
+        pulses=Pulses(few, 12, 0, True, 0.02, 1e-3),
+        suspected=bench.fit((Member(BY_KEY["seat_leakage"]),), start=nominal),
+    )
+    told = over_the_whole(whole, judged)
+    assert len(told.strays.rows) == len(leaky)
+    # a sound stem and a flow without pulses have none of them in the whole
+    assert told.strays.intervals == []
+    assert told.pulses is None
+    assert len(flagged_rows(whole, told)) == len(leaky)
 
 
 def test_too_few_rows_to_search_are_refused():

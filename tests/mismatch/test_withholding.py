@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the data may have made is not called missing physics."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -105,3 +106,17 @@ def test_a_band_of_a_pressure_is_not_known_where_nothing_tells_the_drop():
     silent, reason = withheld(judged("none_of_these", "flow"), data, {"p1": HELD["p1"]})
     assert silent.verdict == "cannot_tell"
     assert "p1" in reason
+
+
+@pytest.mark.parametrize(
+    ("data", "stays"),
+    [
+        (finding("quantised", "flow", size=1e-3), True),
+        (finding("compressed", "opening", size=0.003), True),
+        (finding("compressed", "flow", size=3e-4), False),
+    ],
+)
+def test_pulses_stay_unless_a_historian_may_have_made_them(data, stays):
+    told = replace(judged("none_of_these"), pulses=SimpleNamespace(channel="flow"))
+    kept, reason = withheld(told, [data], HELD)
+    assert (kept.pulses is not None, kept.verdict == "none_of_these", reason is None) == (stays, stays, stays)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A flow that breaks out to one side for moments is told, whatever the noise; to both sides it is noise."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sklvalve import MissingPhysicsFinder, Recording, Valve
+from sklvalve.datasets import make_valve_recording
+from sklvalve.mismatch import pulses as module
+from sklvalve.mismatch.pulses import find_pulses
+from sklvalve.report import summary_sentence
+from sklvalve.report.headline import headline
+
+ROWS, SPAN, NOISE = 2000, 20.0, 0.002
+ALPHA = 0.01
+STARTS = np.arange(150, ROWS - 100, 120)
+
+
+class Bench:
+    """As much of a workbench as is asked, with a rest of one's own as share of the span."""
+
+    channels, coupled, spans = ("opening", "flow"), False, {"flow": SPAN}
+
+    def __init__(self, monkeypatch, rest, shown=None, step=0.0, spans=((0, ROWS),)):
+        noise = NOISE * np.random.default_rng(4).standard_normal(ROWS)
+        self.rest = rest + noise
+        self.shown = np.full(ROWS, 0.5) if shown is None else shown
+        self.recording = SimpleNamespace(spans=list(spans))
+        self.unknown_drop = False
+        monkeypatch.setattr(module, "step_of", lambda recording, role: step * SPAN)
+        monkeypatch.setattr(module, "drop_is_unknown", lambda recording: self.unknown_drop)
+
+    def least(self, channel):
+        return 0.005
+
+    def residuals(self, model):
+        return {"flow": SPAN * self.rest}
+
+    def asked(self, alpha=ALPHA):
+        return find_pulses(self, SimpleNamespace(predictions={"flow": SPAN * self.shown}), alpha)
+
+
+def _pulses(height, starts=STARTS, length=12):
+    rest = np.zeros(ROWS)
+    for start in starts:
+        rest[start : start + length] += height * np.sin(np.pi * np.arange(length) / length)
+    return rest
+
+
+@pytest.mark.parametrize("height", [-0.04, 0.04])
+def test_pulses_to_one_side_are_told(monkeypatch, height):
+    found = Bench(monkeypatch, _pulses(height)).asked()
+    assert (found.many, found.against, found.falls) == (len(STARTS), 0, height < 0.0)
+    # the sign test: all to one side, either side
+    assert found.p_value == pytest.approx(2.0 * 0.5 ** len(STARTS))
+    assert len(found.intervals) == len(STARTS)
+    inside = np.zeros(ROWS, dtype=bool)
+    for start in STARTS:
+        inside[start - 4 : start + 16] = True
+    assert not found.rows[~inside].any()
+    assert 0.5 * 0.04 < found.size < 0.04
+
+
+def test_noise_alone_has_none(monkeypatch):
+    assert Bench(monkeypatch, np.zeros(ROWS)).asked() is None
+
+
+def test_pulses_to_both_sides_are_noise_of_heavy_tails(monkeypatch):
+    rest = _pulses(0.04, STARTS[::2]) + _pulses(-0.04, STARTS[1::2])
+    assert Bench(monkeypatch, rest).asked() is None
+
+
+def test_a_few_pulses_are_chance(monkeypatch):
+    # nine of nine come by chance once in 256, and a quarter of alpha is asked for
+    assert Bench(monkeypatch, _pulses(-0.04, STARTS[:9])).asked() is None
+    assert Bench(monkeypatch, _pulses(-0.04, STARTS[:9])).asked(alpha=0.02) is not None
+    assert Bench(monkeypatch, _pulses(-0.04, STARTS[:10])).asked() is not None
+
+
+def test_slow_wander_is_no_pulse(monkeypatch):
+    wander = 0.03 * np.sin(2.0 * np.pi * np.arange(ROWS) / 700.0) ** 2
+    assert Bench(monkeypatch, wander).asked() is None
+
+
+def test_spikes_of_one_row_are_no_pulses(monkeypatch):
+    rest = np.zeros(ROWS)
+    rest[STARTS] = -0.02
+    assert Bench(monkeypatch, rest).asked() is None
+
+
+def test_what_does_not_count_is_not_told(monkeypatch):
+    quiet = Bench(monkeypatch, _pulses(-0.006))
+    quiet.rest = _pulses(-0.006)
+    assert quiet.asked() is None
+
+
+def test_steps_of_a_coarse_reading_are_no_pulses(monkeypatch):
+    rest = _pulses(-0.04)
+    assert Bench(monkeypatch, rest, step=0.04).asked() is None
+    assert Bench(monkeypatch, rest, step=0.005).asked() is not None
+
+
+def test_pulses_beside_movement_count_for_nothing(monkeypatch):
+    shown = np.full(ROWS, 0.5)
+    for start in STARTS:
+        shown[start - 3 : start + 8] += 0.1
+    assert Bench(monkeypatch, _pulses(-0.04), shown=shown).asked() is None
+
+
+def test_recordings_joined_have_surroundings_of_their_own(monkeypatch):
+    level = np.where(np.arange(ROWS) < 1000, 0.0, 0.05)
+    found = Bench(monkeypatch, level, spans=[(0, 1000), (1000, ROWS)]).asked()
+    assert found is None
+
+
+def test_gaps_are_no_pulses(monkeypatch):
+    bench = Bench(monkeypatch, np.full(ROWS, 0.03))
+    for start in STARTS:
+        bench.rest[start : start + 12] = np.nan
+    assert bench.asked() is None
+
+
+@pytest.mark.parametrize("lack", ["opening", "drop", "flow", "rest"])
+def test_nothing_is_said_where_something_else_may_be_all_of_it(monkeypatch, lack):
+    bench = Bench(monkeypatch, _pulses(-0.04))
+    assert bench.asked() is not None
+    if lack == "opening":
+        bench.coupled = True
+    elif lack == "drop":
+        bench.unknown_drop = True
+    elif lack == "flow":
+        bench.channels = ("opening",)
+    else:
+        bench.shown = 0.5 + 0.1 * np.sin(np.arange(ROWS))
+    assert bench.asked() is None
+
+
+@pytest.fixture(scope="module")
+def slugged():
+    made = make_valve_recording(None, loop="closed", n_samples=2400, n_later=0, random_state=11)
+    frame = made.frame.copy()
+    rng = np.random.default_rng(5)
+    for start in 700 + np.cumsum(rng.integers(50, 120, 19)):
+        length = int(rng.integers(6, 11))
+        dip = np.sin(np.pi * np.arange(length) / length)
+        frame.loc[start : start + length - 1, "F"] *= 1.0 - 0.05 * dip
+    recording = Recording.from_frame(frame, Valve.from_dict(made.valve))
+    return MissingPhysicsFinder(effects=["flow_meter_bias", "dead_time"]).fit(recording).diagnosis_
+
+
+def test_slugs_of_gas_are_no_known_effect_and_no_noise(slugged):
+    told = slugged.to_dict()
+    assert slugged.verdict == "none_of_these"
+    assert told["mismatch"]["detected"]
+    assert told["mismatch"]["p_value"] <= ALPHA
+    assert told["effects"] == []
+    assert told["unknown"]["signal"] == "flow"
+    assert told["unknown"]["pulses"]["side"] == "below"
+    assert told["unknown"]["pulses"]["moments"] >= 10
+    assert not told["unknown"]["correction"]["added"]
+    assert told["location"]["blocks"] == ["line", "measurement", "valve"]
+    assert told["location"]["onset"] == pytest.approx(760.0, abs=100.0)
+    assert not slugged.traces["flagged"][:690].any()
+    assert slugged.traces["flagged"][700:].mean() > 0.03
+    assert "Hold the command for half an hour" in told["next_test"]
+
+
+def test_words_say_how_it_differs_from_noise(slugged):
+    told = slugged.to_dict()
+    sentence = summary_sentence(told)
+    moments = told["unknown"]["pulses"]["moments"]
+    assert f"below its simulation for moments, {moments} times while the valve rests" in sentence
+    assert "as no noise does" in sentence
+    assert "no known effect explains" in headline(told)
