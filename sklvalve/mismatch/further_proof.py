@@ -4,10 +4,10 @@
 import numpy as np
 
 from sklvalve.mismatch.black_box import black_box_prediction
-from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.events import simulated
 from sklvalve.mismatch.prove import held_out_predictions, lines_of, refitted
 from sklvalve.mismatch.slow_rest import learn_rest
+from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.simulation import learnt_rest
 
 # of the range that the opening covers, at both ends left out of the fit
@@ -73,10 +73,8 @@ def _best_ruled_out(judged):
     if not judged.findings:
         return None
     finding = judged.findings[0]
-    inside = {r.member.effect.name for r in finding.rivals if r.distance < DISTINGUISHABLE}
-    ruled = [
-        r for r in finding.rivals if r.distance >= DISTINGUISHABLE and r.member.effect.name not in inside
-    ]
+    inside = class_of(finding)
+    ruled = [r for r in finding.rivals if r.member.effect.name not in inside]
     return min(ruled, key=lambda r: r.distance, default=None)
 
 

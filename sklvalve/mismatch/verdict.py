@@ -12,6 +12,9 @@ NAMED_FROM = 0.8
 #: Share of the classes told on sealed records of a finer plant that held a true name (220 of 233): in the
 #: others it was none of the explanations at hand, however clearly one of them was the likeliest.
 BORNE_OUT = 0.94
+# what is as probable as this is in the class though it fits clearly worse: fewer parameters or switches speak
+# for it, and no class is told beside an explanation that is likelier
+_POSSIBLE = 0.05
 # an unknown rest of this share of what the effects explain makes their names doubtful
 _DOUBTFUL = 0.5
 
@@ -22,10 +25,13 @@ def as_told(probability):
 
 
 def class_of(finding):
-    """Members of the class of the best explanation: effect name -> (probability, Member, Model)."""
+    """Members of the class of the best explanation: effect name -> (probability, Member, Model).
+
+    Those that the recording cannot tell from it, and those that fit worse and are probable all the same.
+    """
     found = {}
     for rival in finding.rivals:
-        if rival.distance >= DISTINGUISHABLE:
+        if rival.distance >= DISTINGUISHABLE and rival.probability < _POSSIBLE:
             continue
         name = rival.member.effect.name
         before = found.get(name)

@@ -34,6 +34,13 @@ def _finding(*rivals, gain=100.0, sizes=None):
     return SimpleNamespace(member=made[0].member, rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
 
 
+def _among_many(share):
+    """A finding of one explanation with this probability; all others are ruled out, each improbable."""
+    others = [e.key for e in CATALOGUE if e.name not in ("seat_leakage", "bypass_open")]
+    ruled_out = [(key, -30.0, (1.0 - share) / len(others)) for key in others]
+    return _finding(("seat_leakage", -10.0, share), *ruled_out)
+
+
 def _p(findings=(), tried=None):
     return p_value_of_what_counts(list(findings), tried or {}, BENCH)
 
@@ -75,6 +82,18 @@ def test_more_evidence_never_raises_it(gain, more, size):
 # ---- which
 
 
+def test_what_fits_worse_and_is_probable_all_the_same_is_in_the_class():
+    # an explanation in spells fits best, and pays for every switch; one without them is likelier
+    far = LEAK[1] - 0.5 * DISTINGUISHABLE - 1.0
+    found = class_of(
+        _finding(("seat_leakage", LEAK[1], 0.02), ("clogging", far, 0.97), ("erosion", far, 0.01))
+    )
+    assert list(found) == ["clogging", "seat_leakage"]
+    assert verdict_of([_finding(("seat_leakage", LEAK[1], 0.02), ("clogging", far, 0.97))], None, True, 0.0)[
+        0
+    ] == ("named")
+
+
 def test_class_holds_what_cannot_be_told_apart_and_no_others():
     far = -10.0 - 0.5 * DISTINGUISHABLE
     found = class_of(_finding(LEAK, BYPASS, ("clogging", far, 0.0), ("flow_meter_bias", far + 0.1, 0.0)))
@@ -89,7 +108,7 @@ def test_class_is_sorted_and_joins_the_forms_of_an_effect():
 
 
 def test_verdicts():
-    sure, unsure = _finding(LEAK, BYPASS), _finding(("clogging", -3.0, 0.5), ("dead_time", -30.0, 0.5))
+    sure, unsure = _finding(LEAK, BYPASS), _among_many(0.5)
     big, small = (SimpleNamespace(size=size) for size in (0.03, 0.003))
     assert verdict_of([sure], None, False, 0.05) == ("no_mismatch", [])
     assert verdict_of([sure], None, True, 0.05) == ("named", [sure])
@@ -157,5 +176,4 @@ def test_a_class_is_named_by_what_is_told_of_it():
     # what is told, and not the probability among the explanations at hand, decides
     for told, verdict in ((NAMED_FROM - 0.01, "cannot_tell"), (NAMED_FROM + 0.01, "named")):
         share = told / BORNE_OUT
-        finding = _finding(("seat_leakage", -10.0, share), ("clogging", -30.0, 1.0 - share))
-        assert verdict_of([finding], None, True, 0.05)[0] == verdict
+        assert verdict_of([_among_many(share)], None, True, 0.05)[0] == verdict
