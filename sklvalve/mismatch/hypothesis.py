@@ -102,8 +102,12 @@ def price(workbench, member):
     """Log likelihood that the parameters of an effect must earn (half a log of the rows for each)."""
     rows = max(len(workbench.recording), 50)
     cost = 0.5 * len(member.effect.parameters) * np.log(rows)
-    many = 0 if member.onset is None else 1 + len(member.switches)
-    return cost + SWITCH_PRICE * many
+    return cost + SWITCH_PRICE * switches_of(member)
+
+
+def switches_of(member):
+    """Number of times at which an effect begins or stops within the recording."""
+    return 0 if member.onset is None else 1 + len(member.switches)
 
 
 def worth(workbench, model):

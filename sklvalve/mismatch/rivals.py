@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sklvalve.mismatch.distance import distance, distance_of_strokes
-from sklvalve.mismatch.hypothesis import Member, Model, begun, is_in, price
+from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, Model, begun, is_in, price, switches_of
 from sklvalve.mismatch.matters import may_be_instead
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
@@ -177,10 +177,13 @@ def _elsewhere(workbench, model, rest, member, others):
 
 def _weighed(workbench, places, without):
     """Explanations in one place, with distances from the best and probabilities, the most probable first."""
-    best = max((m for _, m in places), key=lambda m: m.log_likelihood)
+    front, best = max(places, key=lambda place: place[1].log_likelihood)
     distances = [_distance(workbench, best, m, without, who) for who, m in places]
     # the price of parameters counts as it does in the search
     scores = -0.5 * np.array(distances) - np.array([price(workbench, who) for who, _ in places])
+    lost = [best.log_likelihood - m.log_likelihood for _, m in places]
+    each = zip(places, distances, lost, strict=True)
+    scores -= [_not_spared(switches_of(front) - switches_of(who), d, less) for (who, _), d, less in each]
     weights = np.exp(scores - scores.max())
     weights /= weights.sum()
     rivals = [
@@ -188,6 +191,17 @@ def _weighed(workbench, places, without):
         for (who, fitted), w, d in zip(places, weights, distances, strict=True)
     ]
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
+
+
+def _not_spared(fewer, distance, lost):
+    """Of the price of switches that an explanation does without, what does not speak for it.
+
+    Of the likelihood that it loses without them the distance counts a part only, for no simulation is true:
+    what it is spared counts for no more.
+    """
+    if fewer <= 0 or lost <= 0.0:
+        return 0.0
+    return SWITCH_PRICE * fewer * max(1.0 - 0.5 * distance / lost, 0.0)
 
 
 def _distance(workbench, best, other, without, who):
