@@ -129,14 +129,14 @@ def content_of(
         blocks = ["valve" if rest.channel == "flow" else "actuator"]
     classes = [class_of(f) for f in judgement.findings]
     location = {"blocks": blocks, "regions": [], "onset": None, "intervals": []}
-    if found:
+    if judgement.strays is not None:
+        location |= _when_seen(judgement, judgement.strays, ["actuator"])
+    elif judgement.pulses is not None:
+        location |= _when_seen(judgement, judgement.pulses, ["line", "measurement", "valve"])
+    elif found:
         more = {"alpha": alpha, "random_state": random_state}
         seen = judgement.suspected or judgement.model
         location = location_of(workbench, seen, unknown, blocks, **more)
-    if judgement.strays is not None:
-        location |= _when_seen(judgement, judgement.strays, ["actuator"])
-    if judgement.pulses is not None:
-        location |= _when_seen(judgement, judgement.pulses, ["line", "measurement", "valve"])
     joined = _recordings(whole)
     if joined:
         # times are of their common clock, and read by the recording that they fall into
@@ -178,7 +178,7 @@ def _when_seen(judgement, seen, blocks):
     clock = judgement.model.chain.clock - judgement.model.chain.clock[0]
     rows, last = seen.intervals, len(clock) - 1
     seconds = [[float(clock[a]), float(clock[min(b, last)])] for a, b in rows]
-    onset = seconds[0][0] if rows and rows[0][0] > _AT_FIRST * len(clock) else None
+    onset = seconds[0][0] if rows[0][0] > _AT_FIRST * len(clock) else None
     return {"blocks": blocks, "onset": onset, "intervals": seconds}
 
 

@@ -219,7 +219,8 @@ class MissingPhysicsFinder(BaseEstimator):
         if stretches is workbench.recording:
             return self._judge(workbench, effects, events, data, seed)
         bench = prepared_workbench(stretches, ours, self.tolerance, trim=workbench.trim)
-        return over_the_whole(workbench, self._judge(bench, effects, events, data, seed))
+        judged = self._judge(bench, effects, events, data, seed)
+        return over_the_whole(workbench, judged, float(self.alpha))
 
     def _judge(self, workbench, effects, events, data, seed):
         """Search among the effects, and the judgement on what it finds."""

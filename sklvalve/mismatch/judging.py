@@ -17,7 +17,7 @@ from sklvalve.mismatch.detect import (
 from sklvalve.mismatch.events import P_VALUE, beside_events, with_events
 from sklvalve.mismatch.healthy import EFFECTS
 from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
-from sklvalve.mismatch.pulses import OF_ALPHA, find_pulses
+from sklvalve.mismatch.pulses import find_pulses
 from sklvalve.mismatch.stem_rest import P_VALUE as STRAYS_BY_CHANCE
 from sklvalve.mismatch.stem_rest import stem_rest
 from sklvalve.mismatch.unknown import look_for_rest
@@ -69,6 +69,7 @@ def judge(workbench, explanation, circumstances, *, alpha, random_state, events=
         findings=[finding, *beside.findings],
         model=model,
         tried=beside.tried or folded(workbench, beside.model),
+        suspected=None,
     )
 
 
@@ -150,7 +151,7 @@ def _judged(
         unknown = rest_of(nominal)[0] or unknown
         verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
     more: dict = {"evidence": evidence, "suspects": _suspects(explanation)}
-    if not findings and unknown is None and explanation.model.members:
+    if verdict != "no_mismatch" and not findings and unknown is None and explanation.model.members:
         # what was found and may not be named shows where it is all the same
         more["suspected"] = explanation.model
     if said == REFUTED:
@@ -162,9 +163,10 @@ def _judged(
         if strays is not None and strays.evident:
             verdict, p_value, unknown = "cannot_tell", min(p_value, STRAYS_BY_CHANCE), None
             more["strays"] = strays
-    pulses = find_pulses(workbench, nominal, alpha) if verdict == "no_mismatch" else None
+    ask = verdict == "no_mismatch" and channels is None
+    pulses = find_pulses(workbench, nominal, alpha) if ask else None
     if pulses is not None:
-        verdict, p_value, unknown = "none_of_these", min(p_value, pulses.p_value / OF_ALPHA), None
+        verdict, p_value, unknown = "none_of_these", min(p_value, pulses.p_value), None
         more["pulses"] = pulses
     if verdict == "no_mismatch" or unknown is None:
         return Judgement(verdict, p_value, findings, None, nominal, model, **more)

@@ -1,30 +1,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A flow that breaks out to one side for moments, again and again, while nothing that drives it moves.
 
-The noise model takes such moments for outliers, and means over stretches lose them. But noise, wander and
-spikes of a sensor go to both sides alike, so the sides are counted: what favours one is no noise, however
-heavy its tails.
+The noise model takes such moments for outliers, and means over stretches lose them. But noise and wander go
+to both sides alike, so the sides are counted: what favours one is no noise, however heavy its tails.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import median_filter
+from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d, uniform_filter1d
 from scipy.stats import binom
 
-from sklvalve.recording.dead_bands import step_of
+from sklvalve.recording.dead_bands import flow_moved_by, step_of
 from sklvalve.simulation.calibration import drop_is_unknown
 
-# moments are means of so many rows, against the median of so many around
+# moments are medians of so many rows, so that one row makes none, about the median of so many around
 _MOMENT, _AROUND = 5, 121
 # they break out beyond so many robust standard deviations, half of what counts, and so many steps of reading
 _OUT, _OF_WHAT_COUNTS, _STEPS = 3.5, 0.5, 1.5
+# share of the flow that a step of the opening moves at most, in steps [1]: an equal percentage trim, ln 50
+_STEEPEST = 4.0
 # two moments are one where no more than so many rows lie between
 _APART = 10
-# rows from one in which the simulated flow moves by more than a share of its span that count for nothing
-_SETTLING, _MOVES = 10, 0.004
+# rows count in which the simulated flow moves by less than this share of its span so many rows before and
+# behind, and in which it is more than this one: where a meter ends, or is cut off, noise has one side
+_SETTLING, _MOVES, _FLOWS = 10, 0.02, 0.05
 _FEWEST_ROWS = 300
-#: Share of the level of the test that this look at a recording has.
+#: Share of the level of the test that this look at a recording has, beside what the others have.
 OF_ALPHA = 0.25
 _NORMAL = 1.4826
 
@@ -44,7 +46,8 @@ class Pulses:
     size : float
         Rms of the rest about its surroundings in these rows, share of span [1].
     p_value : float
-        Chance of sides as unequal where either is as likely as the other.
+        Chance of sides as unequal where either is as likely as the other, over the share of the level that
+        this look has.
     """
 
     rows: np.ndarray
@@ -64,14 +67,16 @@ class Pulses:
 def find_pulses(workbench, model, alpha):
     r"""Moments in which the flow breaks out to one side of its simulation.
 
-    Of the rest r of the flow, :math:`h = \overline{r}_5 - \mathrm{median}_{121}(r)` is taken, and runs of
-    rows beyond 3.5 times its robust standard deviation are counted above and below. With n moments of which
-    m are on the side of more, chance makes as many with
+    Of the rest r of the flow, :math:`h = \mathrm{median}_5(r - \mathrm{median}_{121}(r))` is taken, and runs
+    of rows beyond 3.5 times its robust standard deviation are counted above and below. With n moments of
+    which m are on the side of more, chance makes as many with
 
     .. math:: p = 2 \sum_{k \ge m} \binom{n}{k} 2^{-n}
 
-    (the sign test), whatever the noise, as long as it is symmetrical. Rows near those in which the simulated
-    flow moves are left out: there a response that is timed a little wrong breaks out as well.
+    (the sign test), however heavy the tails of the noise, as long as it is symmetrical and its moments come
+    one by one. So rows are left out near which the simulated flow moves, for a response that is timed a
+    little wrong breaks out as well, and those in which hardly anything flows, for no meter reads below its
+    end.
 
     Parameters
     ----------
@@ -79,7 +84,7 @@ def find_pulses(workbench, model, alpha):
     model : Model
         Fitted for the least error, without an effect on the flow.
     alpha : float
-        Level of the test; a quarter of it is asked for.
+        Level of the test, of which this look has a quarter.
 
     Returns
     -------
@@ -92,18 +97,19 @@ def find_pulses(workbench, model, alpha):
         return None
     span = workbench.spans["flow"]
     rest, shown = workbench.residuals(model)["flow"] / span, model.predictions["flow"] / span
-    usable = np.isfinite(rest) & _settled(shown)
+    usable = np.isfinite(rest) & _settled(shown, recording.spans)
     if usable.sum() < _FEWEST_ROWS:
         return None
     about = _about_surroundings(rest, recording.spans)
     about -= np.median(about[usable])
     scatter = _NORMAL * np.median(np.abs(about[usable]))
-    step = step_of(recording, "flow") / span
-    limit = max(_OUT * scatter, _OF_WHAT_COUNTS * workbench.least("flow"), _STEPS * step)
+    limit = max(
+        _OUT * scatter, _OF_WHAT_COUNTS * workbench.least("flow"), _STEPS * _step_in_flow(recording, span)
+    )
     above, below = (_moments(usable & (side * about > limit)) for side in (1.0, -1.0))
     most, fewest = max(len(above), len(below)), min(len(above), len(below))
-    p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)))
-    if p_value > OF_ALPHA * alpha:
+    p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)) / OF_ALPHA)
+    if p_value > alpha:
         return None
     falls = len(below) > len(above)
     rows = _whole(usable & ((-about if falls else about) > 0.5 * limit), below if falls else above)
@@ -111,15 +117,25 @@ def find_pulses(workbench, model, alpha):
     return Pulses(rows, most, fewest, falls, size, p_value) if size >= workbench.least("flow") else None
 
 
-def _settled(shown):
-    """Rows that lie at least so many after, or before, one in which the simulated flow moves."""
-    smooth = np.convolve(np.nan_to_num(shown), np.full(_MOMENT, 1.0 / _MOMENT), "same")
-    moves = np.abs(np.gradient(smooth)) >= _MOVES
-    return np.convolve(moves, np.ones(2 * _SETTLING + 1), "same") < 0.5
+def _step_in_flow(recording, span):
+    """What the steps of the readings, or what a historian held, may make of the flow, share of span [1]."""
+    moved = [flow_moved_by(recording, step_of(recording, role)) for role in ("p1", "p2") if role in recording]
+    return max(step_of(recording, "flow") / span, _STEEPEST * step_of(recording, "opening"), *moved, 0.0)
+
+
+def _settled(shown, spans):
+    """Rows in which something flows, and near which the simulated flow does not move."""
+    settled = np.zeros(len(shown), dtype=bool)
+    for low, high in spans:
+        smooth = uniform_filter1d(np.nan_to_num(shown[low:high]), _MOMENT, mode="nearest")
+        width = 2 * _SETTLING + 1
+        reach = maximum_filter1d(smooth, width) - minimum_filter1d(smooth, width)
+        settled[low:high] = (reach < _MOVES) & (smooth > _FLOWS)
+    return settled
 
 
 def _about_surroundings(rest, spans):
-    """Means of few rows about the median of many around, each recording for itself; gaps are left out."""
+    """Medians of few rows about that of many around, each recording for itself; gaps are left out."""
     about, known = np.zeros(len(rest)), np.isfinite(rest)
     for low, high in spans:
         piece, seen = rest[low:high], known[low:high]
@@ -127,8 +143,7 @@ def _about_surroundings(rest, spans):
             continue
         filled = np.interp(np.arange(len(piece)), np.flatnonzero(seen), piece[seen])
         left = np.where(seen, piece - median_filter(filled, _AROUND, mode="nearest"), 0.0)
-        total, many = (np.convolve(each, np.ones(_MOMENT), "same") for each in (left, seen.astype(float)))
-        about[low:high] = total / np.maximum(many, 1.0)
+        about[low:high] = median_filter(left, _MOMENT, mode="nearest")
     return about
 
 
@@ -151,8 +166,8 @@ def _moments(out):
 
 def _whole(wider, starts):
     """The runs of a wider mask that hold one of these rows."""
-    rows = np.zeros(len(wider), dtype=bool)
+    rows, starts = np.zeros(len(wider), dtype=bool), np.array(starts)
     for first, end in _runs(wider):
-        if any(first <= start < end for start in starts):
+        if np.searchsorted(starts, first) < np.searchsorted(starts, end):
             rows[first:end] = True
     return rows

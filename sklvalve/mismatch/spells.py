@@ -129,9 +129,10 @@ def course_of(evidence, onset, *, late=0):
     Notes
     -----
     The rows are cut into blocks, and the strength in each, nought or all, is chosen by the quadratic of the
-    cost, a change of it at a price; then each moment moves to where the exact cost is least. Its interval
-    holds all moments within the distance that the largest of two random walks keeps with 95 %. A simulation
-    is never true: the price and the distance are raised as distances between explanations are.
+    cost, a change of it at a price; then each moment moves to where the exact cost is least. The quadratic
+    may mistake a large change: where the cost itself does not bear these times out the search's own stay. An
+    interval holds all moments within the distance that the largest of two random walks keeps with 95 %. A
+    simulation is never true: the price and the distance are raised as distances between explanations are.
     """
     n = evidence.n
     starts = np.unique(np.linspace(0, n, min(_BLOCKS, n // _FEWEST_ROWS), endpoint=False).astype(int))
@@ -143,11 +144,12 @@ def course_of(evidence, onset, *, late=0):
     path = _switched(*evidence.quadratic(starts), blocks, price)
     own = [onset] if onset else []
     if np.any(path != blocks):
-        edges, begins = _edges(path, starts), bool(path[0])
-        found = _settled(evidence, edges, begins, raised, late, moved=True)
-        # the quadratic may mistake a change as large as this one: the cost itself has the last word
-        spared = evidence.cost(acts) - evidence.cost(_acting(n, edges, begins))
-        if spared > price * (len(edges) - len(own)):
+        found = _settled(evidence, _edges(path, starts), bool(path[0]), raised, late, moved=True)
+        instead = np.zeros(n, dtype=bool)
+        for begin, end in found.spells:
+            instead[begin:end] = True
+        switches = int(np.sum(np.diff(instead)))
+        if evidence.cost(acts) - evidence.cost(instead) > price * (switches - len(own)):
             return found
     return _settled(evidence, own, not own, raised, late, moved=False)
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sklvalve.mismatch.detect import mismatch_p_value
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.events import simulated
 from sklvalve.mismatch.gathering import without_settling
@@ -45,7 +46,7 @@ def stretches_of(recording, most):
     return without_settling(chosen, np.arange(many) * length)
 
 
-def over_the_whole(workbench, judged):
+def over_the_whole(workbench, judged, alpha):
     """A judgement made on stretches, with its simulations fitted to every row.
 
     Names, classes, and the test for any mismatch stay those of the stretches; parameters, their intervals,
@@ -56,6 +57,8 @@ def over_the_whole(workbench, judged):
     workbench : Workbench
         Of the whole recording.
     judged : Judgement
+    alpha : float
+        Level of the test.
 
     Returns
     -------
@@ -71,16 +74,29 @@ def over_the_whole(workbench, judged):
     if judged.suspected is not None:
         near = judged.suspected
         judged = replace(judged, suspected=workbench.simulate(near.members, near.values))
-    # rows that speak for themselves are those of the whole
-    if judged.strays is not None:
-        judged = replace(judged, strays=stem_rest(workbench, nominal))
-    if judged.pulses is not None:
-        judged = replace(judged, pulses=find_pulses(workbench, nominal, 1.0))
+    judged = _seen_in_the_whole(workbench, judged, alpha)
     if judged.unknown is None:
         return replace(judged, tried=None)
     tried = folded(workbench, model, judged.unknown)
     kept, told = correction_holds_out(workbench, tried, judged.unknown.channel)
     return replace(judged, tried=tried, kept=kept, errors=told)
+
+
+def _seen_in_the_whole(workbench, judged, alpha):
+    """A judgement whose rows that speak for themselves are those of the whole; none if that shows none."""
+    strays, pulses = judged.strays, judged.pulses
+    if strays is None and pulses is None:
+        return judged
+    if strays is not None:
+        strays = stem_rest(workbench, judged.nominal)
+        strays = strays if strays.evident else None
+    if pulses is not None:
+        pulses = find_pulses(workbench, judged.nominal, alpha)
+    judged = replace(judged, strays=strays, pulses=pulses)
+    if strays is None and pulses is None:
+        # seen in a few stretches and not in all rows: what else there was decides, as it did before
+        return replace(judged, verdict="no_mismatch", p_value=mismatch_p_value(judged.evidence))
+    return judged
 
 
 def _with_events(workbench, model, searched):

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Long recordings: what is searched of them, and that what is found holds for all rows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
+from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, stretches
 from sklvalve.mismatch.contents import Judgement, flagged_rows
+from sklvalve.mismatch.detect import Evidence, circumstances_of
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.preparation import prepared_workbench
 from sklvalve.mismatch.pulses import Pulses
@@ -16,6 +19,10 @@ from sklvalve.recording import Recording, Valve
 
 ONSET = 2100.0
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
+SEEN = {
+    "strays": lambda rows: StemRest(rows, 5, 20, 0.02),
+    "pulses": lambda rows: Pulses(rows, 12, 0, True, 0.02, 1e-3),
+}
 
 
 @pytest.fixture(scope="module")
@@ -69,28 +76,31 @@ def test_what_stretches_show_is_fitted_to_all_rows_and_dated_by_them(leaky):
     assert stages == sorted(stages)
 
 
-def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky):
+def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch):
     whole = prepared_workbench(leaky)
     bench = prepared_workbench(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
+    bench.learn_noise(bench.fit(()))
     nominal = bench.fit(())
-    few = np.ones(len(bench.recording), dtype=bool)
-    judged = Judgement(
-        "cannot_tell",
-        0.005,
-        [],
-        None,
-        nominal,
-        nominal,
-        strays=StemRest(few, 5, 20, 0.02),
-        pulses=Pulses(few, 12, 0, True, 0.02, 1e-3),
-        suspected=bench.fit((Member(BY_KEY["seat_leakage"]),), start=nominal),
-    )
-    told = over_the_whole(whole, judged)
-    assert len(told.strays.rows) == len(leaky)
-    # a sound stem and a flow without pulses have none of them in the whole
-    assert told.strays.intervals == []
-    assert told.pulses is None
-    assert len(flagged_rows(whole, told)) == len(leaky)
+    few, many = (np.ones(len(b.recording), dtype=bool) for b in (bench, whole))
+    evidence = Evidence(0.1, None, circumstances_of(bench))
+    told = Judgement("cannot_tell", 0.005, [], None, nominal, nominal, evidence=evidence)
+    suspected = bench.fit((Member(BY_KEY["seat_leakage"]),), start=nominal)
+    found = over_the_whole(whole, replace(told, suspected=suspected), 0.01)
+    assert len(flagged_rows(whole, found)) == len(leaky)
+    # of what the whole shows as well the rows are its own
+    monkeypatch.setattr(stretches, "stem_rest", lambda *_: StemRest(many, 9, 90, 0.02))
+    monkeypatch.setattr(stretches, "find_pulses", lambda *_: Pulses(many, 12, 0, True, 0.02, 1e-3))
+    for name, one in SEEN.items():
+        found = over_the_whole(whole, replace(told, **{name: one(few)}), 0.01)
+        assert (found.verdict, found.p_value) == ("cannot_tell", 0.005)
+        assert len(getattr(found, name).rows) == len(leaky)
+        assert flagged_rows(whole, found).all()
+    # what the whole does not show, for all its rows, was chance in a few
+    monkeypatch.undo()
+    for name, one in SEEN.items():
+        found = over_the_whole(whole, replace(told, **{name: one(few)}), 0.01)
+        assert (found.verdict, found.strays, found.pulses) == ("no_mismatch", None, None)
+        assert found.p_value > 0.5
 
 
 def test_too_few_rows_to_search_are_refused():
