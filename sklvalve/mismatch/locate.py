@@ -173,9 +173,7 @@ def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):
     """
     parts, places = [], []
     for cause, course in zip(causes, courses, strict=True):
-        acts = np.zeros(len(workbench.recording), dtype=bool)
-        for begin, end in course.spells:
-            acts[begin:end] = True
+        acts = course.acts(len(workbench.recording))
         for c in cause.before:
             cells = cells_of(model.chain, model.values, c, cause.simulated[c])
             rest, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))

@@ -12,6 +12,7 @@ from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d, uni
 from scipy.stats import binom
 
 from sklvalve.recording.dead_bands import flow_moved_by, step_of
+from sklvalve.recording.runs import runs
 from sklvalve.simulation.calibration import drop_is_unknown
 
 # moments are medians of so many rows, so that one row makes none, about the median of so many around
@@ -26,8 +27,8 @@ _APART = 10
 # behind, and in which it is more than this one: where a meter ends, or is cut off, noise has one side
 _SETTLING, _MOVES, _FLOWS = 10, 0.02, 0.05
 _FEWEST_ROWS = 300
-#: Share of the level of the test that this look at a recording has, beside what the others have.
-OF_ALPHA = 0.25
+# share of the level of the test that this look at a recording has, beside what the others have
+_OF_ALPHA = 0.25
 _NORMAL = 1.4826
 
 
@@ -61,7 +62,7 @@ class Pulses:
     @property
     def intervals(self):
         """First row and the one after the last of each moment."""
-        return _runs(self.rows)
+        return runs(self.rows)
 
 
 def find_pulses(workbench, model, alpha):
@@ -108,7 +109,7 @@ def find_pulses(workbench, model, alpha):
     )
     above, below = (_moments(usable & (side * about > limit)) for side in (1.0, -1.0))
     most, fewest = max(len(above), len(below)), min(len(above), len(below))
-    p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)) / OF_ALPHA)
+    p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)) / _OF_ALPHA)
     if p_value > alpha:
         return None
     falls = len(below) > len(above)
@@ -147,15 +148,10 @@ def _about_surroundings(rest, spans):
     return about
 
 
-def _runs(rows):
-    edges = np.flatnonzero(np.diff(rows.astype(int), prepend=0, append=0))
-    return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
-
-
 def _moments(out):
     """First rows of runs of two rows or more, those close behind another one left out."""
     starts, last = [], -_APART - 1
-    for first, end in _runs(out):
+    for first, end in runs(out):
         if end - first < 2:
             continue
         if first - last > _APART:
@@ -167,7 +163,7 @@ def _moments(out):
 def _whole(wider, starts):
     """The runs of a wider mask that hold one of these rows."""
     rows, starts = np.zeros(len(wider), dtype=bool), np.array(starts)
-    for first, end in _runs(wider):
+    for first, end in runs(wider):
         if np.searchsorted(starts, first) < np.searchsorted(starts, end):
             rows[first:end] = True
     return rows

@@ -43,6 +43,13 @@ class Course:
     ranges: list
     sizes: tuple = (1.0, 1.0)
 
+    def acts(self, n):
+        """Of n rows those in which it acts, as booleans."""
+        rows = np.zeros(n, dtype=bool)
+        for begin, end in self.spells:
+            rows[begin:end] = True
+        return rows
+
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
@@ -145,9 +152,7 @@ def course_of(evidence, onset, *, late=0):
     own = [onset] if onset else []
     if np.any(path != blocks):
         found = _settled(evidence, _edges(path, starts), bool(path[0]), raised, late, moved=True)
-        instead = np.zeros(n, dtype=bool)
-        for begin, end in found.spells:
-            instead[begin:end] = True
+        instead = found.acts(n)
         switches = int(np.sum(np.diff(instead)))
         if evidence.cost(acts) - evidence.cost(instead) > price * (switches - len(own)):
             return found

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mismatch.stick_slip import sensor_noise
+from sklvalve.recording.runs import runs
 
 #: Healthy recordings of a simulated plant with the position recorded in which no stem strays: the third of
 #: their windows is at 0.85 of what a sound valve may leave, or less. The rule was made on half of them.
@@ -53,8 +54,7 @@ class StemRest:
     @property
     def intervals(self):
         """First row and the one after the last of each run of such windows."""
-        edges = np.flatnonzero(np.diff(self.rows.astype(int), prepend=0, append=0))
-        return list(zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True))
+        return runs(self.rows)
 
     @property
     def reason(self):

@@ -4,9 +4,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording._screen_tools import Finding, equal_runs, finding, runs
+from sklvalve.recording._screen_tools import Finding, equal_runs, finding
 from sklvalve.recording.noise import noise_floor
 from sklvalve.recording.recording import Recording
+from sklvalve.recording.runs import runs
 
 _LEAST_ROWS, _SETTLED = 100, 40  # rows; within the latter a stem has come to where it was sent
 _LEAST_MOVE, _LEAST_MOVES = 0.015, 3

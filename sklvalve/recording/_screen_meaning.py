@@ -4,8 +4,9 @@
 import numpy as np
 
 from sklvalve.recording._screen_capacity import screen_capacity
-from sklvalve.recording._screen_tools import Finding, boiling_point, finding, measured, runs
+from sklvalve.recording._screen_tools import Finding, boiling_point, finding, measured
 from sklvalve.recording.recording import Recording
+from sklvalve.recording.runs import runs
 from sklvalve.recording.signal import OPENING_ROLES
 
 _MOST_BAR = 400.0

@@ -3,8 +3,9 @@
 
 import numpy as np
 
-from sklvalve.recording._screen_tools import Finding, finding, runs
+from sklvalve.recording._screen_tools import Finding, finding
 from sklvalve.recording.recording import Recording
+from sklvalve.recording.runs import runs
 
 
 def screen_gaps(recording: Recording) -> list[Finding]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.recording.recording import Recording
+from sklvalve.recording.runs import runs
 from sklvalve.recording.signal import OPENING_ROLES
 
 Finding = dict[str, object]
@@ -70,12 +71,6 @@ def worth(recording: Recording, role: str) -> float:
         one = abs(recording.per_si(role))
         reach = max(one / flow_moved_by(recording, 1.0), reach)
     return reach if reach > 0.0 else float(np.ptp(values[np.isfinite(values)])) or 1.0
-
-
-def runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Spans [start, stop) in which a mask holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(start), int(stop)) for start, stop in edges.reshape(-1, 2)]
 
 
 def equal_runs(values: NDArray[np.float64]) -> list[tuple[int, int]]:

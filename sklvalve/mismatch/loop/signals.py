@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.recording.errors import InputError
+from sklvalve.recording.runs import runs
 
 _FEWEST = 100
 _MOST = 2500  # more rows than this are thinned: the search would take too long
@@ -103,9 +104,8 @@ def _filled(values):
 def _held(command, value):
     """Rows held by a historian, and the first row after: it shows in one step what moved in many."""
     same = np.concatenate([[False], (np.diff(command) == 0.0) & (np.diff(value) == 0.0)])
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
     held = np.zeros(len(same), dtype=bool)
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+    for begin, end in runs(same):
         if end - begin >= _HELD:
             held[begin : end + 1] = True
     return held
