@@ -61,7 +61,7 @@ def line_of(place, name, *, valve="valve.toml", cache=None):
             line["errors"] = _errors(found, place, valve, truth, behind)
     except Exception as error:
         # a diagnosis that breaks is an outcome too, and no reason to leave the others undone
-        line["failed"] = f"{type(error).__name__}: {error}"
+        line["failed"] = f"{type(error).__name__}: {error}".replace(f"{place}{os.sep}", "")
     line["truth"] = json.loads((place / "truth.json").read_text(encoding="utf-8"))
     return line
 

@@ -2,6 +2,7 @@
 """From a seed to records and lines of scores: drawn the same, sealed, judged once, gone on with."""
 
 import json
+import shutil
 from collections import Counter
 
 import pytest
@@ -89,6 +90,15 @@ def test_a_line_of_scores(folder, monkeypatch, stand_in):
         assert line["found"]["verdict"] == "no_mismatch"
         assert line["rows"]["told"] == [[0, 1]]
         assert line["errors"] == {}
+
+
+def test_what_is_refused_names_the_file_and_not_the_machine(folder, tmp_path):
+    place = tmp_path / "record"
+    shutil.copytree(next(folder.glob("record_*")), place)
+    (place / "recording.csv.gz").write_bytes(b"no recording")
+    line = judging.line_of(place, "sklvalve")
+    assert "recording.csv.gz" in line["failed"]
+    assert str(tmp_path) not in line["failed"]
 
 
 def test_a_line_that_was_cut_off_is_taken_away(tmp_path):

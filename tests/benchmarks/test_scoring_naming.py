@@ -90,6 +90,13 @@ def test_all_broken(a_failure):
     assert naming.abstention(lines) == Rate(0, 0)
     assert str(naming.mean_class_size(lines)) == "-"
     assert naming.useful_and_true(lines).value == 0.0
+    assert naming.breaks(lines) == Rate(3, 3)
+
+
+def test_bad_input_that_is_refused_is_no_breakdown(a_line, a_failure):
+    refused = a_failure("a") | {"failed": "InputError: p2 lies above p1 in every row"}
+    lines = [a_line(), a_failure("a"), refused]
+    assert naming.breaks(lines) == naming.refusals(lines) == Rate(1, 3)
 
 
 @pytest.mark.parametrize(

@@ -70,7 +70,7 @@ def wrong_records(lines):
 def broken(lines):
     """Table of diagnoses that broke."""
     messages = Counter(str(line.get("failed", "no result")) for line in lines if failed(line))
-    return table(["the diagnosis broke", "records"], messages.most_common())
+    return table(["no diagnosis", "records"], messages.most_common())
 
 
 def doubtful(lines):

@@ -166,6 +166,7 @@ TRUST = (
 COST = (
     Figure("seconds a record, median", cost.cost),
     Figure("memory a record [MB], median", lambda lines: cost.cost(lines, "peak_mb")),
+    Figure("refused as bad input", naming.refusals),
     Figure("the diagnosis broke", naming.breaks),
 )
 FIGURES = NULLS + NAMES + SETS + PLACE + SIZES + AGREES + TRUST + COST

@@ -21,17 +21,21 @@ def read_lines(*paths):
     FileNotFoundError
         Where there is no such file.
     """
+    return parsed(text for path in paths for text in Path(path).read_text(encoding="utf-8").splitlines())
+
+
+def parsed(texts):
+    """Lines of scores from lines of text, as `read_lines` has them of files."""
     lines = {}
-    for path in map(Path, paths):
-        for text in path.read_text(encoding="utf-8").splitlines():
-            try:
-                line = json.loads(text)
-            except json.JSONDecodeError:
-                continue
-            if isinstance(line, dict) and isinstance(line.get("truth"), dict):
-                key = (method_of(line), line.get("folder"), line.get("record"))
-                lines.pop(key, None)
-                lines[key] = line
+    for text in texts:
+        try:
+            line = json.loads(text)
+        except json.JSONDecodeError:
+            continue
+        if isinstance(line, dict) and isinstance(line.get("truth"), dict):
+            key = (method_of(line), line.get("folder"), line.get("record"))
+            lines.pop(key, None)
+            lines[key] = line
     return list(lines.values())
 
 
@@ -128,8 +132,13 @@ def distinguishable_only(lines):
 
 
 def failed(line):
-    """Whether the diagnosis broke."""
+    """Whether there is no diagnosis: it broke, or what there was to read was refused."""
     return "failed" in line or not line.get("found")
+
+
+def refused(line):
+    """Whether the recording was refused as bad input, with a sentence that says why."""
+    return str(line.get("failed", "")).startswith("InputError")
 
 
 def verdict_of(line):

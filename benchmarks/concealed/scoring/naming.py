@@ -16,6 +16,7 @@ from benchmarks.concealed.scoring.lines import (
     grouped,
     names_of,
     of_kind,
+    refused,
     true_names,
     verdict_of,
 )
@@ -95,7 +96,12 @@ def not_distinguishable(lines):
 
 def breaks(lines):
     """Of all records: the diagnosis broke."""
-    return rate_of(failed(line) for line in lines)
+    return rate_of(failed(line) and not refused(line) for line in lines)
+
+
+def refusals(lines):
+    """Of all records: refused as bad input, as exchanged pressures are."""
+    return rate_of(refused(line) for line in lines)
 
 
 def useful(line):

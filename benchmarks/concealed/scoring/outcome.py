@@ -3,7 +3,7 @@
 
 from itertools import permutations
 
-from benchmarks.concealed.scoring.lines import classes_of, failed, kind_of, true_names, verdict_of
+from benchmarks.concealed.scoring.lines import classes_of, failed, kind_of, refused, true_names, verdict_of
 
 HEALTHY = ("right", "alarm", "failed")
 SINGLE = ("right", "wrong name", "cannot tell", "none of these", "missed", "failed")
@@ -72,7 +72,7 @@ def judge(line):
 def _of_defect(line):
     """Of exchanged or mislabelled columns: ``right`` where that is said, or no name is given."""
     if failed(line):
-        return "right" if str(line.get("failed", "")).startswith("InputError") else "failed"
+        return "right" if refused(line) else "failed"
     told = {item.get("finding") for item in line["found"].get("data") or ()}
     if told & set(TELLING):
         return "right"
