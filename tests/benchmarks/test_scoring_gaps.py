@@ -68,8 +68,8 @@ WHOLE = {
 OF_OTHER_RECORDS = [
     "alarms on healthy records",
     "p-value below alpha on healthy records",
-    "p-values uniform (Kolmogorov-Smirnov)",
-    "- one effect, of the size that can just be told",
+    "p-values uniform (Kolmogorov-Smirnov p)",
+    "a mismatch is told, one effect of the size that can just be told",
     "- twice as large",
     "pairs: both found, nothing wrong",
     "pairs: at least one found",

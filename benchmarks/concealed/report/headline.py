@@ -81,9 +81,13 @@ def _sized(figure, size):
 NULLS = (
     Figure("alarms on healthy records", detection.alarms, high=0.025),
     Figure("p-value below alpha on healthy records", detection.rejected),
-    Figure("p-values uniform (Kolmogorov-Smirnov)", detection.uniformity),
+    Figure("p-values uniform (Kolmogorov-Smirnov p)", detection.uniformity, low=0.05, percent=False),
     Figure("anything concealed: a mismatch is told", detection.detected),
-    Figure("- one effect, of the size that can just be told", _sized(detection.detected, 1.0), low=0.85),
+    Figure(
+        "a mismatch is told, one effect of the size that can just be told",
+        _sized(detection.detected, 1.0),
+        low=0.85,
+    ),
     Figure("- twice as large", _sized(detection.detected, 2.0), low=0.95),
     Figure("- three times as large", _sized(detection.detected, LARGE)),
 )
@@ -124,7 +128,7 @@ PLACE = (
     Figure("- intersection over union", lambda lines: place.region(lines).iou, low=0.7, percent=False),
     Figure("- F1 of flagging all rows", lambda lines: place.region(lines).everywhere),
     Figure("rows inside the regions told, F1", lambda lines: place.region(lines, "boxes").f1),
-    Figure("onset within 1 % of the record, abrupt, size 3", _sized(place.onset_near, LARGE)),
+    Figure("onset within 1 % of the record, abrupt, size 3", _sized(place.onset_near, LARGE), low=1.0),
     Figure("- median error", _sized(place.onset_median, LARGE), high=0.01),
     Figure("- an onset is told", _sized(place.onset_told, LARGE)),
     Figure("onset within 1 %, abrupt, all sizes", place.onset_near),
@@ -154,7 +158,7 @@ TRUST = (
     Figure("probability of a class, Brier score", lambda lines: calibration.calibration(lines).brier),
     Figure("- log score", lambda lines: calibration.calibration(lines).log_score),
     Figure(
-        "- expected calibration error",
+        "probability of a class, expected calibration error",
         lambda lines: calibration.calibration(lines).expected_error,
         high=0.05,
         percent=False,

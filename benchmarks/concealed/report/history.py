@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Print every sealed run beside the others: which code it judged, and every figure it came to."""
+"""Print every sealed run beside the others: which code it judged, what was promised, every figure."""
 
 import argparse
 import csv
@@ -54,18 +54,23 @@ def provenance(runs):
         *([words, *(count[kind] for count in counts)] for kind, words in KINDS.items()),
         ["records", *(len(run["lines"]) for run in runs)],
     ]
-    return table(["", *(run["run"] for run in runs)], rows)
+    return table(["", *(f"{run['run']} run" for run in runs)], rows)
 
 
-def figures(runs):
-    """Table of every figure that any run has, a column a run."""
-    rows = [(f, [f.cell(run["lines"]) for run in runs]) for f in FIGURES]
+def figures(runs, chosen=FIGURES):
+    """Table of figures that any run has, a column a run."""
+    rows = [(f, [f.cell(run["lines"]) for run in runs]) for f in chosen]
     told = [[f.label, f.target, *cells] for f, cells in rows if set(cells) != {"-"}]
-    return table(["", "aimed at", *(run["run"] for run in runs)], told)
+    return table(["", "aimed at", *(f"{run['run']} run" for run in runs)], told)
+
+
+def promises(runs):
+    """Table of the figures for which something was aimed at, of the latest two runs."""
+    return figures(runs[-2:], [figure for figure in FIGURES if figure.target])
 
 
 def main(arguments=None):
-    """Print both tables; returns the exit status."""
+    """Print the tables; returns the exit status."""
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks.concealed.report.history", description=__doc__
     )
@@ -74,7 +79,7 @@ def main(arguments=None):
         runs = runs_of(parser.parse_args(arguments).results)
     except (OSError, ValueError) as error:
         parser.error(str(error))
-    print(provenance(runs), figures(runs), sep="\n\n")
+    print(provenance(runs), promises(runs), figures(runs), sep="\n\n")
     return 0
 
 

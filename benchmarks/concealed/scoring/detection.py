@@ -68,6 +68,11 @@ class Uniformity:
     excess: float
     excess_p_value: float
 
+    @property
+    def value(self):
+        """What a target is held against: the p-value in both directions."""
+        return self.p_value
+
     def __str__(self):
         if self.of == 0:
             return "-"
