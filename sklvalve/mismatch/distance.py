@@ -39,7 +39,9 @@ def gain_in_spreads(workbench, better, other):
     """
     losses = [row_losses(workbench, m, workbench.channels) for m in (better, other)]
     gained = losses[1] - losses[0]
-    length = workbench.plain.clock[-1] - workbench.plain.clock[0]
+    clock = workbench.plain.clock
+    # the time between recordings that were joined holds nothing
+    length = min(clock[-1] - clock[0], len(clock) * workbench.recording.sample_time)
     many = int(np.clip(length / _STRETCH, _FEWEST, _MOST))
     each = np.array([part.sum() for part in np.array_split(gained, many)])
     scatter = np.sqrt(many) * each.std(ddof=1)

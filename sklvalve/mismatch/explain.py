@@ -85,6 +85,7 @@ def explain(workbench, nominal, effects, *, threshold, most=4, report=None):
             findings = [without_rival(workbench, f, model, better) for f in findings]
             break
         workbench.learn_noise(stood, cautious=True)
+        stood = workbench.fit(stood.members, start=stood)
         model = _taken_up(workbench, stood, effects, threshold, most, tried, seen, report)
     nominal = workbench.fit((), start=nominal)
     return Explanation(nominal, model, findings, tried, tuple(effects))

@@ -30,21 +30,24 @@ def fit_growing(workbench, model, effect, *, onset, **options):
     -------
     fitted : Model
     """
+    # in rows, not in time: that between recordings that were joined would be the most of it
     clock = workbench.plain.clock
-    first, last = (float(clock[int(share * (len(clock) - 1))]) for share in (FIRST_ONSET, LAST_ONSET))
+    rows = np.arange(len(clock))
+    first, last = (int(share * (len(clock) - 1)) for share in (FIRST_ONSET, LAST_ONSET))
     fits = {}
 
-    def fitted_at(moment):
-        moment = float(np.clip(moment, first, last))
-        if moment not in fits:
+    def fitted_at(row):
+        row = float(np.clip(row, first, last))
+        if row not in fits:
+            member = Member(effect, float(np.interp(row, rows, clock)))
             start = max(fits.values(), key=lambda m: m.log_likelihood, default=model)
-            fits[moment] = workbench.fit((*model.members, Member(effect, moment)), start=start, **options)
-        return moment
+            fits[row] = workbench.fit((*model.members, member), start=start, **options)
+        return row
 
-    best, reach = fitted_at(onset), _COARSE * (last - first)
+    best, reach = fitted_at(np.interp(onset, clock, rows)), _COARSE * (last - first)
     while reach > _FINE * (last - first):
         there = max(
-            (best, fitted_at(best - reach), fitted_at(best + reach)), key=lambda w: fits[w].log_likelihood
+            (best, fitted_at(best - reach), fitted_at(best + reach)), key=lambda row: fits[row].log_likelihood
         )
         if there == best:
             reach *= 0.5

@@ -52,6 +52,8 @@ def may_come_and_go(effect):
 
 def begun(effect, times):
     """Member of an effect that acts as `Member.times` of another one says, as far as it can."""
+    if not effect.may_begin:
+        return Member(effect)
     first, *later = np.atleast_1d(times).tolist() if times is not None else (None,)
     return Member(effect, first, tuple(later) if may_come_and_go(effect) else ())
 

@@ -127,10 +127,11 @@ def _judged(
         # effects too weak to be told from chance must not hide a rest that is not
         bare = weighed([], nominal)
         # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
-        enough = bare[-1] and any_is_rare(findings)
-        if not enough:
-            findings = []
-            unknown, evidence, p_value, enough = bare
+        named = bare[-1] and any_is_rare(findings)
+        # what decides is what is told beside it
+        evidence, p_value, enough = bare[1:]
+        if not named:
+            findings, unknown = [], bare[0]
     upheld = not findings or holds_out(workbench, nominal, model)
     explained = 0.0
     if unknown is not None and findings:

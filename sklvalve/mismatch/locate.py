@@ -102,20 +102,20 @@ def causes_of(workbench, model, unknown=None):
 
 def course_of_cause(workbench, model, cause):
     """When one of the things found acts: a `Course`."""
-    clock, onset = model.chain.clock, None
+    clock = model.chain.clock
     if cause.member is None:
         # learnt from all rows alike: nothing tells when it began
         return Course("throughout", [(0, len(clock))], [(None, None)])
-    if cause.member.onset is not None:
-        onset = int(np.searchsorted(clock, cause.member.onset))
+    acts = model.chain.active(cause.member.effect)
+    acts = np.ones(len(clock), dtype=bool) if acts is None else acts
     noise = {c: workbench.noise[c] for c in cause.before}
     slopes = _slopes_of_calibration(workbench, model, cause)
     evidence = Evidence(noise, cause.before, cause.after, cause.settled, slopes)
     if not cause.member.effect.grows:
         # what begins inside an instrument shows behind its response
         response = int(np.ceil(workbench.tolerance.response / workbench.recording.sample_time))
-        return course_of(evidence, onset, late=response)
-    return growing_course(evidence, onset, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
+        return course_of(evidence, acts, late=response)
+    return growing_course(evidence, clock, acts, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
 
 
 def _slopes_of_calibration(workbench, model, cause):

@@ -80,7 +80,10 @@ def noise_of(recording, residuals, simulated, step, role, **settings):
     def of(low, high):
         rows = slice(low, high)
         quantum = step_of(recording.slice(low, high), role)
-        return fit_noise(residuals[rows], simulated[rows], step[rows], quantum=quantum, **settings)
+        steps = step[rows].copy()
+        # the time since the piece before is no time of this one
+        steps[0] = np.median(steps[1:]) if len(steps) > 1 else steps[0]
+        return fit_noise(residuals[rows], simulated[rows], steps, quantum=quantum, **settings)
 
     if role == "flow" and drop_is_unknown(recording):
         # a drop that nobody recorded wanders by more than any sensor: what is slow belongs to it

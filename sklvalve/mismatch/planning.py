@@ -121,12 +121,16 @@ class _Choice:
             for program in programs:
                 self.tried.append((program, sensor, self.advisor.distances(program, sensor)))
                 self.asks.append(asked)
+            if not self.tried:
+                continue
             before = [self._least(d) for _, _, d in self.tried]
             for k in self._order(before, self.asks)[:_LOOKED_AT]:
                 if k not in close:
                     close[k] = self.advisor.distances(*self.tried[k][:2], _ROUNDS)
             if any(np.all(self._least(d)[self.open] >= SURE) for d in close.values()):
                 break
+        if not close:
+            return None
         after = [self._least(d) for d in close.values()]
         best = list(close)[self._order(after, [self.asks[k] for k in close])[0]]
         pairs = zip(self._least(self.now), self._least(close[best]), strict=True)
@@ -139,7 +143,7 @@ class _Choice:
         workbench, limits, ranges = self.advisor.workbench, self.limits, self.ranges
         recording = workbench.recording
         opening = ranges.visited if limits.opening is None else limits.opening
-        first = ranges.programs(opening, limits) if opening[1] - opening[0] > 0.01 else []
+        first = ranges.programs(opening, limits) if opening[1] - opening[0] > 0.01 + 1e-9 else []
         more = None if self.given else as_now(recording, ranges.rows)
         yield ([more, *first] if more else first), None
         if limits.opening is None and ranges.whole != ranges.visited:

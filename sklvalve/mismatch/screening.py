@@ -56,7 +56,7 @@ def screened(workbench, model, effects, *, onset=False, report=None):
 
 def _of_one_effect(workbench, model, line, effect, onset):
     given = onset is not False
-    member = begun(effect, onset) if given and effect.may_begin else Member(effect)
+    member = begun(effect, onset) if given else Member(effect)
     trial = Trial(workbench, model, line, member)
     starts = trial.starts()
     errors = [line.with_priors(e) for e in trial.errors_at(starts)]

@@ -118,14 +118,14 @@ class Evidence:
         return moved.T @ moved, moved.T @ self.free(self.whitened(self.before))
 
 
-def course_of(evidence, onset, *, late=0):
-    """When a change acts that the search has acting from a row on.
+def course_of(evidence, acts, *, late=0):
+    """When a change acts that the search has acting in some rows.
 
     Parameters
     ----------
     evidence : Evidence
-    onset : int or None
-        Row from which the hypothesis has it; None from the start.
+    acts : ndarray of bool, shape (n,)
+        Rows in which the hypothesis has it.
     late : int, default=0
         Rows by which a moment may show later than it was.
 
@@ -135,28 +135,29 @@ def course_of(evidence, onset, *, late=0):
 
     Notes
     -----
-    The rows are cut into blocks, and the strength in each, nought or all, is chosen by the quadratic of the
-    cost, a change of it at a price; then each moment moves to where the exact cost is least. The quadratic
-    may mistake a large change: where the cost itself does not bear these times out the search's own stay. An
-    interval holds all moments within the distance that the largest of two random walks keeps with 95 %. A
-    simulation is never true: the price and the distance are raised as distances between explanations are.
+    The rows are cut into blocks, at the search's own times too, and the strength in each, nought or all, is
+    chosen by the quadratic of the cost, a change of it at a price; then each moment moves to where the exact
+    cost is least. The quadratic may mistake a large change: where the cost itself does not bear these times
+    out the search's own stay. An interval holds all moments within the distance that the largest of two
+    random walks keeps with 95 %. A simulation is never true: the price and the distance are raised as
+    distances between explanations are.
     """
     n = evidence.n
-    starts = np.unique(np.linspace(0, n, min(_BLOCKS, n // _FEWEST_ROWS), endpoint=False).astype(int))
-    acts = np.arange(n) >= (onset or 0)
+    own = (np.flatnonzero(np.diff(acts)) + 1).tolist()
+    even = np.linspace(0, n, min(_BLOCKS, n // _FEWEST_ROWS), endpoint=False).astype(int)
+    starts = np.union1d(even, own).astype(int)
     gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
     raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * gain / DISTINGUISHABLE
     blocks = acts[starts]
     price = SWITCH_PRICE * raised
     path = _switched(*evidence.quadratic(starts), blocks, price)
-    own = [onset] if onset else []
     if np.any(path != blocks):
         found = _settled(evidence, _edges(path, starts), bool(path[0]), raised, late, moved=True)
         instead = found.acts(n)
         switches = int(np.sum(np.diff(instead)))
         if evidence.cost(acts) - evidence.cost(instead) > price * (switches - len(own)):
             return found
-    return _settled(evidence, own, not own, raised, late, moved=False)
+    return _settled(evidence, own, bool(acts[0]), raised, late, moved=False)
 
 
 def _switched(square, pull, blocks, price):
@@ -192,7 +193,7 @@ def _settled(evidence, edges, begins, raised, late, *, moved):
             low = edges[i - 1] + 1 if i else 1
             high = edges[i + 1] if i + 1 < len(edges) else n
             best, within = _moment(evidence, edges, begins, i, (low, high), raised)
-            # where the search itself fitted the only onset, that is the one of the simulation
+            # where the search itself fitted these times, they are those of the simulation
             edges[i] = best if moved else edges[i]
             ranges.append((max(min(within[0], edges[i]) - late, 0), max(within[1], edges[i])))
     marks = ([0] if begins else []) + edges
@@ -237,15 +238,17 @@ def _acting(n, edges, begins):
     return (np.cumsum(marks[:n]) + int(begins)) % 2 == 1
 
 
-def growing_course(evidence, onset, candidates):
+def growing_course(evidence, clock, acts, candidates):
     """When a change began that grows.
 
     Parameters
     ----------
     evidence : Evidence
         Its change is one that grew from the first row on.
-    onset : int or None
-        Row from which the hypothesis has it grow; None from the start.
+    clock : ndarray of shape (n,)
+        Time of each row [s], gaps between joined recordings among it.
+    acts : ndarray of bool, shape (n,)
+        Rows in which the hypothesis has it grow.
     candidates : sequence of int
         Rows to be compared.
 
@@ -253,12 +256,12 @@ def growing_course(evidence, onset, candidates):
     -------
     course : Course
     """
-    n, rows = evidence.n, np.arange(evidence.n)
-    begin = onset or 0
+    n, begin = evidence.n, int(np.argmax(acts))
+    since = clock - clock[0]
     target, gains, sizes = evidence.free(evidence.whitened(evidence.before)), [], []
     places = sorted({int(k) for k in candidates} | {begin})
     for k in places:
-        strength = np.maximum(rows - k, 0) / np.maximum(rows, 1)
+        strength = np.maximum(since - since[k], 0.0) / np.where(since > 0.0, since, 1.0)
         grown = {c: strength * (b - evidence.after[c]) for c, b in evidence.before.items()}
         ramp = evidence.free(evidence.whitened(grown))
         sizes.append(float(ramp @ target) / max(float(ramp @ ramp), 1e-12))

@@ -70,7 +70,9 @@ def over_the_whole(workbench, judged, alpha):
     nominal = workbench.least_squares(model if nothing else workbench.fit((), start=nominal))
     findings = [_finding(workbench, f, _with_events(workbench, model, judged.model)) for f in judged.findings]
     model = nominal if nothing else _with_events(workbench, workbench.least_squares(model), judged.model)
-    judged = replace(judged, nominal=nominal, model=model, findings=findings)
+    # what comes closest and is not named is fitted no more than the rivals of what is
+    closest = [replace(f, rivals=[_rival(workbench, r) for r in f.rivals]) for f in judged.closest]
+    judged = replace(judged, nominal=nominal, model=model, findings=findings, closest=closest)
     if judged.suspected is not None:
         near = judged.suspected
         judged = replace(judged, suspected=workbench.simulate(near.members, near.values))
@@ -145,12 +147,19 @@ def _dated(workbench, model):
 def _finding(workbench, finding, model):
     """A finding with the parameters of the whole for the effect in place; its rivals stay, as simulated."""
     own = {m.effect.key: m for m in model.members}[finding.member.effect.key]
-    rivals = []
-    for rival in finding.rivals:
-        if rival.member.effect.key == own.effect.key:
-            rivals.append(replace(rival, member=own, model=model))
-            continue
-        made = workbench.simulate(rival.model.members, rival.model.values)
-        made = replace(made, log_likelihood=rival.model.log_likelihood, spreads=rival.model.spreads)
-        rivals.append(replace(rival, model=made))
+    searched = next(r.model for r in finding.rivals if r.member.effect.key == own.effect.key)
+    # all rows are many times those searched: of likelihoods only differences go with the others
+    more = model.log_likelihood - searched.log_likelihood
+    rivals = [
+        replace(r, member=own, model=model) if r.model is searched else _rival(workbench, r, more)
+        for r in finding.rivals
+    ]
     return replace(finding, member=own, rivals=rivals)
+
+
+def _rival(workbench, rival, more=0.0):
+    """A rival with every row simulated, its log likelihood larger by so much."""
+    model = rival.model
+    made = workbench.simulate(model.members, model.values)
+    made = replace(made, log_likelihood=model.log_likelihood + more, spreads=model.spreads)
+    return replace(rival, model=made)

@@ -100,6 +100,35 @@ def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alon
     assert better((0.6, False), (0.39, True), (0.01, True)) == 1
 
 
+def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
+    """A rival that took the place of an effect is fitted anew by the noise with which the search goes on."""
+    place, judged = Member(LEAK), []
+
+    class Bench:
+        noise = "first"
+
+        def fit(self, members, *, start=None):
+            return SimpleNamespace(members=tuple(members), by=self.noise)
+
+        def learn_noise(self, model, *, cautious=False):
+            self.noise = "cautious" if cautious else "its own"
+
+    def taken_up(bench, model, *_):
+        judged.append((bench.noise, model.by))
+        return bench.fit((place,))
+
+    bench = Bench()
+    better = iter([SimpleNamespace(members=(place,)), None])
+    monkeypatch.setattr(explain, "_taken_up", taken_up)
+    monkeypatch.setattr(explain, "_what_stands", lambda b, model, _: b.learn_noise(model) or b.fit((place,)))
+    monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
+    monkeypatch.setattr(explain, "_simpler", lambda *_: None)
+    monkeypatch.setattr(explain, "_settle", lambda b, model: model)
+    monkeypatch.setattr(explain, "find_rivals", lambda *_: [])
+    explain.explain(bench, bench.fit(()), (), threshold=1.0)
+    assert judged == [("first", "first"), ("cautious", "cautious")]
+
+
 @pytest.mark.slow
 def test_play_is_found_alone_also_in_the_first_rows_of_a_recording():
     made = make_valve_recording("backlash", 0.04, n_samples=2400, n_later=0, loop="wide", random_state=2)

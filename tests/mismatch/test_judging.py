@@ -57,6 +57,18 @@ def test_a_weak_finding_stands_where_the_mismatch_is_told_without_it(monkeypatch
     assert "actuator" not in told["location"]["blocks"]
 
 
+def test_the_p_value_told_is_that_which_decided(monkeypatch):
+    """With the finding chance is not ruled out, without it it is: what is named then stands by the latter."""
+    first = iter([0.012])
+    monkeypatch.setattr(judging, "mismatch_p_value", lambda evidence: next(first, 1e-5))
+    monkeypatch.setattr(judging, "p_value_of_what_counts", lambda *_: 1e-6)
+    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: 1e-4)
+    leaking = record("seat_leakage", 0.05, random_state=1)
+    told = MissingPhysicsFinder(effects=["seat_leakage", "line_loss"]).fit(leaking).diagnosis_.to_dict()
+    assert (told["verdict"], told["mismatch"]["detected"]) == ("named", True)
+    assert told["mismatch"]["p_value"] == 1e-5
+
+
 def test_what_may_not_be_named_tells_when_and_in_which_rows_it_acts(monkeypatch):
     monkeypatch.setattr(judging, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
     monkeypatch.setattr(judging, "p_value_of_one", lambda *_: 0.2)

@@ -22,15 +22,20 @@ def evidence(strength, size=3.0, seed=0):
     return Evidence({"flow": NOISE}, {"flow": left}, {"flow": left - change}, {"flow": noise})
 
 
-def rows(*spells):
-    acts = np.zeros(ROWS)
+def rows(*spells, of=ROWS):
+    acts = np.zeros(of)
     for begin, end in spells:
         acts[begin:end] = 1.0
     return acts
 
 
+def since(row):
+    """Rows from one on, as the search has an effect act."""
+    return np.arange(ROWS) >= row
+
+
 def test_from_the_start_stays_from_the_start():
-    course = course_of(evidence(rows((0, ROWS))), None)
+    course = course_of(evidence(rows((0, ROWS))), since(0))
     assert course.kind == "throughout"
     assert course.spells == [(0, ROWS)]
     assert course.ranges == [(None, None)]
@@ -41,7 +46,7 @@ def test_interval_of_an_onset_covers(size):
     held, widths = 0, []
     for seed in range(30):
         onset = 200 + 37 * seed
-        course = course_of(evidence(rows((onset, ROWS)), size, seed), onset)
+        course = course_of(evidence(rows((onset, ROWS)), size, seed), since(onset))
         assert course.kind == "from an onset on"
         low, high = course.ranges[0][0]
         held += low <= onset <= high
@@ -54,7 +59,7 @@ def test_interval_of_an_onset_covers(size):
 
 def test_end_and_spells_are_found_with_intervals():
     true = [(300, 600), (900, 1200)]
-    course = course_of(evidence(rows(*true)), 300)
+    course = course_of(evidence(rows(*true)), since(300))
     assert course.kind == "in spells"
     assert len(course.spells) == 2
     for spell, ranges, told in zip(course.spells, course.ranges, true, strict=True):
@@ -66,20 +71,20 @@ def test_end_and_spells_are_found_with_intervals():
 def test_the_cost_itself_has_the_last_word(monkeypatch):
     # to second order a change as large as this one may seem to act throughout
     made = evidence(rows((700, ROWS)))
-    assert course_of(made, 700).spells == [(700, ROWS)]
+    assert course_of(made, since(700)).spells == [(700, ROWS)]
     monkeypatch.setattr(spells, "_switched", lambda square, pull, blocks, price: np.ones_like(blocks))
-    course = course_of(made, 700)
+    course = course_of(made, since(700))
     assert (course.kind, course.spells) == ("from an onset on", [(700, ROWS)])
     low, high = course.ranges[0][0]
     assert low <= 700 <= high
     # where the cost bears it out the quadratic is followed
-    assert course_of(evidence(rows((0, ROWS))), 700).kind == "throughout"
+    assert course_of(evidence(rows((0, ROWS))), since(700)).kind == "throughout"
 
 
 def test_a_strength_that_is_somewhat_wrong_makes_no_spells():
     # the model of an effect is right to some 15 %: half its size is not needed to be far from nought
     strength = 1.0 + 0.25 * np.sin(np.arange(ROWS) / 80.0)
-    course = course_of(evidence(strength, 4.0), None)
+    course = course_of(evidence(strength, 4.0), since(0))
     assert course.kind == "throughout"
 
 
@@ -87,11 +92,11 @@ def test_growth_begins_within_its_interval():
     held = sized = 0
     for seed in range(12):
         onset = 300 + 40 * seed
-        since = np.maximum(np.arange(ROWS) - onset, 0.0)
+        grown = np.maximum(np.arange(ROWS) - onset, 0.0)
         rng = np.random.default_rng(seed)
         noise = rng.standard_normal(ROWS)
         slope = 6.0 / ROWS
-        left = noise + slope * since
+        left = noise + slope * grown
         made = Evidence(
             {"flow": NOISE},
             {"flow": left},
@@ -100,7 +105,7 @@ def test_growth_begins_within_its_interval():
             # the calibration may answer with the level
             NOISE.whiten(np.ones(ROWS))[:, None],
         )
-        course = growing_course(made, onset + 60, np.linspace(0, 0.95 * ROWS, 61))
+        course = growing_course(made, np.arange(ROWS), since(onset + 60), np.linspace(0, 0.95 * ROWS, 61))
         assert course.kind == "growing"
         low, high = course.ranges[0][0]
         held += low <= onset <= high
@@ -111,3 +116,32 @@ def test_growth_begins_within_its_interval():
         assert 0.5 < slow < fast < 2.0
     assert held >= 10
     assert sized >= 10
+
+
+def test_spells_of_the_search_stay_however_short():
+    many, length = 6000, 45
+    true = [(begin, begin + length) for begin in (500, 1900, 3300, 4700)]
+    noise = NoiseModel(np.full(many, 1.0), np.ones(many), 5.0, 0.2, 300.0, 0.2)
+    quiet = np.random.default_rng(0).standard_normal(many)
+    acts = rows(*true, of=many)
+    left, change = quiet + 2.0 * acts, np.full(many, 2.0)
+    made = Evidence({"flow": noise}, {"flow": left}, {"flow": left - change}, {"flow": quiet})
+    course = course_of(made, acts > 0.0)
+    assert (course.kind, course.spells) == ("in spells", true)
+    # each is half of a block of the record that is looked through
+    assert length < many / 64
+
+
+def test_growth_goes_by_the_clock_and_not_by_rows():
+    """Two recordings a week apart: what grows went on growing between them."""
+    clock = np.arange(ROWS) + np.where(np.arange(ROWS) >= 750, 6e5, 0.0)
+    onset = 600
+    noise = np.random.default_rng(1).standard_normal(ROWS)
+    rate = 20.0 / clock[-1]
+    left = noise + rate * np.maximum(clock - clock[onset], 0.0)
+    made = Evidence({"flow": NOISE}, {"flow": left}, {"flow": left - rate * clock}, {"flow": noise})
+    course = growing_course(made, clock, since(onset), np.linspace(0, 0.95 * ROWS, 61))
+    # whenever in the first recording it began, the week between says how fast it grows
+    assert course.sizes == pytest.approx((1.0, 1.0), abs=0.05)
+    low, high = course.ranges[0][0]
+    assert low <= onset <= high

@@ -283,6 +283,17 @@ def test_what_is_told_for_sure_counts_then_what_is_asked_then_how_far_it_gets(fo
     assert choice._order([[d] * 3 for d in found], asks)[0] == first
 
 
+def test_a_stage_without_a_program_hands_over_to_the_next(monkeypatch):
+    def planned_by(*stages):
+        choice = _Choice(_Programs(np.full((3, 3), 2.0), np.full((3, 3), 60.0)), None, TestLimits())
+        monkeypatch.setattr(choice, "_stages", lambda: iter([(programs, None) for programs in stages]))
+        monkeypatch.setattr(choice, "_as_plan", lambda program, *_: program)
+        return choice.plan()
+
+    assert planned_by([], ["p"]) == "p"
+    assert planned_by([], []) is None
+
+
 def test_pressures_are_moved_one_by_one_and_further_before_both():
     choice = _Choice(_Programs(np.full((3, 3), 2.0), np.full((3, 3), 2.0)), None, None)
     stages = [[p for p in programs if p.moved] for programs, _ in choice._stages()]

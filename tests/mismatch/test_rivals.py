@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import CATALOGUE, rivals
-from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member
+from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, begun
 
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
 BENCH = SimpleNamespace(recording=range(3000))
@@ -44,6 +44,12 @@ def test_what_loses_less_than_it_is_spared_is_likelier(monkeypatch):
 def test_what_pays_for_the_same_switches_is_weighed_by_its_distance(monkeypatch):
     other = Member(BY_KEY["position_sensor_bias"], 900.0, (1400.0, 2100.0))
     assert _weighed(monkeypatch, 60.0, 20.0, other) == pytest.approx(10.0)
+
+
+def test_what_cannot_begin_acts_throughout_in_the_place_of_what_began():
+    fixed = next(e for e in CATALOGUE if not e.may_begin)
+    assert begun(fixed, 400.0).times is begun(fixed, (400.0, 500.0)).times is None
+    assert begun(STAYS.effect, (400.0, 500.0)).times == 400.0
 
 
 def test_what_fits_as_well_is_spared_the_whole_price():

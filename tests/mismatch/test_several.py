@@ -54,6 +54,18 @@ def test_each_recording_has_its_own_noise(two):
     assert noise.log_spread == pytest.approx(sum(m.log_spread for m in noise.models))
 
 
+def test_the_time_between_two_recordings_is_no_time_to_wander_in(two):
+    rng = np.random.default_rng(0)
+    joined = join_recordings(two)
+    residuals = 1e-4 * rng.normal(size=2600) + np.tile(np.linspace(-1e-3, 1e-3, 1300), 2)
+    found = []
+    for gap in (1.0, 3600.0, 6e5):
+        step = np.ones(2600)
+        step[1300] = gap
+        found.append(noise_of(joined, residuals, joined["flow"], step, "flow").models[1].slow_time)
+    assert found == pytest.approx([found[0]] * 3)
+
+
 def test_a_recording_without_a_value_of_a_channel_says_nothing_of_its_noise(two):
     residuals = np.full(2600, np.nan)
     residuals[:1300] = 1e-4 * np.random.default_rng(0).normal(size=1300)

@@ -13,8 +13,10 @@ from sklvalve.mismatch.detect import Evidence, circumstances_of
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.preparation import prepared_workbench
 from sklvalve.mismatch.pulses import Pulses
+from sklvalve.mismatch.rivals import Finding, Rival
 from sklvalve.mismatch.stem_rest import StemRest
 from sklvalve.mismatch.stretches import STRETCH, over_the_whole, stretches_of
+from sklvalve.mismatch.verdict import effect_entry
 from sklvalve.recording import Recording, Valve
 
 ONSET = 2100.0
@@ -101,6 +103,25 @@ def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch)
         found = over_the_whole(whole, replace(told, **{name: one(few)}), 0.01)
         assert (found.verdict, found.strays, found.pulses) == ("no_mismatch", None, None)
         assert found.p_value > 0.5
+
+
+def test_rivals_and_what_comes_closest_are_simulated_in_the_whole(leaky):
+    whole = prepared_workbench(leaky)
+    bench = prepared_workbench(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
+    nominal = bench.fit(())
+    models = [bench.fit((Member(BY_KEY[k]),), start=nominal) for k in ("flow_meter_drift", "seat_leakage")]
+    rivals = [Rival(m.members[0], m, 0.5, 0.0) for m in models]
+    finding = Finding(models[0].members[0], rivals, 10.0, {"flow": 0.01})
+    told = Judgement("none_of_these", 0.005, [], None, nominal, nominal, closest=[finding])
+    found = over_the_whole(whole, told, 0.01)
+    (closest,) = found.closest
+    assert all(len(r.model.predictions["flow"]) == len(leaky) for r in closest.rivals)
+    # what grows is dated for its interval, which asks for every row
+    assert effect_entry(closest, leaky, whole)["members"][0]["name"]
+    told = replace(told, verdict="named", model=models[0], findings=[finding], closest=[])
+    (named,) = over_the_whole(whole, told, 0.01).findings
+    lost = [named.rivals[0].model.log_likelihood - r.model.log_likelihood for r in named.rivals]
+    assert lost == pytest.approx([0.0, models[0].log_likelihood - models[1].log_likelihood])
 
 
 def test_too_few_rows_to_search_are_refused():
