@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The command ``sklvalve``: a file a command, each loaded only when it is asked for."""
+"""The command ``sklvalve``: a file a command, which imports what it works with only when it is run."""
 
 from sklvalve.cli.entry import main
 

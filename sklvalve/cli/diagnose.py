@@ -63,7 +63,7 @@ def add_parser(commands) -> None:
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the random draws (default: 0)")
     parser.add_argument(
-        "--exit-code", action="store_true", help="end with status 1 where there is a mismatch"
+        "--exit-code", action="store_true", help="end with status 1 unless the verdict is no_mismatch"
     )
     add_json_argument(parser, "diagnosis.json")
     parser.set_defaults(run=run)
