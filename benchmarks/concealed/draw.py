@@ -94,7 +94,13 @@ def write(place, made):
     if made.given is not None:
         (waiting / "valve_given.toml").write_text(to_toml(made.given), encoding="utf-8")
     (waiting / "truth.json").write_text(json.dumps(made.truth, indent=1) + "\n", encoding="utf-8")
-    waiting.rename(place)
+    try:
+        waiting.rename(place)
+    except OSError:
+        # a draw that was stopped may have left a process that wrote the same record meanwhile
+        if not place.is_dir():
+            raise
+        shutil.rmtree(waiting)
 
 
 def _write_csv(path, table):

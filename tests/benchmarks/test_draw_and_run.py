@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.concealed import judging, run
 from benchmarks.concealed.cases import ONLY_IN, STEPS, plan
-from benchmarks.concealed.draw import broken_seals, draw, seal
+from benchmarks.concealed.draw import _made, broken_seals, draw, seal, write
 from benchmarks.concealed.plant import EFFECTS, NAMED
 
 SIZES = {"healthy": 2, "each": 0, "pairs": 0, "outside": 1, "defects": 0}
@@ -99,6 +99,16 @@ def test_what_is_refused_names_the_file_and_not_the_machine(folder, tmp_path):
     line = judging.line_of(place, "sklvalve")
     assert "recording.csv.gz" in line["failed"]
     assert str(tmp_path) not in line["failed"]
+
+
+def test_a_record_that_another_process_wrote_meanwhile_stays(tmp_path):
+    made = _made(plan(3, healthy=1, each=0, pairs=0, outside=0, defects=0)[0], 3)
+    place = tmp_path / "record_0000"
+    write(place, made)
+    before = (place / "truth.json").stat().st_mtime_ns
+    write(place, made)
+    assert (place / "truth.json").stat().st_mtime_ns == before
+    assert [p.name for p in tmp_path.iterdir()] == ["record_0000"]
 
 
 def test_a_line_that_was_cut_off_is_taken_away(tmp_path):
