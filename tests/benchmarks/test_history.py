@@ -7,7 +7,7 @@ import shutil
 
 import pytest
 
-from benchmarks.concealed.report.history import RESULTS, figures, main, provenance, runs_of
+from benchmarks.concealed.report.history import RESULTS, figures, main, promises, provenance, runs_of
 
 
 @pytest.fixture
@@ -23,6 +23,14 @@ def copied(tmp_path):
 def test_every_published_folder_is_listed_under_its_seal():
     runs = runs_of(RESULTS)
     assert {f"seed_{run['seed']}" for run in runs} == {p.name for p in RESULTS.iterdir() if p.is_dir()}
+
+
+def test_the_documentation_has_the_tables_that_the_scores_make():
+    runs, docs = runs_of(RESULTS), RESULTS.parents[2] / "docs"
+    assert promises(runs) in (docs / "validation.md").read_text(encoding="utf-8")
+    history = (docs / "validation_runs.md").read_text(encoding="utf-8")
+    assert provenance(runs) in history
+    assert figures(runs) in history
 
 
 def test_no_published_score_holds_a_path_of_a_machine():
