@@ -3,7 +3,6 @@
 
 import argparse
 import csv
-import gzip
 import hashlib
 import sys
 from collections import Counter
@@ -11,7 +10,7 @@ from pathlib import Path
 
 from benchmarks.concealed.report.headline import FIGURES
 from benchmarks.concealed.report.markdown import table
-from benchmarks.concealed.scoring.lines import kind_of, parsed
+from benchmarks.concealed.scoring.lines import kind_of, read_lines
 
 RESULTS = Path(__file__).parent.parent / "results"
 SCORES = "scores_sklvalve.jsonl.gz"
@@ -39,8 +38,7 @@ def runs_of(results):
             sealed = hashlib.sha256((folder / "seal.txt").read_bytes()).hexdigest()
             if sealed != run["seal_sha256"]:
                 raise ValueError(f"expected the seal {run['seal_sha256']} in {folder}, found {sealed}")
-            with gzip.open(folder / SCORES, "rt", encoding="utf-8") as text:
-                runs.append({**run, "lines": parsed(text)})
+            runs.append({**run, "lines": read_lines(folder / SCORES)})
     return runs
 
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Lines of scores: reading them, and what each says, whatever it leaves out."""
 
+import gzip
 import json
 from collections import defaultdict
 from pathlib import Path
@@ -12,7 +13,7 @@ DISTINGUISHABLE = 14.0
 
 
 def read_lines(*paths):
-    """Lines of files of scores, in the order read.
+    """Lines of files of scores, in the order read; a file whose name ends in .gz is unpacked.
 
     A line that was cut off counts as not written; of two of one record by one method the later one counts.
 
@@ -21,13 +22,8 @@ def read_lines(*paths):
     FileNotFoundError
         Where there is no such file.
     """
-    return parsed(text for path in paths for text in Path(path).read_text(encoding="utf-8").splitlines())
-
-
-def parsed(texts):
-    """Lines of scores from lines of text, as `read_lines` has them of files."""
     lines = {}
-    for text in texts:
+    for text in (text for path in paths for text in _text_of(Path(path)).splitlines()):
         try:
             line = json.loads(text)
         except json.JSONDecodeError:
@@ -37,6 +33,11 @@ def parsed(texts):
             lines.pop(key, None)
             lines[key] = line
     return list(lines.values())
+
+
+def _text_of(path):
+    content = path.read_bytes()
+    return (gzip.decompress(content) if path.suffix == ".gz" else content).decode("utf-8")
 
 
 def method_of(line):
