@@ -116,9 +116,12 @@ def flagged_rows(workbench, judgement):
 
 
 def content_of(
-    whole, workbench, judgement, flagged, fit, *, data, not_testable, alpha, random_state, mend=None
+    whole, workbench, judgement, flagged, fit, *, data, not_testable, alpha, random_state, mend, plan
 ):
-    """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``; `mend`: what to do to the data."""
+    """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``.
+
+    `mend` is what to do to the data, and `plan` the next test, where there is one.
+    """
     unknown, found = judgement.unknown, judgement.found
     entries = [effect_entry(f, whole, workbench) for f in judgement.findings]
     blocks = sorted({b for e in entries for b in e["blocks"]})
@@ -150,7 +153,7 @@ def content_of(
         "fit": fit,
         "proof": "later_rows" if len(whole) > len(workbench.recording) else "four_blocks",
         "not_testable": not_testable,
-        "next_test": mend or next_test(classes, judgement.verdict, rest, workbench, judgement.findings),
+        "next_test": mend or next_test(classes, judgement.verdict, rest, workbench, plan),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
         "provenance": {
             "sklvalve": sklvalve.__version__,

@@ -20,6 +20,7 @@ from sklvalve.mismatch.gate import blocking, with_seized_stems
 from sklvalve.mismatch.gathering import gathered
 from sklvalve.mismatch.judging import blocked, judge
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
+from sklvalve.mismatch.next_test import plan_of
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
 from sklvalve.mismatch.prove import errors, held_out_predictions
 from sklvalve.mismatch.sifting import sifted
@@ -70,6 +71,9 @@ class MissingPhysicsFinder(BaseEstimator):
     diagnosis_ : Diagnosis
     evidence_ : Evidence or None
         What the p-value was made of; None where nothing was asked, and for a loop as below.
+    next_test_ : TestPlan or None
+        The test that the diagnosis asks for, sample by sample; None where the catalogue's words are all
+        there is (docs/next_test.md).
     nominal_simulation_, corrected_simulation_ : ValveSimulation
         Calibrated without, and with, what was found; absent for a loop known by command and flow, or another
         value, only (docs/loops.md). What no effect explains is learnt and added to the
@@ -181,6 +185,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
         self._say("proving on held-out rows", 0.85)
         flagged = flagged_rows(workbench, judged)
+        self.next_test_ = None if mend or spoilt else plan_of(workbench, judged.findings)
         content = content_of(
             whole,
             workbench,
@@ -192,6 +197,7 @@ class MissingPhysicsFinder(BaseEstimator):
             alpha=float(self.alpha),
             random_state=seed,
             mend=mend or spoilt,
+            plan=self.next_test_,
         )
         simulations = self.nominal_simulation_, self.corrected_simulation_
         self.diagnosis_ = Diagnosis(content, traces_of(whole, flagged, used, *simulations))
@@ -202,7 +208,7 @@ class MissingPhysicsFinder(BaseEstimator):
         """A loop known by command and value only: there is no simulation of its valve, then."""
         for name in ("nominal_simulation_", "corrected_simulation_"):
             self.__dict__.pop(name, None)
-        self.evidence_ = None
+        self.evidence_ = self.next_test_ = None
         data = screen_recording(recording)
         self._say("comparing explanations", 0.1)
         found = diagnose_loop(recording, alpha=float(self.alpha), random_state=seed)

@@ -6,7 +6,7 @@ from sklvalve.mismatch.planning import planned
 from sklvalve.mismatch.pulses import Pulses
 
 
-def next_test(classes, verdict, unknown, workbench, findings=()):
+def next_test(classes, verdict, unknown, workbench, plan=None):
     """The test that separates what is left open, or that confirms what was found, as plain text.
 
     Parameters
@@ -16,14 +16,13 @@ def next_test(classes, verdict, unknown, workbench, findings=()):
     verdict : str
     unknown : Unknown, LeftOver, Pulses or None
     workbench : Workbench
-    findings : sequence of Finding, default=()
-        Those of the classes: with them the test is one that simulations of it have shown to be the best.
+    plan : TestPlan or None, default=None
+        The one that simulations have shown to tell most (`plan_of`); its words go before the catalogue's.
 
     Returns
     -------
     sentence : str or None
     """
-    plan = _plan(workbench, findings)
     if plan is not None:
         return plan.sentence
     open_ones = [c for c in classes if len(c) > 1]
@@ -48,7 +47,19 @@ def next_test(classes, verdict, unknown, workbench, findings=()):
     return None
 
 
-def _plan(workbench, findings):
+def plan_of(workbench, findings):
+    """The test that is expected to tell most of what these findings leave open.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    findings : sequence of Finding
+
+    Returns
+    -------
+    plan : TestPlan or None
+        None where none can be planned.
+    """
     try:
         return planned(workbench, findings)
     except Exception:  # advice on the next recording must not cost the diagnosis of this one

@@ -3,10 +3,12 @@
 
 import numpy as np
 
-from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.calibration import drop_is_unknown, span_of
 
 # share of its span by which a flow follows a drop that varies by three per cent and is nowhere recorded
 _FLOW_OF_A_DROP = 0.015
+# of the span of all recordings that were joined, what one of them has at least
+_LEAST_SPAN = 0.2
 
 
 class Sizes:
@@ -15,22 +17,29 @@ class Sizes:
     def change(self, model, other):
         """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.
 
+        Where several recordings were joined it is the largest of theirs, each by its own span: what counted
+        in a loop at a third of its flow counts still when a test over the whole travel is put behind it.
+
         Returns
         -------
         sizes : dict
             Channel -> share of span [1].
         """
-        sizes = {}
-        for channel in self.channels:
-            gap = model.predictions[channel] - other.predictions[channel]
-            # what was not recorded speaks for nothing
-            gap = np.abs(gap[np.isfinite(gap) & np.isfinite(self.recording[channel])])
-            # where it acts: the rows that carry the upper part of the difference
-            acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0
-            acting &= gap > 0.0
-            rms = float(np.sqrt(np.mean(gap[acting] ** 2))) if acting.any() else 0.0
-            sizes[channel] = rms / self.spans[channel]
-        return sizes
+        return {channel: self._changed(channel, model, other) for channel in self.channels}
+
+    def _changed(self, channel, model, other):
+        gap = np.abs(model.predictions[channel] - other.predictions[channel])
+        recorded = self.recording[channel]
+        # what was not recorded speaks for nothing
+        gap[~np.isfinite(recorded)] = np.nan
+        pieces = [slice(*span) for span in self.recording.spans]
+        if len(pieces) == 1:
+            return _acting(gap) / self.spans[channel]
+        known = [rows for rows in pieces if np.isfinite(recorded[rows]).any()]
+        spans = [1.0 if channel == "opening" else span_of(recorded[rows]) for rows in known]
+        # in what hardly flows a hair's breadth is a large share
+        spans = np.maximum(spans, _LEAST_SPAN * self.spans[channel])
+        return max((_acting(gap[rows]) / span for rows, span in zip(known, spans, strict=True)), default=0.0)
 
     def counts(self, sizes):
         """Whether a change is one that matters in practice."""
@@ -45,3 +54,11 @@ class Sizes:
     def tolerated(self, channel):
         """Size that the tolerance leaves open, share of span [1]."""
         return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect
+
+
+def _acting(gap):
+    """Root mean square of a difference where it acts: in the rows that carry its upper part."""
+    gap = gap[np.isfinite(gap)]
+    acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0
+    acting &= gap > 0.0
+    return float(np.sqrt(np.mean(gap[acting] ** 2))) if acting.any() else 0.0

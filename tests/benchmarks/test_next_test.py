@@ -114,8 +114,12 @@ def test_the_plants_own_distances_are_of_the_members_asked_for(stand, tested):
 
 def test_a_record_makes_a_line_and_lines_make_tables(stand, monkeypatch):
     answers = iter([[["seat_leakage", "bypass_open"]], [["bypass_open"]]])
+    pair = SimpleNamespace(names=("seat_leakage", "bypass_open"), now=2.0, expected=30.0, told_apart=True)
+    plan = SimpleNamespace(name="square", command=np.full(600, 0.3), moved={}, sensor=None, pairs=[pair])
 
     class Finder:
+        next_test_ = plan
+
         def __init__(self, **settings):
             pass
 
@@ -125,10 +129,7 @@ def test_a_record_makes_a_line_and_lines_make_tables(stand, monkeypatch):
             )
             return self
 
-    pair = SimpleNamespace(names=("seat_leakage", "bypass_open"), now=2.0, expected=30.0, told_apart=True)
-    plan = SimpleNamespace(name="square", command=np.full(600, 0.3), moved={}, sensor=None, pairs=[pair])
     monkeypatch.setattr(trial, "MissingPhysicsFinder", Finder)
-    monkeypatch.setattr(trial, "plan_next_test", lambda finder, recording: plan)
     monkeypatch.setattr(trial, "Stand", lambda what: stand)
     line = json.loads(json.dumps(trial.line_of(3, 0, ["bypass_open"]), default=float))
     assert line["promised"] == ["seat_leakage"]

@@ -15,7 +15,7 @@ from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.excitation import Advisor, Answer, Explanation
 from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.next_test import next_test, plan_of
 from sklvalve.mismatch.plan import SURE, Pair, apart, appreciable, confusion, told
 from sklvalve.mismatch.planning import _Choice, planned
 from sklvalve.mismatch.preparation import prepared_workbench
@@ -133,6 +133,11 @@ def test_a_rival_answers_no_worse_the_more_often_it_is_asked(lags):
     assert costs[0] > costs[1] >= costs[2] > 0.0
 
 
+def test_the_finder_has_the_plan_that_its_diagnosis_asks_for(found):
+    assert found.next_test_.sentence == found.diagnosis_.content["next_test"]
+    assert {name for pair in found.next_test_.pairs for name in pair.names} == set(PAIR)
+
+
 def test_nothing_found_and_nothing_simulated_need_no_plan(stand, found):
     nothing = SimpleNamespace(recording=stand.recording)
     assert planned(nothing, []) is None
@@ -151,7 +156,9 @@ def test_a_plan_that_fails_costs_no_diagnosis():
     member = SimpleNamespace(effect=EFFECTS["clogging"])
     broken = SimpleNamespace(recording={"opening"})
     findings = [SimpleNamespace(rivals=None)]
-    told_instead = next_test([{"clogging": (1.0, member, None)}], "named", None, broken, findings)
+    plan = plan_of(broken, findings)
+    assert plan is None
+    told_instead = next_test([{"clogging": (1.0, member, None)}], "named", None, broken, plan)
     assert told_instead == EFFECTS["clogging"].separated_by
 
 

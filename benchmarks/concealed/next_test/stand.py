@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A drawn plant that is recorded, and then moved by hand through a test behind the same recording."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -12,7 +12,7 @@ from benchmarks.concealed.distances import Scene, between
 from benchmarks.concealed.distances.detectable import of_times
 from benchmarks.concealed.plant import EFFECTS, NAMED, Course, Plant, programs
 from benchmarks.concealed.plant.rig import WARM_UP
-from sklvalve.recording import Recording, Valve
+from sklvalve.recording import Recording, Valve, join_recordings
 
 ROWS, TEST_ROWS = 2400, 900
 STEPS = (1.0, 2.0, 3.0)
@@ -97,7 +97,7 @@ class Stand:
         return Recording.from_frame(frame, Valve.from_dict(record._valve(self.plant, table, self.case)))
 
     def tested(self, plan):
-        """The recording and the test behind it, as one, and its scene.
+        """The recording and that of the test behind it, joined, and its scene.
 
         The valve is taken by hand; "as now" leaves it to its controller. Pressures are moved at source and
         tank, so that those at the valve follow less far, as a line lets them.
@@ -106,7 +106,9 @@ class Stand:
         by_hand = plan.name != "as now"
         moved = {"p1": plan.moved.get("p1", 0.0), "p2": plan.moved.get("p2", 0.0)}
         scene = self._driven(rows, plan.command if by_hand else None, moved)
-        return self._read(scene).slice(0, self.rows + len(plan.command)), scene
+        whole, last = self._read(scene), self.rows + len(plan.command)
+        parts = [(0, self.rows, "recording"), (self.rows, last, "test")]
+        return join_recordings([replace(whole.slice(a, b), source=name) for a, b, name in parts]), scene
 
     def _driven(self, rows, command, moved):
         plant = self.plant

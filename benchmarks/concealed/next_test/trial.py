@@ -6,7 +6,7 @@ import time
 from benchmarks.concealed.next_test import outcome as of
 from benchmarks.concealed.next_test.stand import Stand, drawn
 from benchmarks.concealed.record import Impossible
-from sklvalve.mismatch import MissingPhysicsFinder, plan_next_test
+from sklvalve.mismatch import MissingPhysicsFinder
 
 
 def line_of(seed, number, kinds=()):
@@ -45,7 +45,7 @@ def _judged(stand):
         return line
     line["sentence"] = finder.diagnosis_.content["next_test"]
     others = [n for n in line["before"] if n != told]
-    plan = plan_next_test(finder, stand.recording)
+    plan = finder.next_test_
     if plan is None or plan.sensor or not plan.pairs:
         best = stand.apart_at_best(others)
         kind = of.SENSOR if plan is not None and plan.sensor else of.NO_PROGRAM

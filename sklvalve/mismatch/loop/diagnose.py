@@ -7,6 +7,7 @@ from sklvalve.mismatch.loop.evidence import p_value
 from sklvalve.mismatch.loop.finding import LoopFinding
 from sklvalve.mismatch.loop.fit import fit_stems
 from sklvalve.mismatch.loop.held_out import held_out
+from sklvalve.mismatch.loop.kinds import kind_of_sticking
 from sklvalve.mismatch.loop.operators import candidates
 from sklvalve.mismatch.loop.process import foreseen_command, responses, sense_of_process
 from sklvalve.mismatch.loop.signals import loop_signals
@@ -16,7 +17,6 @@ _LARGE = 0.3
 _EXCLUDED = 4.0  # difference of log likelihood
 _VISIBLE = 4.0
 _INTERVAL = 1.92  # half the 95 % quantile of chi-squared with one degree of freedom
-_ALIKE = 7.0  # half the profile-likelihood distance from which explanations are told apart
 
 
 def diagnose_loop(recording, *, alpha=0.01, random_state=0):
@@ -80,21 +80,24 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     share = tried.stick[stem.stem] / loop.span
     probability = p_value(evidence, loop.is_flow) if share >= _MATTERS else 1.0
     shares = tried.stick[1:] / loop.span
-    shares = tried.stick[1:] / loop.span
     large = float(likelihoods[1:][shares >= _LARGE].max() - likelihoods[0])
     answer = float(likelihoods[0] - silent)
     verdict, reason = _judged(probability <= alpha, share, evidence, large, answer, command.rhythm)
     sizes = np.unique(shares)
     best = [1 + int(np.argmax(np.where(shares == size, likelihoods[1:], -np.inf))) for size in sizes]
-    nominal, corrected = held_out(columns, loop.value, loop.used, sense, command.noise, best)
-    effects = ()
+    effects, sticks, answers = (), tried.stem[stem.stem], stem.mixture @ columns[stem.stem]
     if verdict == "named":
-        effects = (_effect(tried, likelihoods, stem.stem, loop.span, probability),)
+        kind = kind_of_sticking(loop, foreseen, sense, command)
+        effects = (_effect(kind, tried, likelihoods, loop.span, probability),)
+        sticks, answers = kind.stem, kind.fit.mixture @ kind.columns
+        columns = np.concatenate([columns, kind.columns[None]])
+        best.append(len(columns) - 1)
+    nominal, corrected = held_out(columns, loop.value, loop.used, sense, command.noise, best)
     predictions = {
         "time": loop.time,
-        "stem": tried.stem[stem.stem],
+        "stem": sticks,
         "nominal": _levelled(command.mixture @ columns[0], loop.value),
-        "corrected": _levelled(stem.mixture @ columns[stem.stem], loop.value),
+        "corrected": _levelled(answers, loop.value),
     }
     fit = {
         "held_out_rows": int(loop.used.sum()),
@@ -133,25 +136,17 @@ def _judged(found, share, evidence, large, answer, rhythm):
     )
 
 
-def _effect(tried, likelihoods, best, span, p):
-    """The class of sticking and play, with the sizes that fit nearly as well."""
-    jumps = tried.slip > 0.0
-    tops = {
-        "stiction": likelihoods[1:][jumps[1:]].max(),
-        "backlash": likelihoods[1:][~jumps[1:]].max(),
-    }
-    most = max(tops.values())
-    weights = {name: float(np.exp(top - most)) for name, top in tops.items() if most - top < _ALIKE}
-    total = sum(weights.values())
+def _effect(kind, tried, likelihoods, span, p):
+    """The class of sticking and play, with the sizes of the likeliest and those that fit nearly as well."""
     whole = float(1.0 - p)
-    members = [{"name": name, "probability": whole * w / total} for name, w in weights.items()]
+    members = [{"name": name, "probability": whole * share} for name, share in kind.shares.items()]
     members.sort(key=lambda member: -member["probability"])
-    near = 1 + np.flatnonzero(likelihoods[1:] >= likelihoods[best] - _INTERVAL)
+    near = 1 + np.flatnonzero(likelihoods[1:] >= likelihoods[1:].max() - _INTERVAL)
     parameters = {}
-    for name, sizes in (("stick", tried.stick), ("slip", tried.slip)):
+    for name, sizes, size in (("stick", tried.stick, kind.stick), ("slip", tried.slip, kind.slip)):
         low, high = _interval(sizes, near)
-        parameters[name] = {"value": float(sizes[best]), "unit": "1", "ci95": [low, high]}
-    stick, slip = tried.stick[best], tried.slip[best]
+        parameters[name] = {"value": size, "unit": "1", "ci95": [min(low, size), max(high, size)]}
+    stick, slip = kind.stick, kind.slip
     at_least = " or more" if stick >= 0.95 * span else ""
     return {
         "members": members,

@@ -44,6 +44,47 @@ class LoopFit:
     log_likelihood: float
 
 
+def simple_fits(columns, value, used, sense):
+    """Log likelihood of each stem under the simpler noise, a wander under white noise.
+
+    Parameters
+    ----------
+    columns : ndarray of shape (m, k, n)
+        Responses to each stem.
+    value : ndarray of shape (n,)
+    used : ndarray of bool, shape (n,)
+        Rows that count.
+    sense : int
+        Sign of the response.
+
+    Returns
+    -------
+    likelihoods : ndarray of shape (m,)
+    noises : list of tuple of float
+        The filter that suits each, as in `FILTERS`.
+    silent : float
+        Log likelihood without any response.
+    """
+    count = int(used.sum())
+    likelihoods = np.full(len(columns), -np.inf)
+    noises: list[tuple[float, float]] = [FILTERS[0]] * len(columns)
+    silent = -np.inf
+    for noise in FILTERS:
+        new, level = whiten(value, *noise)[used], whitened_level(len(value), *noise)[used]
+        level = level / np.linalg.norm(level)
+        new = new - level * (level @ new)
+        silent = max(silent, -0.5 * count * np.log(new @ new / count))
+        answers = whiten(columns, *noise)[..., used]
+        answers -= (answers @ level)[..., None] * level
+        for place, rows in enumerate(answers):
+            scale = np.sqrt((rows**2).sum(axis=1).max()) or 1.0
+            _, norm = nnls(sense * rows.T / scale, new)
+            likelihood = -0.5 * count * np.log(norm**2 / count)
+            if likelihood > likelihoods[place]:
+                likelihoods[place], noises[place] = likelihood, noise
+    return likelihoods, noises, silent
+
+
 def fit_stems(columns, value, used, sense):
     """Log likelihood of each stem under the simpler noise, and full fits of the command and the best stem.
 
@@ -65,26 +106,10 @@ def fit_stems(columns, value, used, sense):
     command, stem : LoopFit
         The fit of the command itself, and of the best other stem.
     """
-    count = int(used.sum())
-    likelihoods = np.full(len(columns), -np.inf)
-    noises: list[tuple[float, float]] = [FILTERS[0]] * len(columns)
-    silent = -np.inf
-    for noise in FILTERS:
-        new, level = whiten(value, *noise)[used], whitened_level(len(value), *noise)[used]
-        level = level / np.linalg.norm(level)
-        new = new - level * (level @ new)
-        silent = max(silent, -0.5 * count * np.log(new @ new / count))
-        answers = whiten(columns, *noise)[..., used]
-        answers -= (answers @ level)[..., None] * level
-        for place, rows in enumerate(answers):
-            scale = np.sqrt((rows**2).sum(axis=1).max()) or 1.0
-            _, norm = nnls(sense * rows.T / scale, new)
-            likelihood = -0.5 * count * np.log(norm**2 / count)
-            if likelihood > likelihoods[place]:
-                likelihoods[place], noises[place] = likelihood, noise
+    likelihoods, noises, silent = simple_fits(columns, value, used, sense)
     best = 1 + np.argsort(-likelihoods[1:], kind="stable")[:_REFINED]
     stem = max(
-        (_refined(columns, place, value, used, sense, noises[place]) for place in best),
+        (refined(columns, place, value, used, sense, noises[place]) for place in best),
         key=lambda fit: fit.log_likelihood,
     )
     # the command may have any noise that served the stem, and an oscillation from outside beside it: else
@@ -92,7 +117,7 @@ def fit_stems(columns, value, used, sense):
     waves = rhythm(value)
     command = max(
         (
-            _refined(columns, 0, value, used, sense, noise, extra)
+            refined(columns, 0, value, used, sense, noise, extra)
             for noise in {noises[0], stem.noise}
             for extra in (None, waves)
         ),
@@ -135,7 +160,26 @@ def _solve(answers, new, free, rows, sense):
     return mixture, left - np.linalg.lstsq(free[:, rows].T, left[rows], rcond=None)[0] @ free
 
 
-def _refined(columns, place, value, used, sense, noise, waves=None):
+def refined(columns, place, value, used, sense, noise, waves=None):
+    """The fit of one stem with an autoregression behind its noise, and `waves` from outside if given.
+
+    Parameters
+    ----------
+    columns : ndarray of shape (m, k, n)
+        Responses to each stem.
+    place : int
+        Which stem.
+    value : ndarray of shape (n,)
+    used : ndarray of bool, shape (n,)
+    sense : int
+    noise : tuple of float
+        The filter to begin with, as in `FILTERS`.
+    waves : ndarray of shape (w, n), optional
+
+    Returns
+    -------
+    fit : LoopFit
+    """
     new, answers = whiten(value, *noise), whiten(columns[place], *noise)
     free = whitened_level(len(value), *noise)[None]
     if waves is not None:

@@ -75,6 +75,81 @@ def stick_slip(command, stick, slip, start=None):
     return stems[0] if single else stems
 
 
+@nb.njit(cache=True)
+def _one_glide(told, last, stem, way, band, rest):
+    if way * (told - last) < 0.0:
+        way = 0.0
+    if way == 0.0 and abs(told - stem) > band:
+        way = 1.0 if told > stem else -1.0
+    return (told - way * rest if way != 0.0 else stem), way
+
+
+@nb.njit(cache=True)
+def _glides(command, foreseen, bands, rests, start):
+    stems = np.empty((len(bands), len(command)))
+    ahead = np.empty((len(bands), len(command)))
+    for g in range(len(bands)):
+        stem, way, last = start[g], 0.0, command[0]
+        for k in range(len(command)):
+            ahead[g, k], _ = _one_glide(foreseen[k], last, stem, way, bands[g], rests[g])
+            stem, way = _one_glide(command[k], last, stem, way, bands[g], rests[g])
+            stems[g, k] = stem
+            last = command[k]
+    return stems, ahead
+
+
+def stick_glide(command, stick, slip, start=None, foreseen=None):
+    """Position of a stem that sticks where the command turns, jumps, and then goes with the command.
+
+    As `stick_slip`, but a stem that moves is not caught again before the command turns: it follows
+    ``(stick - slip) / 2`` behind. This is the form of Choudhury, Thornhill and Shah (2005, doi
+    10.1016/j.conengprac.2004.05.005), for a friction that is large at rest only; ``slip = 0`` is play in
+    both.
+
+    Parameters
+    ----------
+    command : array-like of shape (n,)
+        Command [fraction of travel].
+    stick, slip : array-like of shape (m,)
+        Band in which a turning command moves nothing, and the jump that ends it [fraction of travel].
+    start : array-like of shape (m,), optional
+        Position before the first row; the first command unless given [fraction of travel].
+    foreseen : array-like of shape (n,), optional
+        Command in each row as the rows before foresee it; the command unless given [fraction of travel].
+
+    Returns
+    -------
+    stem, ahead : ndarray of shape (m, n)
+        Position, and as foreseen from the rows before [fraction of travel].
+
+    Examples
+    --------
+    >>> from sklvalve.mismatch.loop.operators import stick_glide
+    >>> stick_glide([0.0, 0.1, 0.25, 0.3, 0.2, 0.05], [0.2], [0.2])[0].round(2)
+    array([[0.  , 0.  , 0.25, 0.3 , 0.3 , 0.05]])
+    """
+    command = np.ascontiguousarray(command, dtype=float)
+    foreseen = command if foreseen is None else np.ascontiguousarray(foreseen, dtype=float)
+    stick, slip = np.asarray(stick, dtype=float), np.asarray(slip, dtype=float)
+    first = np.full(len(stick), command[0]) if start is None else np.ascontiguousarray(start, float)
+    return _glides(command, foreseen, 0.5 * (stick + slip), 0.5 * (stick - slip), first)
+
+
+def stick_ahead(command, stick, slip, start, foreseen):
+    """`stick_slip`, and its position as foreseen from the rows before; parameters as in `stick_glide`.
+
+    Returns
+    -------
+    stem, ahead : ndarray of shape (m, n)
+        Position, and as foreseen from the rows before [fraction of travel].
+    """
+    stem = stick_slip(command, stick, slip, start)
+    before = np.hstack([start[:, None], stem[:, :-1]])
+    band, rest = 0.5 * (stick + slip)[:, None], 0.5 * (stick - slip)[:, None]
+    gap = foreseen - before
+    return stem, np.where(gap > band, foreseen - rest, np.where(gap < -band, foreseen + rest, before))
+
+
 @dataclass(frozen=True, eq=False)
 class Candidates:
     """Stems to try: the command itself first, then every size of sticking.
@@ -119,9 +194,5 @@ def candidates(command, foreseen, span):
         for side in ((-1.0, 0.0, 1.0) if jump < 1.0 else (0.0,))
     ]
     stick, slip, offset = np.array([(0.0, 0.0, 0.0), *sizes]).T
-    stem = stick_slip(command, stick, slip, command[0] + offset)
-    before = np.hstack([command[0] + offset[:, None], stem[:, :-1]])
-    band, rest = 0.5 * (stick + slip)[:, None], 0.5 * (stick - slip)[:, None]
-    gap = foreseen - before
-    ahead = np.where(gap > band, foreseen - rest, np.where(gap < -band, foreseen + rest, before))
+    stem, ahead = stick_ahead(command, stick, slip, command[0] + offset, foreseen)
     return Candidates(stick, slip, stem, ahead)

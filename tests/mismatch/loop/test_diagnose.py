@@ -43,7 +43,15 @@ def test_sticking_is_named_with_its_size_and_helps_on_held_out_rows():
 def test_play_is_in_the_class_where_there_is_no_jump():
     command, flow = _open_loop(0.02, 0.0)
     found = diagnose_loop(_recording(command=command, flow=flow))
-    assert found.effects[0]["members"][0]["name"] == "backlash"
+    assert "backlash" in {member["name"] for member in found.effects[0]["members"]}
+
+
+@pytest.mark.parametrize(("seed", "scene"), [(30000, "bad_tuning"), (30002, "quiet"), (30002, "upsets")])
+def test_a_stem_that_jumps_and_then_goes_with_the_command_is_not_called_play_alone(seed, scene):
+    drawn = draw_loop(seed, "flow", scene, sticking=True, rows=(500, 750, 750, 1000)[seed % 4])
+    assert drawn.slip > 0.3 * drawn.stick
+    found = diagnose_loop(recording_of(drawn))
+    assert "stiction" in {member["name"] for member in found.effects[0]["members"]}
 
 
 def test_a_valve_that_follows_is_not_blamed_and_wide_bands_are_excluded():

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from sklvalve.mismatch.loop.operators import candidates, stick_slip
+from sklvalve.mismatch.loop.operators import candidates, stick_ahead, stick_glide, stick_slip
 
 
 def _walk(seed, n=300):
@@ -58,3 +58,29 @@ def test_the_first_candidate_is_the_command_and_foreseeing_it_well_foresees_the_
     assert tried.stick[0] == 0.0
     assert_allclose(tried.stem[0], command)
     assert_allclose(tried.ahead, tried.stem, rtol=0, atol=1e-12)
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 10_000), stick=st.floats(0.001, 0.2))
+def test_without_a_jump_both_forms_are_play(seed, stick):
+    command = _walk(seed)
+    assert_allclose(stick_glide(command, [stick], [0.0])[0][0], stick_slip(command, stick, 0.0), atol=1e-12)
+
+
+def test_a_gliding_stem_jumps_once_a_turn_and_then_keeps_its_distance():
+    rise = np.linspace(0.0, 0.5, 501)
+    command = np.concatenate([rise, rise[::-1]])
+    stem = stick_glide(command, [0.1], [0.06])[0][0]
+    steps = np.abs(np.diff(stem))
+    assert_allclose(np.flatnonzero(steps > 0.05), [80, 600], rtol=0, atol=1)
+    assert_allclose(stem[90:501], command[90:501] - 0.02, rtol=0, atol=1e-12)
+    assert_allclose(stem[610:], command[610:] + 0.02, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("law", [stick_ahead, stick_glide])
+def test_foreseeing_the_command_well_foresees_the_stem(law):
+    command = _walk(3)
+    stem, ahead = law(
+        command, np.array([0.05, 0.1]), np.array([0.02, 0.1]), start=np.zeros(2), foreseen=command
+    )
+    assert_allclose(ahead, stem, rtol=0, atol=1e-12)

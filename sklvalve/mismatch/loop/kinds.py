@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which kind of sticking it is: play, or a jump; asked of a loop of which it is known that it sticks.
+
+Whether a stem sticks is asked with one form of friction, and the law of that evidence under healthy loops
+is known. What *kind* it is must not hang on the form: a stem that jumps and then goes with the command looks
+like play to a form in which every movement is a jump. So both forms compete here, with sizes finer than the
+grid.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sklvalve.mismatch.distance import DISTINGUISHABLE, distance
+from sklvalve.mismatch.loop.fit import LoopFit, refined, simple_fits
+from sklvalve.mismatch.loop.operators import JUMPS, SHARES, stick_ahead, stick_glide
+from sklvalve.mismatch.loop.process import responses
+
+_MISTAKEN = 0.3  # share of an effect inside the actuator that a simulation gets wrong
+_LEAST_JUMP = 0.2  # of the band; a smaller one is play
+_ROUNDS = ((1.25, 0.15), (1.08, 0.05))  # factor of the band and step of the jump to either side
+_FITTED = 3  # of a kind, with the noise in full
+
+
+@dataclass(frozen=True, eq=False)
+class Kind:
+    """What kind of sticking.
+
+    Parameters
+    ----------
+    shares : dict of str to float
+        `stiction` and `backlash`, or one of them: the share of each in the probability of the class.
+    stick, slip : float
+        Of the likeliest stem [fraction of travel].
+    stem : ndarray of shape (n,)
+        Its position [fraction of travel].
+    columns : ndarray of shape (k, n)
+        Responses to it.
+    fit : LoopFit
+    """
+
+    shares: dict[str, float]
+    stick: float
+    slip: float
+    stem: np.ndarray
+    columns: np.ndarray
+    fit: LoopFit
+
+
+@dataclass(frozen=True, eq=False)
+class _Family:
+    name: str
+    law: object
+    jumps: tuple[float, ...]
+
+
+_FAMILIES = (
+    _Family("backlash", stick_ahead, (0.0,)),
+    _Family("stiction", stick_ahead, JUMPS[1:]),
+    _Family("stiction", stick_glide, JUMPS[1:]),
+)
+
+
+def kind_of_sticking(loop, foreseen, sense, command):
+    """Play or a jump, where the one is told from the other.
+
+    Two kinds are told apart from a distance of 14 on, as anywhere in this package (`distance`), of the best
+    stem of each kind under either form of friction and the noise that suits it.
+
+    Parameters
+    ----------
+    loop : LoopSignals
+    foreseen : ndarray of shape (n,)
+        Command as the rows before foresee it [fraction of travel].
+    sense : int
+        Sign of the response.
+    command : LoopFit
+        The fit of the command itself.
+
+    Returns
+    -------
+    kind : Kind
+    """
+    found = [(family.name, *_best(family, loop, foreseen, sense)) for family in _FAMILIES]
+    best = max(found, key=lambda one: one[1].log_likelihood)
+    gain = best[1].log_likelihood - command.log_likelihood
+    weights: dict[str, float] = {}
+    for name, fit, *_ in found:
+        apart = distance(best[1], fit, gain, _MISTAKEN)
+        if apart < DISTINGUISHABLE:
+            weights[name] = max(weights.get(name, 0.0), float(np.exp(-0.5 * apart)))
+    total = sum(weights.values())
+    _, fit, stick, slip, stem, columns = best
+    return Kind({n: w / total for n, w in weights.items()}, stick, slip, stem, columns, fit)
+
+
+def _best(family, loop, foreseen, sense):
+    """The best stem of a family: its fit, sizes, position and responses."""
+    sizes = np.array([
+        (share * loop.span, jump, side)
+        for share in SHARES
+        for jump in family.jumps
+        for side in ((-1.0, 0.0, 1.0) if jump < 1.0 else (0.0,))
+    ])  # fmt: skip
+    tried = _tried(family, sizes, loop, foreseen, sense)
+    for factor, step in _ROUNDS:
+        stick, jump, side = tried[0][np.argmax(tried[1])]
+        jumps = np.clip([jump - step, jump, jump + step], _LEAST_JUMP, 1.0) if jump > 0.0 else [0.0]
+        near = [(s, j, side) for s in stick * np.geomspace(1 / factor, factor, 7) for j in np.unique(jumps)]
+        finer = _tried(family, np.array(near), loop, foreseen, sense)
+        tried = tuple(np.concatenate(pair) for pair in zip(tried, finer, strict=True))
+    sizes, likelihoods, noises, stems, columns = tried
+    most = np.argsort(-likelihoods, kind="stable")[:_FITTED]
+    fit = max(
+        (refined(columns, k, loop.value, loop.used, sense, tuple(noises[k])) for k in most),
+        key=lambda one: one.log_likelihood,
+    )
+    stick, jump, _ = sizes[fit.stem]
+    return fit, float(stick), float(jump * stick), stems[fit.stem], columns[fit.stem]
+
+
+def _tried(family, sizes, loop, foreseen, sense):
+    stick, slip = sizes[:, 0], sizes[:, 1] * sizes[:, 0]
+    start = loop.command[0] + sizes[:, 2] * 0.5 * (stick - slip)
+    stem, ahead = family.law(loop.command, stick, slip, start, foreseen)
+    columns = responses(stem, ahead, not loop.is_flow)
+    likelihoods, noises, _ = simple_fits(columns, loop.value, loop.used, sense)
+    return sizes, likelihoods, np.array(noises), stem, columns
