@@ -16,7 +16,6 @@ _MATTERS = 0.2  # of the command's movement; less is the play that every valve h
 _LARGE = 0.3
 _EXCLUDED = 4.0  # difference of log likelihood
 _VISIBLE = 4.0
-_INTERVAL = 1.92  # half the 95 % quantile of chi-squared with one degree of freedom
 
 
 def diagnose_loop(recording, *, alpha=0.01, random_state=0):
@@ -88,7 +87,7 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     effects, sticks, answers = (), tried.stem[stem.stem], stem.mixture @ columns[stem.stem]
     if verdict == "named":
         kind = kind_of_sticking(loop, foreseen, sense, command)
-        effects = (_effect(kind, tried, likelihoods, loop.span, probability),)
+        effects = (_effect(kind, loop.span, probability),)
         sticks, answers = kind.stem, kind.fit.mixture @ kind.columns
         columns = np.concatenate([columns, kind.columns[None]])
         best.append(len(columns) - 1)
@@ -136,16 +135,15 @@ def _judged(found, share, evidence, large, answer, rhythm):
     )
 
 
-def _effect(kind, tried, likelihoods, span, p):
+def _effect(kind, span, p):
     """The class of sticking and play, with the sizes of the likeliest and those that fit nearly as well."""
     whole = float(1.0 - p)
     members = [{"name": name, "probability": whole * share} for name, share in kind.shares.items()]
     members.sort(key=lambda member: -member["probability"])
-    near = 1 + np.flatnonzero(likelihoods[1:] >= likelihoods[1:].max() - _INTERVAL)
-    parameters = {}
-    for name, sizes, size in (("stick", tried.stick, kind.stick), ("slip", tried.slip, kind.slip)):
-        low, high = _interval(sizes, near)
-        parameters[name] = {"value": size, "unit": "1", "ci95": [min(low, size), max(high, size)]}
+    parameters = {
+        "stick": {"value": kind.stick, "unit": "1", "ci95": list(kind.sticks)},
+        "slip": {"value": kind.slip, "unit": "1", "ci95": list(kind.slips)},
+    }
     stick, slip = kind.stick, kind.slip
     at_least = " or more" if stick >= 0.95 * span else ""
     return {
@@ -155,21 +153,17 @@ def _effect(kind, tried, likelihoods, span, p):
         "parameters": parameters,
         "sentence": (
             f"The stem stays until the command has turned by {stick:.2%} of the travel{at_least}, and then "
-            + (f"jumps by {slip:.2%}." if slip > 0.0 else "follows without a jump.")
+            + (
+                "follows; whether with a jump is not told."
+                if "backlash" in kind.shares
+                else f"jumps by {slip:.2%}."
+            )
         ),
         "separated_by": (
             "Ramp the command slowly through a reversal with the stem's position recorded: a jump is "
             "stiction, a smooth start is play."
         ),
     }
-
-
-def _interval(sizes, near):
-    """From the next smaller size that does not fit to the next larger one: the search is a grid."""
-    known = np.unique(sizes[1:])
-    low = known[max(np.searchsorted(known, sizes[near].min()) - 1, 0)]
-    high = known[min(np.searchsorted(known, sizes[near].max()) + 1, len(known) - 1)]
-    return float(low if sizes[near].min() > known[0] else 0.0), float(high)
 
 
 def _levelled(run, value):
