@@ -53,9 +53,9 @@ def plan_next_test(finder, X, *, limits=None, until=None):
 
     Notes
     -----
-    The record of the test belongs behind the present one: what this says of the calibration counts, and a
-    short test diagnosed by itself leaves more open. Pressures are taken to stand for a flow as they did in
-    the recording. Excitation by the least distance between rival models is T-optimal design: Atkinson and
+    The record of the test belongs together with the present one, as a second recording: what this says of the
+    calibration counts, and a short test diagnosed by itself leaves more open. Pressures are taken to stand
+    for a flow as they did in the recording. Excitation by the least distance between rival models is T-optimal design: Atkinson and
     Fedorov, Biometrika 62 (1975) 57.
 
     Examples

@@ -16,7 +16,7 @@ DISTINGUISHABLE = 14.0
 # what a simulation gets wrong of most effects, share of their size: so much passes for something else
 SHARE_MISTAKEN = Effect.mistaken
 # and of one inside positioner and actuator, of whose air and friction a sheet tells less
-_OF_STROKES = 0.3
+OF_STROKES = 0.3
 # stretches are longer than whatever a valve remembers, and so many that a few make a scatter
 _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
@@ -88,7 +88,7 @@ def distance_of_strokes(workbench, best, other, without):
     best, other, without : Model
         Two hypotheses with the effect or its rival, and that without either.
     """
-    share = max(_OF_STROKES, min(_left_of_opening(workbench, best, without), 1.0))
+    share = max(OF_STROKES, min(_left_of_opening(workbench, best, without), 1.0))
     between = distance(best, other, best.log_likelihood - without.log_likelihood, share)
     if between < DISTINGUISHABLE:
         return between

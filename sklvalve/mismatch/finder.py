@@ -72,8 +72,8 @@ class MissingPhysicsFinder(BaseEstimator):
     evidence_ : Evidence or None
         What the p-value was made of; None where nothing was asked, and for a loop as below.
     next_test_ : TestPlan or None
-        The test that the diagnosis asks for, sample by sample; None where the catalogue's words are all
-        there is (docs/next_test.md).
+        The test that the diagnosis asks for, sample by sample (docs/next_test.md); None where the
+        catalogue's words are all there is, data must be mended first, or a loop is known by its value only.
     nominal_simulation_, corrected_simulation_ : ValveSimulation
         Calibrated without, and with, what was found; absent for a loop known by command and flow, or another
         value, only (docs/loops.md). What no effect explains is learnt and added to the

@@ -135,7 +135,8 @@ def _judged(
     upheld = not findings or holds_out(workbench, nominal, model)
     explained = 0.0
     if unknown is not None and findings:
-        explained = workbench.change(model, nominal)[unknown.channel]
+        # of all recordings together, as the unknown is
+        explained = workbench.change_in_all(unknown.channel, model, nominal)
     if not upheld:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         findings = []

@@ -47,11 +47,11 @@ class Cause:
 def acting_rows(workbench, model, without):
     """Rows in which a model differs from the one without its effect by a good part of the most it does."""
     flagged = np.zeros(len(workbench.recording), dtype=bool)
-    for channel, size in workbench.change(model, without).items():
-        if not workbench.counts({channel: size}):
-            continue
+    for channel in workbench.channels:
         gap = np.abs(np.nan_to_num(model.predictions[channel] - without.predictions[channel]))
-        flagged |= _acting(gap)
+        for rows, size in workbench.by_recording(channel, model, without):
+            if workbench.counts({channel: size}):
+                flagged[rows] |= _acting(gap[rows])
     return flagged
 
 

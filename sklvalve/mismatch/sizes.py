@@ -9,6 +9,7 @@ from sklvalve.simulation.calibration import drop_is_unknown, span_of
 _FLOW_OF_A_DROP = 0.015
 # of the span of all recordings that were joined, what one of them has at least
 _LEAST_SPAN = 0.2
+_TINY = 1e-300
 
 
 class Sizes:
@@ -25,21 +26,37 @@ class Sizes:
         sizes : dict
             Channel -> share of span [1].
         """
-        return {channel: self._changed(channel, model, other) for channel in self.channels}
+        return {
+            channel: max((size for _, size in self.by_recording(channel, model, other)), default=0.0)
+            for channel in self.channels
+        }
 
-    def _changed(self, channel, model, other):
-        gap = np.abs(model.predictions[channel] - other.predictions[channel])
-        recorded = self.recording[channel]
-        # what was not recorded speaks for nothing
-        gap[~np.isfinite(recorded)] = np.nan
+    def by_recording(self, channel, model, other):
+        """How two fitted hypotheses differ in a channel, for each recording that was joined.
+
+        Returns
+        -------
+        sizes : list of (slice, float)
+            Rows, and share of the span of their recording [1]; without recordings that lack the channel.
+        """
+        gap, recorded = self._gap(channel, model, other), self.recording[channel]
         pieces = [slice(*span) for span in self.recording.spans]
         if len(pieces) == 1:
-            return _acting(gap) / self.spans[channel]
+            return [(pieces[0], _acting(gap) / max(self.spans[channel], _TINY))]
         known = [rows for rows in pieces if np.isfinite(recorded[rows]).any()]
         spans = [1.0 if channel == "opening" else span_of(recorded[rows]) for rows in known]
         # in what hardly flows a hair's breadth is a large share
-        spans = np.maximum(spans, _LEAST_SPAN * self.spans[channel])
-        return max((_acting(gap[rows]) / span for rows, span in zip(known, spans, strict=True)), default=0.0)
+        spans = np.maximum(spans, max(_LEAST_SPAN * self.spans[channel], _TINY))
+        return [(rows, _acting(gap[rows]) / span) for rows, span in zip(known, spans, strict=True)]
+
+    def change_in_all(self, channel, model, other):
+        """The same over all recordings, as share of the span of all [1]."""
+        return _acting(self._gap(channel, model, other)) / max(self.spans[channel], _TINY)
+
+    def _gap(self, channel, model, other):
+        gap = np.abs(model.predictions[channel] - other.predictions[channel])
+        # what was not recorded speaks for nothing
+        return np.where(np.isfinite(self.recording[channel]), gap, np.nan)
 
     def counts(self, sizes):
         """Whether a change is one that matters in practice."""

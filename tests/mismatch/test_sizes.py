@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sklvalve.mismatch.locate import acting_rows
 from sklvalve.mismatch.sizes import Sizes
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import span_of
@@ -15,6 +16,9 @@ class _Signals(dict):
     def __init__(self, flow, spans):
         super().__init__(flow=flow, p1=flow, p2=flow)
         self.spans = spans
+
+    def __len__(self):
+        return len(self["flow"])
 
 
 class _Bench(Sizes):
@@ -57,3 +61,23 @@ def test_rows_that_were_not_recorded_speak_for_nothing(flow):
     bench = _Bench(flow, [(0, 600), (600, 900)])
     gap = np.concatenate([np.full(600, 1.0), np.full(300, 0.003)])
     assert bench.change(*_models(gap))["flow"] == pytest.approx(0.003 / span_of(flow[600:]))
+
+
+def test_what_is_explained_of_all_recordings_is_a_share_of_the_span_of_all(flow):
+    bench = _Bench(flow, [(0, 600), (600, 900)])
+    assert bench.change_in_all("flow", *_models(np.full(900, 0.0008))) == pytest.approx(
+        0.0008 / span_of(flow)
+    )
+
+
+def test_rows_are_flagged_in_the_recording_in_which_an_effect_counts(flow):
+    bench = _Bench(flow, [(0, 600), (600, 900)])
+    gap = np.concatenate([np.full(600, 0.0007), np.zeros(281), np.full(19, 0.0035)])
+    flagged = acting_rows(bench, *_models(gap))
+    assert flagged[:600].all()
+    assert flagged[600:].sum() == 19
+
+
+def test_no_flow_at_all_is_no_change():
+    bench = _Bench(np.zeros(900), [(0, 900)])
+    assert bench.change(*_models(np.zeros(900))) == {"flow": 0.0}

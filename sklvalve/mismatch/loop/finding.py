@@ -20,9 +20,10 @@ class LoopFinding:
     alpha : float
         Level of the test.
     evidence : float
-        Difference of log likelihood between the best sticking stem and the command itself.
+        Difference of log likelihood between the best sticking stem of the grid and the command itself.
     band : float
-        Band of that stem, as a share of the command's movement; below 0.2 it is no finding.
+        Band of the likeliest stem, as a share of the command's movement; below 0.2 on the grid it is no
+        finding.
     effects : tuple of dict
         As `effects` in diagnosis.json: members with probabilities, parameters with intervals, a sentence,
         what would separate the members.

@@ -71,7 +71,8 @@ def simple_fits(columns, value, used, sense):
     silent = -np.inf
     for noise in FILTERS:
         new, level = whiten(value, *noise)[used], whitened_level(len(value), *noise)[used]
-        level = level / np.linalg.norm(level)
+        # nothing of a level is left where the first row does not count
+        level = level / (np.linalg.norm(level) or 1.0)
         new = new - level * (level @ new)
         silent = max(silent, -0.5 * count * np.log(new @ new / count))
         answers = whiten(columns, *noise)[..., used]
@@ -150,6 +151,7 @@ def mixture_of(columns, value, rows, sense, noise):
 
 def _solve(answers, new, free, rows, sense):
     """Weights of one sign for the answers and of any for the rest; what is left over in every row."""
+    free = free[np.any(free[:, rows] != 0.0, axis=1)]
     basis = np.linalg.qr(free[:, rows].T)[0]
     answered = answers[:, rows] - (answers[:, rows] @ basis) @ basis.T
     aim = new[rows] - basis @ (basis.T @ new[rows])

@@ -11,15 +11,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE, distance
+from sklvalve.mismatch.distance import DISTINGUISHABLE, OF_STROKES, distance
 from sklvalve.mismatch.loop.fit import LoopFit, refined, simple_fits
 from sklvalve.mismatch.loop.operators import JUMPS, SHARES, stick_ahead, stick_glide
 from sklvalve.mismatch.loop.process import responses
 
-_MISTAKEN = 0.3  # share of an effect inside the actuator that a simulation gets wrong
 _LEAST_JUMP = 0.2  # of the band; a smaller one is play
 _ROUNDS = ((1.25, 0.15), (1.08, 0.05))  # factor of the band and step of the jump to either side
 _FITTED = 3  # of a kind, with the noise in full
+_WHOLE = 0.95  # of the command's movement; a wider band is known from below only
 _BAND = (0.45, 1.8)  # of the band found: 95 % of 90 drawn loops that stick had theirs in between
 
 
@@ -94,7 +94,7 @@ def kind_of_sticking(loop, foreseen, sense, command):
     gain = best.fit.log_likelihood - command.log_likelihood
     weights: dict[str, float] = {}
     for one in found:
-        apart = distance(best.fit, one.fit, gain, _MISTAKEN)
+        apart = distance(best.fit, one.fit, gain, OF_STROKES)
         if apart < DISTINGUISHABLE:
             weights[one.name] = max(weights.get(one.name, 0.0), float(np.exp(-0.5 * apart)))
     if best.name == "backlash":
@@ -102,6 +102,8 @@ def kind_of_sticking(loop, foreseen, sense, command):
     total = sum(weights.values())
     stick, jump, _ = best.sizes[best.fit.stem]
     low, high = (float(factor * stick) for factor in _BAND)
+    # of a band as wide as the movement nobody has seen the other end, and the stem has its stops
+    high = max(min(high, 1.0), float(stick)) if stick < _WHOLE * loop.span else max(1.0, float(stick))
     return Kind(
         {name: weight / total for name, weight in weights.items()},
         float(stick),

@@ -46,12 +46,33 @@ def test_play_is_in_the_class_where_there_is_no_jump():
     assert "backlash" in {member["name"] for member in found.effects[0]["members"]}
 
 
-@pytest.mark.parametrize(("seed", "scene"), [(30000, "bad_tuning"), (30002, "quiet"), (30002, "upsets")])
-def test_a_stem_that_jumps_and_then_goes_with_the_command_is_not_called_play_alone(seed, scene):
+def _probabilities(seed, scene):
     drawn = draw_loop(seed, "flow", scene, sticking=True, rows=(500, 750, 750, 1000)[seed % 4])
     assert drawn.slip > 0.3 * drawn.stick
-    found = diagnose_loop(recording_of(drawn))
-    assert "stiction" in {member["name"] for member in found.effects[0]["members"]}
+    effect = diagnose_loop(recording_of(drawn)).effects[0]
+    for size in effect["parameters"].values():
+        assert size["ci95"][0] <= size["value"] <= size["ci95"][1]
+    told = {member["name"]: member["probability"] for member in effect["members"]}
+    assert sum(told.values()) == pytest.approx(effect["probability"])
+    return told
+
+
+def test_a_stem_that_jumps_and_then_goes_with_the_command_is_said_to_jump():
+    assert set(_probabilities(30000, "bad_tuning")) == {"stiction"}
+
+
+def test_play_is_never_told_from_a_jump():
+    told = _probabilities(30002, "quiet")
+    assert told["stiction"] >= told["backlash"]
+
+
+@pytest.mark.parametrize("role", ["command", "flow"])
+def test_a_gap_at_the_beginning_costs_no_diagnosis(role):
+    columns = dict(zip(("command", "flow"), _open_loop(0.02, 0.014), strict=True))
+    columns[role][0] = np.nan
+    found = diagnose_loop(_recording(**columns))
+    assert found.verdict == "named"
+    assert np.isfinite(found.fit["rmse"]["corrected"])
 
 
 def test_a_valve_that_follows_is_not_blamed_and_wide_bands_are_excluded():
