@@ -55,8 +55,8 @@ def plan_next_test(finder, X, *, limits=None, until=None):
     -----
     The record of the test belongs together with the present one, as a second recording: what this says of the
     calibration counts, and a short test diagnosed by itself leaves more open. Pressures are taken to stand
-    for a flow as they did in the recording. Excitation by the least distance between rival models is T-optimal design: Atkinson and
-    Fedorov, Biometrika 62 (1975) 57.
+    for a flow as they did in the recording. Excitation by the least distance between rival models is
+    T-optimal design: Atkinson and Fedorov, Biometrika 62 (1975) 57.
 
     Examples
     --------

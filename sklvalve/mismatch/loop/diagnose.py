@@ -29,9 +29,9 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     outside. Where the stem sticks, a second form of friction competes too, and a jump is named alone where it
     explains the value better than play by a distance of 14; play is never named alone. Intervals of sizes are
     those that drawn loops bore out. The command of the same row is replaced by what the rows before foresee
-    of it, because a controller answers noise. Evidence is the difference of log likelihood, with all sizes of stem searched;
-    its p-value comes from healthy loops drawn at random (docs/loops.md). A band below 20 % of the command's
-    movement is no finding.
+    of it, because a controller answers noise. Evidence is the difference of log likelihood, with all sizes of
+    stem searched; its p-value comes from healthy loops drawn at random (docs/loops.md). A band below 20 % of
+    the command's movement is no finding.
 
     Valid for a valve that moves faster than it is sampled, sampled faster than the loop swings (ten rows or
     more in a period), and a process that is nearly linear over the record.
