@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How large a change of the simulation is, and whether such a change matters in practice."""
 
+from functools import cached_property
+
 import numpy as np
 
 from sklvalve.simulation.calibration import drop_is_unknown, span_of
@@ -39,19 +41,26 @@ class Sizes:
         sizes : list of (slice, float)
             Rows, and share of the span of their recording [1]; without recordings that lack the channel.
         """
-        gap, recorded = self._gap(channel, model, other), self.recording[channel]
-        pieces = [slice(*span) for span in self.recording.spans]
-        if len(pieces) == 1:
-            return [(pieces[0], _acting(gap) / max(self.spans[channel], _TINY))]
-        known = [rows for rows in pieces if np.isfinite(recorded[rows]).any()]
-        spans = [1.0 if channel == "opening" else span_of(recorded[rows]) for rows in known]
-        # in what hardly flows a hair's breadth is a large share
-        spans = np.maximum(spans, max(_LEAST_SPAN * self.spans[channel], _TINY))
-        return [(rows, _acting(gap[rows]) / span) for rows, span in zip(known, spans, strict=True)]
+        gap = self._gap(channel, model, other)
+        return [(rows, _rms_where_acting(gap[rows]) / span) for rows, span in self._recorded[channel]]
 
     def change_in_all(self, channel, model, other):
         """The same over all recordings, as share of the span of all [1]."""
-        return _acting(self._gap(channel, model, other)) / max(self.spans[channel], _TINY)
+        return _rms_where_acting(self._gap(channel, model, other)) / max(self.spans[channel], _TINY)
+
+    @cached_property
+    def _recorded(self):
+        """Of each channel the rows of every recording that has it, and its span there."""
+        found = {channel: [] for channel in self.channels}
+        for channel, whole in self.spans.items():
+            # in what hardly flows a hair's breadth is a large share
+            least = max(_LEAST_SPAN * whole, _TINY)
+            for rows in (slice(*span) for span in self.recording.spans):
+                values = self.recording[channel][rows]
+                if np.isfinite(values).any():
+                    span = 1.0 if channel == "opening" else max(span_of(values), least)
+                    found[channel].append((rows, span))
+        return found
 
     def _gap(self, channel, model, other):
         gap = np.abs(model.predictions[channel] - other.predictions[channel])
@@ -73,7 +82,7 @@ class Sizes:
         return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect
 
 
-def _acting(gap):
+def _rms_where_acting(gap):
     """Root mean square of a difference where it acts: in the rows that carry its upper part."""
     gap = gap[np.isfinite(gap)]
     acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0

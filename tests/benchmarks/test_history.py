@@ -22,8 +22,7 @@ def copied(tmp_path):
 
 def test_every_published_folder_is_listed_under_its_seal():
     runs = runs_of(RESULTS)
-    published = {p.name for p in RESULTS.iterdir() if p.is_dir()}
-    assert {f"seed_{run['seed']}" for run in runs} == published
+    assert {f"seed_{run['seed']}" for run in runs} == {p.name for p in RESULTS.iterdir() if p.is_dir()}
 
 
 def test_the_documentation_has_the_tables_that_the_scores_make():

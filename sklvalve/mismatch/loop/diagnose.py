@@ -92,7 +92,7 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
         effects = (_effect(kind, loop.span, probability),)
         sticks, answers = kind.stem, kind.fit.mixture @ kind.columns
         stem, share = kind.fit, kind.stick / loop.span
-        verdict, reason = _judged(True, share, evidence, large, answer, command.rhythm)
+        _, reason = _judged(True, share, evidence, large, answer, command.rhythm)
     # quarters are foretold by stems of the grid: the finer search has seen them all
     nominal, corrected = held_out(columns, loop.value, loop.used, sense, command.noise, best)
     predictions = {

@@ -91,19 +91,13 @@ def fit_stems(columns, value, used, sense):
 
     Parameters
     ----------
-    columns : ndarray of shape (m, k, n)
-        Responses to each stem; the first stem is the command.
-    value : ndarray of shape (n,)
-    used : ndarray of bool, shape (n,)
-        Rows that count.
-    sense : int
-        Sign of the response.
+    columns, value, used, sense
+        As in `simple_fits`; the first stem is the command.
 
     Returns
     -------
-    likelihoods : ndarray of shape (m,)
-    silent : float
-        Log likelihood without any response.
+    likelihoods, silent
+        As of `simple_fits`.
     command, stem : LoopFit
         The fit of the command itself, and of the best other stem.
     """

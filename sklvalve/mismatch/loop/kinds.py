@@ -7,13 +7,14 @@ like play to a form in which every movement is a jump. So both forms compete her
 grid.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE, OF_STROKES, distance
 from sklvalve.mismatch.loop.fit import LoopFit, refined, simple_fits
-from sklvalve.mismatch.loop.operators import JUMPS, SHARES, stick_ahead, stick_glide
+from sklvalve.mismatch.loop.operators import JUMPS, placed, size_grid, stick_ahead, stick_glide
 from sklvalve.mismatch.loop.process import responses
 
 _LEAST_JUMP = 0.2  # of the band; a smaller one is play
@@ -55,7 +56,7 @@ class Kind:
 @dataclass(frozen=True, eq=False)
 class _Family:
     name: str
-    law: object
+    law: Callable
     jumps: tuple[float, ...]
 
 
@@ -129,13 +130,7 @@ class _Searched:
 
 
 def _searched(family, loop, foreseen, sense):
-    sizes = np.array([
-        (share * loop.span, jump, side)
-        for share in SHARES
-        for jump in family.jumps
-        for side in ((-1.0, 0.0, 1.0) if jump < 1.0 else (0.0,))
-    ])  # fmt: skip
-    tried = _tried(family, sizes, loop, foreseen, sense)
+    tried = _tried(family, size_grid(loop.span, family.jumps), loop, foreseen, sense)
     for factor, step in _ROUNDS:
         stick, jump, side = tried[0][np.argmax(tried[1])]
         jumps = np.clip([jump - step, jump, jump + step], _LEAST_JUMP, 1.0) if jump > 0.0 else [0.0]
@@ -152,9 +147,7 @@ def _searched(family, loop, foreseen, sense):
 
 
 def _tried(family, sizes, loop, foreseen, sense):
-    stick, slip = sizes[:, 0], sizes[:, 1] * sizes[:, 0]
-    start = loop.command[0] + sizes[:, 2] * 0.5 * (stick - slip)
-    stem, ahead = family.law(loop.command, stick, slip, start, foreseen)
+    stem, ahead = family.law(loop.command, *placed(loop.command, sizes), foreseen)
     columns = responses(stem, ahead, not loop.is_flow)
     likelihoods, noises, _ = simple_fits(columns, loop.value, loop.used, sense)
     return sizes, likelihoods, np.array(noises), stem, columns

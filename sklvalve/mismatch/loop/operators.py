@@ -150,6 +150,33 @@ def stick_ahead(command, stick, slip, start, foreseen):
     return stem, np.where(gap > band, foreseen - rest, np.where(gap < -band, foreseen + rest, before))
 
 
+def size_grid(span, jumps=JUMPS):
+    """Sizes to try: band [fraction of travel], its share that is a jump, and side of the band to begin at.
+
+    Parameters
+    ----------
+    span : float
+        Span of the command [fraction of travel].
+    jumps : sequence of float
+
+    Returns
+    -------
+    sizes : ndarray of shape (m, 3)
+    """
+    return np.array([
+        (share * span, jump, side)
+        for share in SHARES
+        for jump in jumps
+        for side in ((-1.0, 0.0, 1.0) if jump < 1.0 else (0.0,))
+    ])  # fmt: skip
+
+
+def placed(command, sizes):
+    """Band, jump and first position [fraction of travel] of sizes as `size_grid` has them."""
+    stick, slip = sizes[:, 0], sizes[:, 1] * sizes[:, 0]
+    return stick, slip, command[0] + sizes[:, 2] * 0.5 * (stick - slip)
+
+
 @dataclass(frozen=True, eq=False)
 class Candidates:
     """Stems to try: the command itself first, then every size of sticking.
@@ -187,12 +214,6 @@ def candidates(command, foreseen, span):
     -------
     tried : Candidates
     """
-    sizes = [
-        (share * span, jump * share * span, side * 0.5 * (1.0 - jump) * share * span)
-        for share in SHARES
-        for jump in JUMPS
-        for side in ((-1.0, 0.0, 1.0) if jump < 1.0 else (0.0,))
-    ]
-    stick, slip, offset = np.array([(0.0, 0.0, 0.0), *sizes]).T
-    stem, ahead = stick_ahead(command, stick, slip, command[0] + offset, foreseen)
+    stick, slip, start = placed(command, np.vstack([np.zeros(3), size_grid(span)]))
+    stem, ahead = stick_ahead(command, stick, slip, start, foreseen)
     return Candidates(stick, slip, stem, ahead)

@@ -40,10 +40,14 @@ def test_sticking_is_named_with_its_size_and_helps_on_held_out_rows():
     assert found.fit["rmse"]["corrected"] < found.fit["rmse"]["nominal"]
 
 
-def test_play_is_in_the_class_where_there_is_no_jump():
-    command, flow = _open_loop(0.02, 0.0)
-    found = diagnose_loop(_recording(command=command, flow=flow))
-    assert "backlash" in {member["name"] for member in found.effects[0]["members"]}
+@pytest.mark.parametrize("seed", [0, 1, 2])
+def test_play_is_in_the_class_where_there_is_no_jump(seed):
+    command, flow = _open_loop(0.02, 0.0, seed)
+    members = diagnose_loop(_recording(command=command, flow=flow)).effects[0]["members"]
+    assert "backlash" in {member["name"] for member in members}
+    # of the first a small jump fits as well
+    if seed:
+        assert members[0]["name"] == "backlash"
 
 
 def _probabilities(seed, scene):
