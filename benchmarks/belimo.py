@@ -55,9 +55,9 @@ def main(folder, fitted):
     print(f"load {os.getloadavg()[0]:.1f}; {len(recording)} rows of {' and '.join(fitted)}: {seconds:.0f} s")
     print(f"verdict {found['verdict']}")
     for effect in found["effects"]:
-        members = ", ".join(f"{m['name']} {m['probability']:.2f}" for m in effect["members"])
+        members = ", ".join(m["name"] for m in effect["members"])
         values = ", ".join(f"{k} {v['value']:.4g} {v['ci95']}" for k, v in effect["parameters"].items())
-        print(f"- {members}: {values}")
+        print(f"- {members} ({effect['grade']['level']}): {values}")
     print("| run | nominal | corrected |")
     print("|---|---|---|")
     errors = []

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Loops drawn at random, healthy and sticking, to set and to measure the alarms of `diagnose_loop`.
 
-Everything runs at 1 s and is recorded every 10 s: a PI controller, a valve with friction in the form of
-Choudhury (a stem that keeps moving until the command turns), a process (flow with a lag of seconds, pressure
-with one of minutes, level that integrates), coloured and white noise, wander, set-point programmes, outside
-oscillations and bad tuning. The operator that the diagnosis fits is of another form.
+Everything runs in steps much finer than the rows: a PI controller, a valve with friction, a process (flow
+with a short lag, pressure with a long one, level that integrates), coloured and white noise, wander,
+set-point programmes, outside oscillations, a supply or a gain that drifts, and bad tuning. A first run at one
+time scale measures the period of the loop; the second is stretched so that a period has 5 to 500 rows, of 0.2
+to 60 s, both drawn log-uniformly. The friction has two forms, neither that of the operator which the
+diagnosis fits: Choudhury's (a stem keeps moving until the command turns), and a stem with a speed of its own
+that is held by a static friction and braked by a smaller dynamic one.
 """
 
 from dataclasses import dataclass
@@ -13,7 +16,19 @@ import numba as nb
 import numpy as np
 
 KINDS = ("flow", "pressure", "level")
-HEALTHY = ("quiet", "setpoint", "oscillation", "bad_tuning", "upsets", "curved", "small_play", "saw")
+HEALTHY = (
+    "quiet",
+    "setpoint",
+    "oscillation",
+    "bad_tuning",
+    "upsets",
+    "curved",
+    "small_play",
+    "saw",
+    "drift",
+)
+FORMS = ("choudhury", "sliding")
+_PILOT = 12000  # steps of the first run
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +44,11 @@ class DrawnLoop:
     slip: float
     share: float
     """Stick band over the 1-99 % span of the command."""
+    sample_time: float = 10.0
+    """[s]"""
+    rows_a_period: float = np.nan
+    """Aimed at; the loop may swing otherwise."""
+    form: str = "choudhury"
 
 
 @nb.njit(cache=True)
@@ -63,13 +83,46 @@ def _friction(command, position, state, stick, slip):
 
 
 @nb.njit(cache=True)
+def _sliding(command, position, moving, stick, slip, pace):
+    """One step of a stem that slides at a pace of its own until the dynamic friction holds it."""
+    static, dynamic = 0.5 * (stick + slip), 0.5 * (stick - slip)
+    gap = command - position
+    if moving == 0.0 and abs(gap) > static:
+        moving = 1.0 if gap > 0.0 else -1.0
+    if moving != 0.0:
+        left = gap * moving - dynamic
+        if left <= 0.0:
+            moving = 0.0
+        else:
+            position += moving * pace * left
+            if pace * left < 0.002 * (stick + 1e-9):
+                moving = 0.0
+    return position, moving
+
+
+@nb.njit(cache=True)
 def _run(
-    setpoint, upset, load, noise, gain, reset, stick, slip, bend, lag, integrates, dead, command_0, filt
+    setpoint,
+    factor,
+    load,
+    noise,
+    gain,
+    reset,
+    stick,
+    slip,
+    bend,
+    lag,
+    integrates,
+    dead,
+    command_0,
+    filt,
+    slides,
+    pace,
 ):
     n = len(setpoint)
     command = np.empty(n)
     value = np.empty(n)
-    position = command_0
+    position, sliding = command_0, 0.0
     state = (1.0, command_0, command_0, 0.0)
     y = setpoint[0]
     seen = y
@@ -82,17 +135,21 @@ def _run(
         out += gain * (error - last_error + error / reset)
         last_error = error
         out = min(1.0, max(0.0, out))
-        position, state = _friction(out, position, state, stick, slip)
+        if stick <= 0.0:
+            position = out
+        elif slides:
+            position, sliding = _sliding(out, position, sliding, stick, slip, pace)
+        else:
+            position, state = _friction(out, position, state, stick, slip)
         for i in range(dead):
             held[i] = held[i + 1]
         held[dead] = position
         stem = held[0]
-        drive = stem - command_0 + bend * (stem - command_0) ** 2
+        drive = factor[k] * (stem - command_0 + bend * (stem - command_0) ** 2 + 0.5) - 0.5
         if integrates:
             y += (drive - load[k]) / lag
         else:
             y += (setpoint[0] + drive - load[k] - y) / lag
-        y += upset[k]
         command[k] = out
         value[k] = seen
     return command, value
@@ -107,7 +164,19 @@ def _ornstein(n, time, size, rng):
     return lfilter([1.0], [1.0, -keep], drawn)
 
 
-def draw_loop(random_state, kind="flow", scene="quiet", sticking=False, rows=750, size=None):
+def _period(command):
+    """Period of the strongest swing [rows], of frequency times power."""
+    n = len(command)
+    time = np.arange(n) / n
+    swings = command - np.polyval(np.polyfit(time, command, 2), time)
+    power = np.abs(np.fft.rfft(swings * np.hanning(n))) ** 2
+    power = np.convolve(power, np.ones(3) / 3.0, mode="same") * np.arange(len(power))
+    power[:4] = 0.0
+    # a command that stands still has no period
+    return n / float(np.argmax(power) or 100)
+
+
+def draw_loop(random_state, kind="flow", scene="quiet", sticking=False, form=None):
     """Draw one loop of a kind and a scene; `sticking` gives its valve friction of the size of its movement.
 
     Parameters
@@ -117,19 +186,55 @@ def draw_loop(random_state, kind="flow", scene="quiet", sticking=False, rows=750
     scene : str
         One of `HEALTHY`: what moves the loop.
     sticking : bool, default=False
-    rows : int, default=750
-        Rows, 10 s apart.
-    size : float or None
-        Amplitude of what moves the loop [fraction of span]; drawn by default.
+    form : {"choudhury", "sliding"}, optional
+        Of the friction; drawn by default.
 
     Returns
     -------
     drawn : DrawnLoop
     """
-    rng = np.random.default_rng(random_state)
-    n = 10 * rows + 600
-    time = np.arange(n)
-    size = float(np.exp(rng.uniform(np.log(0.002), np.log(0.03)))) if size is None else size
+    rng = np.random.default_rng([random_state, KINDS.index(kind), HEALTHY.index(scene), int(sticking)])
+    rows_a_period = float(np.exp(rng.uniform(np.log(5.0), np.log(500.0))))
+    sample_time = round(float(np.exp(rng.uniform(np.log(0.2), np.log(60.0)))), 2)
+    periods = float(np.exp(rng.uniform(np.log(8.0), np.log(60.0))))
+    rows = int(np.clip(rows_a_period * periods, 400, 4000))
+    drawn_form = FORMS[int(rng.random() < 0.4)]
+    form = drawn_form if form is None else form
+    seed = int(rng.integers(2**31))
+    pilot = _simulated(np.random.default_rng(seed), kind, scene, sticking, form, _PILOT, 1.0)
+    period = _period(pilot[0])
+    # steps of the second run: many to a row, and enough to a period
+    steps = max(1, round(max(2.0 * rows_a_period, 150.0) / rows_a_period))
+    stretch = steps * rows_a_period / period
+    warm = int(4 * period * stretch)
+    run = _simulated(np.random.default_rng(seed), kind, scene, sticking, form, warm + steps * rows, stretch)
+    kept = slice(warm, None, steps)
+    command, value, setpoint, stick, slip = run[0][kept], run[1][kept], run[2][kept], run[3], run[4]
+    span = float(np.ptp(np.quantile(command, [0.01, 0.99])))
+    digits = int(rng.integers(4, 7))
+    return DrawnLoop(
+        np.round(command, digits),
+        np.round(value, digits),
+        np.round(setpoint, 6),
+        kind,
+        scene,
+        stick,
+        slip,
+        stick / span if span > 0 else np.inf,
+        sample_time,
+        rows_a_period,
+        form,
+    )
+
+
+def _simulated(rng, kind, scene, sticking, form, n, stretch):
+    """Command, value and set-point in every step, band and jump; all times are stretched."""
+    time = np.arange(n) / stretch
+
+    def wander(tau, size):
+        return _ornstein(n, tau * stretch, size, rng)
+
+    size = float(np.exp(rng.uniform(np.log(0.002), np.log(0.03))))
     if kind == "flow":
         lag, gain, reset = rng.uniform(1.5, 12), rng.uniform(0.15, 0.8), rng.uniform(6, 40)
     elif kind == "pressure":
@@ -139,77 +244,76 @@ def draw_loop(random_state, kind="flow", scene="quiet", sticking=False, rows=750
         lag = np.exp(rng.uniform(np.log(200), np.log(2000)))
         closed = lag / rng.uniform(1.5, 10)
         gain, reset = lag / closed, 4 * closed * rng.uniform(0.6, 2)
-    dead = int(rng.integers(0, 4))
-    load = _ornstein(n, np.exp(rng.uniform(np.log(60), np.log(3000))), size, rng)
-    setpoint = np.full(n, 0.5)
-    if scene == "setpoint" or (sticking and rng.random() < 0.3):
-        if rng.random() < 0.5:
-            hold = int(rng.integers(60, 1500))
-            setpoint = 0.5 + np.repeat(size * 2 * rng.standard_normal(n // hold + 1), hold)[:n]
-        else:
-            setpoint = 0.5 + _ornstein(n, rng.uniform(30, 1500), 3 * size, rng)
-    if scene in ("oscillation", "saw"):
-        period = np.exp(rng.uniform(np.log(60), np.log(2000)))
-        phase = 2 * np.pi * (time / period + np.cumsum(0.003 * rng.standard_normal(n)) / np.sqrt(period))
-        wave = np.sin(phase)
-        if scene == "saw":
-            wave = np.sign(wave) if rng.random() < 0.5 else 2 / np.pi * np.arcsin(wave)
-        load = 0.3 * load + size * rng.uniform(0.5, 4) * wave
-    if scene == "upsets":
-        jumps = (rng.random(n) < 1.0 / rng.uniform(200, 2000)) * size * rng.standard_t(3, n)
-        load = 0.3 * load + np.cumsum(jumps)
+    dead = rng.uniform(0, 4)
+    draws = {name: rng.uniform() for name in ("setpoint", "hold", "shape", "filter", "band", "jump", "pace")}
+    slow = np.exp(rng.uniform(np.log(60), np.log(3000)))
+    period = np.exp(rng.uniform(np.log(60), np.log(2000)))
+    wave_size, upset_time = rng.uniform(0.5, 4), rng.uniform(200, 2000)
     if scene == "bad_tuning":
         if kind == "flow":
             reset = max(2.5, reset / rng.uniform(3, 8))
-            dead += int(rng.integers(2, 6))
+            dead += rng.uniform(2, 6)
             gain = gain * rng.uniform(0.5, 1.0)
         elif kind == "pressure":
-            reset, dead = reset / 4, int(0.1 * lag) + dead
+            reset, dead = reset / 4, 0.1 * lag + dead
         else:
             reset = reset / rng.uniform(6, 20)
     bend = rng.uniform(-4, 4) if scene == "curved" else rng.uniform(-1.5, 1.5)
-    if scene == "curved":
-        setpoint = setpoint + _ornstein(n, rng.uniform(60, 1500), 0.03, rng)
     white = size * np.exp(rng.uniform(np.log(0.01), np.log(1.0)))
-    noise = white * rng.standard_normal(n)
-    noise += _ornstein(n, rng.uniform(3, 60), size * rng.uniform(0, 0.5), rng)
+    noise_time, noise_size, command_0 = rng.uniform(3, 60), size * rng.uniform(0, 0.5), rng.uniform(0.3, 0.7)
+    load = wander(slow, size)
+    setpoint = np.full(n, 0.5)
+    if scene == "setpoint" or (sticking and draws["setpoint"] < 0.3):
+        if draws["shape"] < 0.5:
+            hold = max(1, int((60 + 1440 * draws["hold"]) * stretch))
+            setpoint = 0.5 + np.repeat(size * 2 * rng.standard_normal(n // hold + 1), hold)[:n]
+        else:
+            setpoint = 0.5 + wander(30 + 1470 * draws["hold"], 3 * size)
+    if scene in ("oscillation", "saw"):
+        walk = np.cumsum(0.003 * rng.standard_normal(n)) / np.sqrt(period * stretch)
+        wave = np.sin(2 * np.pi * (time / period + walk))
+        if scene == "saw":
+            wave = np.sign(wave) if draws["shape"] < 0.5 else 2 / np.pi * np.arcsin(wave)
+        load = 0.3 * load + size * wave_size * wave
+    if scene == "upsets":
+        jumps = (rng.random(n) < 1.0 / (upset_time * stretch)) * size * rng.standard_t(3, n)
+        load = 0.3 * load + np.cumsum(jumps)
+    factor = np.ones(n)
+    if scene == "drift":
+        # a supply or a gain that changes slowly: a ramp, a bend, a wander, over the whole record
+        shape = np.linspace(-1.0, 1.0, n)
+        course = (shape, shape**2, np.sin(np.pi * shape * 1.5))[int(3 * draws["shape"])]
+        factor = 1.0 + (0.02 + 0.1 * draws["hold"]) * course + wander(n / (8.0 * stretch), 0.01)
+        load = (0.02 + 0.5 * draws["band"]) * load
+    if scene == "curved":
+        setpoint = setpoint + wander(60 + 1440 * draws["hold"], 0.03)
+    noise = white * rng.standard_normal(n) + wander(noise_time, noise_size)
     if kind != "flow":
         noise *= 0.2
     stick = slip = 0.0
     if sticking:
-        stick = size * rng.uniform(1.0, 5.0)
-        slip = stick * rng.uniform(0.0, 1.0)
+        stick = size * (1.0 + 4.0 * draws["band"])
+        slip = stick * draws["jump"]
     elif scene == "small_play":
-        stick = size * rng.uniform(0.05, 0.4)
-        slip = stick * rng.uniform(0.0, 0.5)
-    upset = np.zeros(n)
+        stick = size * (0.05 + 0.35 * draws["band"])
+        slip = stick * 0.5 * draws["jump"]
+    filt = 1.0 - (0.85 * (1.0 - draws["filter"])) ** (1.0 / stretch)
     command, value = _run(
         setpoint,
-        upset,
+        factor,
         load,
         noise,
         gain,
-        reset,
+        reset * stretch,
         stick,
         slip,
         bend,
-        max(lag, 1.01),
+        max(lag * stretch, 1.01),
         kind == "level",
-        dead,
-        rng.uniform(0.3, 0.7),
-        rng.uniform(0.15, 1.0),
+        int(dead * stretch),
+        command_0,
+        filt,
+        form == "sliding",
+        1.0 - np.exp(-(0.5 + 1.5 * draws["pace"]) / stretch),
     )
-    kept = slice(600, None, 10)
-    span = float(np.ptp(np.quantile(command[kept], [0.01, 0.99])))
-    share = stick / span if span > 0 else np.inf
-    digits = int(rng.integers(4, 7))
-    return DrawnLoop(
-        np.round(command[kept], digits),
-        np.round(value[kept], digits),
-        np.round(setpoint[kept], 6),
-        kind,
-        scene,
-        stick,
-        slip,
-        share,
-    )
+    return command, value, setpoint, stick, slip

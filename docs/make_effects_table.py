@@ -20,6 +20,11 @@ Forms are variants of an effect that act elsewhere or show otherwise; a diagnosi
 Effects of one family share an equation, so an explanation holds one of them at most. Bounds are what is
 physically possible; where none stand here they follow from the data sheet and the recording. The fault is the
 one of the DAMADICS benchmark with the same physics.
+
+The kind says what an effect is that is there from the start: a fault; a property of a sound valve, its
+fluid or its line, that a simulation may lack; or either. What begins within the recording, or grows, is a
+fault, unless the fluid changed. `slew_limit` is a property of a motor, and either where air is known to drive
+the stem.
 """
 
 
@@ -37,15 +42,16 @@ def page():
 
 
 def _overview():
-    rows = ["| effect | block | needs | family | fault |", "|---|---|---|---|---|"]
+    rows = ["| effect | block | kind | needs | family | fault |", "|---|---|---|---|---|---|"]
     for block in BLOCKS:
         for name in sorted({e.name for e in CATALOGUE if e.block == block}):
             forms = [e for e in (*CATALOGUE, *EVENTS) if e.name == name and e.block == block]
-            needs, families, faults = (
+            kinds, needs, families, faults = (
                 " or ".join(sorted({told for e in forms if (told := tell(e))}))
-                for tell in (_needs, lambda e: e.family, lambda e: e.damadics)
+                for tell in (lambda e: e.kind, _needs, lambda e: e.family, lambda e: e.damadics)
             )
-            rows.append(f"| [{name}](#{_anchor(name, block)}) | {block} | {needs} | {families} | {faults} |")
+            place = f"[{name}](#{_anchor(name, block)}) | {block}"
+            rows.append(f"| {place} | {kinds} | {needs} | {families} | {faults} |")
     return "\n".join(rows) + "\n"
 
 

@@ -72,7 +72,7 @@ def add_parser(commands) -> None:
 def run(args: Namespace) -> int:
     """Diagnose a recording."""
     from sklvalve.cli.staging import Staging
-    from sklvalve.mismatch.loop import is_loop
+    from sklvalve.mismatch.loop import is_loop, loop_signals
     from sklvalve.recording import join_recordings, read_recording, require_diagnosable
     from sklvalve.report import to_text
 
@@ -85,8 +85,10 @@ def run(args: Namespace) -> int:
     rows = _rows_until(recording, args.until)
     used = recording.slice(0, rows)
     loop = is_loop(used)
-    if not loop:
-        with mended_by_a_draft(known, first):
+    with mended_by_a_draft(known, first):
+        if loop:
+            loop_signals(used)
+        else:
             require_diagnosable(used)
     with Staging(args.out, RESULTS) as staging:
         tell(known)

@@ -113,10 +113,13 @@ def _drafted(recording: str) -> Known:
     from sklvalve.recording.draft import assumptions, draft_valve, read_recording_columns
     from sklvalve.recording.reader import read_columns
 
-    told = read_recording_columns(read_columns(recording).columns, recording)
+    columns = read_columns(recording).columns
+    told = read_recording_columns(columns, recording)
     _require_one_valve(told, recording)
     draft = draft_valve(told)
     valve = Valve.from_dict(tomllib.loads(draft.text), source=SHEET)
+    _require_readable(columns, told, recording)
+    _require_a_command(draft, valve, recording)
     _require_enough(valve, told, recording)
     note = (
         f"no --valve is given and no {SHEET} lies beside the recording, so that its columns are read by "
@@ -135,6 +138,29 @@ def _require_one_valve(told: "RecordingColumns", recording: str) -> None:
         raise InputError(
             f"{recording}: the columns are of several valves ({', '.join(names)}) and no {SHEET} chooses "
             f"one; run {_init(recording)} --tag {quote(names[0])}, then diagnose with the draft"
+        )
+
+
+def _require_readable(columns, told: "RecordingColumns", recording: str) -> None:
+    """A cell that is no number must not take a column, by its name the command or the like, off the list."""
+    from sklvalve.recording.columns import to_numbers
+    from sklvalve.recording.tags import read_name
+
+    for name in told.others:
+        role = read_name(name).role
+        if role in _COMPARED and not any(each.reading.role == role for each in told.columns):
+            to_numbers(columns[name], f"{recording}: column {name!r} ({role})")
+
+
+def _require_a_command(draft: "Draft", valve: "Valve", recording: str) -> None:
+    """A command by its name whose numbers no command has: say so, not that there is none."""
+    from sklvalve.recording import InputError
+
+    if "command" in draft.roles and "command" not in valve.roles:
+        raise InputError(
+            f"{recording}: column {draft.roles['command'].column.shown} is a command by its name, and a "
+            "valve's command stays between 0 and 100 %; correct the column, or keep it out by "
+            f"{_init(recording)}"
         )
 
 

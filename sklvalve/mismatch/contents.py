@@ -1,16 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a diagnosis says, laid out as diagnosis.json has it, and the traces that pictures are drawn from."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 import sklvalve
+from sklvalve.mismatch.assessing import assessed
+from sklvalve.mismatch.dated import change_entry
 from sklvalve.mismatch.describing import described
 from sklvalve.mismatch.events import events_of, told_by_events
+from sklvalve.mismatch.kinds import kind_of_class, with_kinds
 from sklvalve.mismatch.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.reasons import reasons_of
+from sklvalve.mismatch.referee import referee_entry, skills_ahead
 from sklvalve.mismatch.verdict import class_of, effect_entry
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -54,6 +59,14 @@ class Judgement:
         Blocks of the effects that come near, each by itself, to explaining what was found; sorted.
     suspected : Model or None
         The hypothesis of the search, where none of it may be named: it tells in which rows something is.
+    referee : Referee or None
+        The black box that the verdict was held against; None where nothing was asked.
+    change : Change or None
+        When a signal changed, whatever made it.
+    event : Change or None
+        The same where it is one of the last rows, which were judged by themselves.
+    why : tuple of str
+        Checks that stopped a name, in words.
     """
 
     verdict: str
@@ -73,6 +86,17 @@ class Judgement:
     pulses: object = None
     suspects: tuple = ()
     suspected: object = None
+    referee: object = None
+    change: object = None
+    event: object = None
+    why: tuple = ()
+
+    @property
+    def names_event(self):
+        """Whether what happened in the last rows has a name."""
+        onsets = [f.member.onset for f in self.findings if f.member.onset is not None]
+        clock = self.model.chain.clock
+        return self.event is not None and any(t >= clock[self.event.within[0]] for t in onsets)
 
     @property
     def found(self):
@@ -87,10 +111,17 @@ class Judgement:
 
 def onset_of(judgement):
     """Time from the first sample at which all that was found begins [s]; None if it was there before."""
-    onsets = [f.member.onset for f in judgement.findings]
+    aside = aside_of(judgement.findings)
+    onsets = [f.member.onset for f in judgement.findings if f.member.effect.key not in aside]
     if not onsets or None in onsets:
         return None
     return float(min(onsets) - judgement.model.chain.clock[0])
+
+
+def aside_of(findings):
+    """Keys of a sound valve's properties where something else was found: a report is about when that acts."""
+    properties = [f for f in findings if kind_of_class(f) == "property"]
+    return {f.member.effect.key for f in properties} if len(properties) < len(findings) else set()
 
 
 def flagged_rows(workbench, judgement):
@@ -123,7 +154,12 @@ def content_of(
     `mend` is what to do to the data, and `plan` the next test, where there is one.
     """
     unknown, found = judgement.unknown, judgement.found
-    entries = [effect_entry(f, whole, workbench) for f in judgement.findings]
+    entries = [with_kinds(effect_entry(f, whole, workbench), f) for f in judgement.findings]
+    # forecasts of the rows used: those kept for the final figures must decide nothing
+    seen = () if judgement.referee is None else judgement.referee.compared
+    ahead = skills_ahead(workbench, seen)
+    entries, verdict, doubts = assessed(entries, judgement.verdict, judgement.p_value, ahead, data, workbench)
+    judgement = replace(judgement, verdict=verdict)
     blocks = sorted({b for e in entries for b in e["blocks"]})
     rest = next((r for r in (unknown, judgement.left, judgement.pulses) if r is not None), None)
     if not blocks and judgement.found:
@@ -137,21 +173,23 @@ def content_of(
     elif judgement.pulses is not None:
         location |= _when_seen(judgement, judgement.pulses, ["line", "measurement", "valve"])
     elif found:
-        more = {"alpha": alpha, "random_state": random_state}
+        more = {"alpha": alpha, "random_state": random_state, "aside": aside_of(judgement.findings)}
         seen = judgement.suspected or judgement.model
         location = location_of(workbench, seen, unknown, blocks, **more)
+    location["change"] = change_entry(whole, judgement, location)
     joined = _recordings(whole)
     if joined:
         # times are of their common clock, and read by the recording that they fall into
         location["recordings"] = [{k: each[k] for k in ("source", "begins", "assumed")} for each in joined]
     content = {
         "schema": "sklvalve.diagnosis/1",
-        "verdict": judgement.verdict,
+        "subject": "valve",
+        "verdict": verdict,
         "mismatch": {"detected": found, "p_value": judgement.p_value, "alpha": alpha},
         "location": location,
         "effects": entries,
         "fit": fit,
-        "proof": "later_rows" if len(whole) > len(workbench.recording) else "four_blocks",
+        "proof": "later_rows" if len(whole) > len(workbench.recording) else "forward",
         "not_testable": not_testable,
         "next_test": mend or next_test(classes, judgement.verdict, rest, workbench, plan),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
@@ -163,10 +201,9 @@ def content_of(
             **({"recordings": joined} if joined else _first_stamp(whole)),
         },
     }
-    if mend:
-        content["reasons"] = [mend]
-    elif judgement.strays is not None:
-        content["reasons"] = [judgement.strays.reason]
+    content["reasons"] = reasons_of(judgement, mend, doubts)
+    if judgement.referee is not None:
+        content["referee"] = referee_entry(judgement.referee, whole)
     if rest is not None:
         content["unknown"] = _unknown_entry(whole, judgement) if unknown is not None else _unlearnt(rest)
     if judgement.left is not None:
@@ -222,6 +259,9 @@ def _beyond_noise(whole, workbench, judgement):
     """How far a rest is beyond noise, and what comes closest of the known effects and is not named for it."""
     left, leaves = judgement.left, judgement.closest_leaves
     closest = [effect_entry(f, whole, workbench) for f in judgement.closest]
+    for entry in closest:
+        # they are refuted: none of their names has a probability
+        entry["members"] = [member | {"probability": None} for member in entry["members"]]
     keys = ("members", "size", "sentence")
     return {
         "beyond_noise": {"size": left.size, "noise": left.noise, "allowed": left.allowed},

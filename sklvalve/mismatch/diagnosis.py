@@ -105,7 +105,7 @@ class Diagnosis:
 def _finding(content):
     """What was found in one sentence; a layer below the report, whose words are fuller."""
     verdict = content["verdict"]
-    names = [_name(entry) for entry in content["effects"]]
+    names = [_name(entry) for entry in content["effects"] if verdict != "named" or _may_be_named(entry)]
     if verdict == "named":
         return f"The simulation leaves out {'; '.join(names)}."
     if verdict == "none_of_these":
@@ -126,11 +126,8 @@ def _sureness(content):
     """Probability of what was named, how large a chance the difference has, and what holds it back."""
     parts = []
     if content["verdict"] == "named":
-        found = [each for each in content["effects"] if "probability" in each]
-        parts += [
-            f"{_percent(each['probability'])} sure{f' of {_name(each)}' if len(found) > 1 else ''}"
-            for each in found
-        ]
+        found = [each for each in content["effects"] if "probability" in each and _may_be_named(each)]
+        parts += [f"{_sure(each)}{f' of {_name(each)}' if len(found) > 1 else ''}" for each in found]
     p_value = (content.get("mismatch") or {}).get("p_value")
     if p_value is not None:
         parts.append(f"a difference as large comes by chance with {_p_words(p_value)}")
@@ -139,6 +136,16 @@ def _sureness(content):
     # what must be mended first is both the reason and what to do
     words = " ".join([told, *(r for r in reasons if r != content.get("next_test"))]).strip()
     return words[:1].upper() + words[1:]
+
+
+def _sure(entry):
+    if entry["probability"] is None:
+        return f"{(entry.get('grade') or {}).get('level') or 'unknown'} evidence"
+    return f"{_percent(entry['probability'])} sure"
+
+
+def _may_be_named(entry):
+    return (entry.get("grade") or {}).get("level") != "weak"
 
 
 def _name(entry):

@@ -240,9 +240,9 @@ def _in_spells_if_likelier(workbench, model):
     spelled = in_spells(workbench, model)
     if spelled is model:
         return model
-    noise, steady = workbench.noise, _own_worth(workbench, model)
+    noise, steady = workbench.noise, own_worth(workbench, model)
     spelled = _in_turn(workbench, spelled)
-    if _own_worth(workbench, spelled) > steady:
+    if own_worth(workbench, spelled) > steady:
         return spelled
     workbench.use_noise(noise)
     return model
@@ -262,10 +262,10 @@ def _throughout_if_likelier(workbench, model):
     modelled poorly: what is left there is no stranger than the nominal's own errors. So an onset that gains
     little beside the effect itself must gain in more than one or two events.
     """
-    noise, with_onset = workbench.noise, _own_worth(workbench, model)
+    noise, with_onset = workbench.noise, own_worth(workbench, model)
     *rest, last = model.members
     throughout = _in_turn(workbench, workbench.fit((*rest, Member(last.effect)), start=model))
-    gained = with_onset - _own_worth(workbench, throughout)
+    gained = with_onset - own_worth(workbench, throughout)
     if gained < 0.0:
         return throughout
     learnt = workbench.noise
@@ -278,7 +278,7 @@ def _throughout_if_likelier(workbench, model):
     return model
 
 
-def _own_worth(workbench, model):
+def own_worth(workbench, model):
     """As `worth`, but to be compared between noises too: wide noise costs what it makes likelier."""
     return worth(workbench, model) - sum(workbench.noise[c].log_spread for c in workbench.channels)
 

@@ -9,8 +9,10 @@ from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import HasMethods, Interval
 from threadpoolctl import threadpool_limits
 
+from sklvalve.mismatch.behind import judged_behind
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
+from sklvalve.mismatch.dated import dated
 from sklvalve.mismatch.detect import circumstances_of
 from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.events import evident_events, worth_searching
@@ -19,10 +21,17 @@ from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
 from sklvalve.mismatch.gathering import gathered
 from sklvalve.mismatch.judging import blocked, judge
+from sklvalve.mismatch.late import before, late_event, with_late_event
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.next_test import plan_of
 from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
-from sklvalve.mismatch.prove import errors, held_out_predictions
+from sklvalve.mismatch.prove import (
+    errors,
+    held_out_predictions,
+    interleaved_errors,
+    interleaved_predictions,
+)
+from sklvalve.mismatch.referee import forward_in_time, refereed
 from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
 from sklvalve.mismatch.withholding import withheld
@@ -180,6 +189,9 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("calibrating", 0.05)
         judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, data, seed)
         judged, spoilt = withheld(judged, data, recording)
+        self._say("forecasting rows ahead", 0.82)
+        judged, forward = (judged, None) if mend or spoilt else refereed(workbench, judged)
+        judged = judged if mend else dated(workbench, judged, float(self.alpha))
         self.evidence_ = judged.evidence
         self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
         self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
@@ -191,7 +203,7 @@ class MissingPhysicsFinder(BaseEstimator):
             workbench,
             judged,
             flagged,
-            {} if mend else _proof(workbench, whole, judged, flagged, seed),
+            {} if mend else _proof(workbench, whole, judged, forward, flagged, seed),
             data=data,
             not_testable=not_testable,
             alpha=float(self.alpha),
@@ -223,26 +235,46 @@ class MissingPhysicsFinder(BaseEstimator):
         events = evident_events(workbench, effects, float(self.alpha)) if self.max_effects else None
         stretches = stretches_of(workbench.recording, self.search_rows)
         if stretches is workbench.recording:
-            return self._judge(workbench, effects, events, data, seed)
+            return self._judge_with_its_end(workbench, ours, effects, events, data, seed)
         bench = prepared_workbench(stretches, ours, self.tolerance, trim=workbench.trim)
         judged = self._judge(bench, effects, events, data, seed)
         return over_the_whole(workbench, judged, float(self.alpha))
 
-    def _judge(self, workbench, effects, events, data, seed):
-        """Search among the effects, and the judgement on what it finds."""
+    def _judge_with_its_end(self, workbench, ours, effects, events, data, seed):
+        """The judgement on a recording, what happens in its last rows judged by itself."""
         nominal = calibrated(workbench)
-        circumstances = circumstances_of(workbench, data)
-        explanation = explain(
-            workbench,
-            nominal,
-            worth_searching(effects, events),
-            threshold=self.evidence,
-            most=self.max_effects,
-            report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
-        )
-        self._say("looking for the unknown", 0.8)
-        more = {"alpha": float(self.alpha), "random_state": seed}
-        return judge(workbench, explanation, circumstances, events=events, **more)
+        event = late_event(workbench, nominal, float(self.alpha)) if self.max_effects else None
+        if event is None:
+            return self._judge(workbench, effects, events, data, seed, nominal)
+        rows = before(workbench.recording, event)
+        bench = prepared_workbench(rows, ours, self.tolerance, trim=workbench.trim)
+        judged = self._judge(bench, effects, events, data, seed)
+        found = with_late_event(workbench, bench, judged, event, effects, float(self.alpha))
+        return found or self._judge(workbench, effects, events, data, seed)
+
+    def _judge(self, workbench, effects, events, data, seed, nominal=None):
+        """Search among the effects, and the judgement on what it finds."""
+        alpha, considered = float(self.alpha), worth_searching(effects, events)
+
+        def judge_on(bench, candidates):
+            first = nominal if bench is workbench and nominal is not None else calibrated(bench)
+            circumstances = circumstances_of(bench, data)
+            explanation = explain(
+                bench,
+                first,
+                candidates,
+                threshold=self.evidence,
+                most=self.max_effects,
+                report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
+            )
+            self._say("looking for the unknown", 0.8)
+            more = {"alpha": alpha, "random_state": seed, "events": events}
+            return explanation, circumstances, judge(bench, explanation, circumstances, **more)
+
+        # slips and hunting name what makes them, whatever the rest of the stem does
+        if events is not None:
+            return judge_on(workbench, considered)[-1]
+        return judged_behind(workbench, considered, judge_on, alpha)
 
     def _say(self, stage, done):
         if self.callback is not None:
@@ -254,16 +286,19 @@ class MissingPhysicsFinder(BaseEstimator):
         return int(check_random_state(self.random_state).randint(2**31 - 1))
 
 
-def _proof(workbench, whole, judged, flagged, seed):
+def _proof(workbench, whole, judged, forward, flagged, seed):
     """The ``fit`` entries of diagnosis.json, from rows that no fit has seen."""
-    models = judged.nominal, judged.model
-    made, held = held_out_predictions(workbench, whole, *models, judged.correction, judged.tried)
-    fit = {
-        c: errors(whole, made, held, c, workbench.noise[c].floor, random_state=seed)
-        for c in workbench.channels
-    }
+    nominal, model = judged.nominal, judged.model
+    if forward is None:
+        forward = forward_in_time(workbench, nominal, model)
+    made, held = held_out_predictions(workbench, whole, nominal, model, forward, judged.correction)
+    interleaved = interleaved_predictions(workbench, judged)
+    fit = {}
+    for c in workbench.channels:
+        fit[c] = errors(whole, made, held, c, workbench.noise[c].floor, random_state=seed)
+        fit[c]["interleaved"] = {"rmse": interleaved_errors(workbench.recording, interleaved, c)}
     if judged.found:
-        more = further_proof(workbench, whole, judged, made, held, flagged)
+        more = further_proof(workbench, whole, judged, made, held, flagged, forward.spans)
         fit = {c: entry | more[c] for c, entry in fit.items()}
     return fit
 

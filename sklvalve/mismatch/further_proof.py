@@ -3,9 +3,10 @@
 
 import numpy as np
 
-from sklvalve.mismatch.black_box import black_box_prediction
 from sklvalve.mismatch.events import simulated
-from sklvalve.mismatch.prove import held_out_predictions, lines_of, refitted
+from sklvalve.mismatch.prove import run
+from sklvalve.mismatch.referee import black_box_prediction, forecast
+from sklvalve.mismatch.refitting import lines_of, refitted
 from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.simulation import learnt_rest
@@ -15,7 +16,7 @@ _END = 0.15
 _FEWEST_INSIDE, _FEWEST_OUTSIDE = 120, 40
 
 
-def further_proof(workbench, whole, judged, made, held, flagged):
+def further_proof(workbench, whole, judged, made, held, flagged, spans):
     """Entries beside the errors of held-out rows, for each channel.
 
     Parameters
@@ -29,6 +30,8 @@ def further_proof(workbench, whole, judged, made, held, flagged):
     held : ndarray of bool
     flagged : ndarray of bool
         Rows of the workbench in which what was found acts.
+    spans : tuple of slice
+        Stretches that are forecast where no later rows are held out.
 
     Returns
     -------
@@ -40,9 +43,8 @@ def further_proof(workbench, whole, judged, made, held, flagged):
     rival = _best_ruled_out(judged)
     others = None
     if rival is not None:
-        others = held_out_predictions(workbench, whole, rival.model, rival.model, black_box=False)[0][
-            "nominal"
-        ]
+        ahead = len(whole) > len(workbench.recording)
+        others = run(workbench, rival.model, whole) if ahead else forecast(workbench, rival.model, spans)
     inside, outside = _ranges(workbench.recording)
     beyond = None if inside is None else _beyond(workbench, judged, inside)
     entries = {}

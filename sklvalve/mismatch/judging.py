@@ -18,6 +18,7 @@ from sklvalve.mismatch.events import P_VALUE, beside_events, with_events
 from sklvalve.mismatch.healthy import EFFECTS
 from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
 from sklvalve.mismatch.pulses import find_pulses
+from sklvalve.mismatch.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.stem_rest import P_VALUE as STRAYS_BY_CHANCE
 from sklvalve.mismatch.stem_rest import stem_rest
 from sklvalve.mismatch.unknown import look_for_rest
@@ -137,12 +138,15 @@ def _judged(
     if unknown is not None and findings:
         # of all recordings together, as the unknown is
         explained = workbench.change_in_all(unknown.channel, model, nominal)
+    why = [] if upheld else [not_upheld(findings)]
     if not upheld:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         findings = []
     verdict, findings = verdict_of(findings, unknown, enough, explained)
     # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
     left, said = held_against_noise(workbench, explanation, model, findings, alpha)
+    if said != FINE and left is not None:
+        why.append(too_much_left(left, findings))
     of_flow = any("flow" in workbench.channels_touched(f.member.effect) for f in findings)
     closest = []
     if said == REFUTED or (said != FINE and of_flow):
@@ -152,7 +156,7 @@ def _judged(
     if not findings and verdict != "no_mismatch":
         unknown = rest_of(nominal)[0] or unknown
         verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
-    more: dict = {"evidence": evidence, "suspects": _suspects(explanation)}
+    more: dict = {"evidence": evidence, "suspects": _suspects(explanation), "why": tuple(why)}
     if verdict != "no_mismatch" and not findings and unknown is None and explanation.model.members:
         # what was found and may not be named shows where it is all the same
         more["suspected"] = explanation.model

@@ -227,7 +227,7 @@ def boxes_in(bands, n, rows=None):
     return boxes_of(max(bands, key=tells))
 
 
-def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0):
+def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0, aside=()):
     """The location that diagnosis.json tells of what was found.
 
     Parameters
@@ -239,6 +239,8 @@ def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0):
     blocks : list of str
     alpha : float
     random_state : int
+    aside : collection of str
+        Keys of effects of which place and time are not asked.
 
     Returns
     -------
@@ -248,7 +250,11 @@ def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0):
         the recording.
     """
     clock = model.chain.clock - model.chain.clock[0]
-    causes = causes_of(workbench, model, unknown)
+    causes = [
+        c
+        for c in causes_of(workbench, model, unknown)
+        if c.member is None or c.member.effect.key not in aside
+    ]
     courses = [course_of_cause(workbench, model, cause) for cause in causes]
     regions = regions_of(workbench, model, causes, courses, alpha=alpha, random_state=random_state)
     location = {"blocks": blocks, "regions": regions}

@@ -5,7 +5,7 @@ import os
 import tempfile
 from pathlib import Path
 
-from sklvalve.mismatch.effects import CATALOGUE, EVENTS
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
 from sklvalve.recording import InputError, Valve
 from sklvalve.simulation import ValveSimulation
 
@@ -81,7 +81,7 @@ def load_model(path, effects=()):
         content = skops_io.load(path, trusted=[])
         if content.get("format") != _FORMAT:
             raise ValueError("other format")
-        known = {e.key: e for e in (*CATALOGUE, *EVENTS, *effects)}
+        known = {e.key: e for e in (*CATALOGUE, *EVENTS, *LATE, *effects)}
         strange = {key for kind in ("corrected", "nominal") for key in content[kind]["effects"]} - set(known)
         if strange:
             raise InputError(

@@ -132,6 +132,11 @@ def _made_by_the_drop(workbench):
     return _BY_THE_DROP_UNSEEN if workbench.coupled else _BY_THE_DROP
 
 
+def _knows_drive(chain):
+    """Whether what goes on inside an actuator can be simulated without its position."""
+    return chain.electric or knows_air(chain)
+
+
 def _throughout(effect):
     """The same effect, there from the first row on or not at all."""
     steady = copy(effect)
@@ -191,7 +196,7 @@ def candidates(workbench, wanted, data):
             untestable.setdefault(effect.name, hidden[effect.name])
         elif workbench.plain.lacks(effect):
             untestable.setdefault(effect.name, workbench.plain.lacks(effect))
-        elif effect.stage == "actuator" and workbench.coupled and not knows_air(workbench.plain):
+        elif effect.stage == "actuator" and workbench.coupled and not _knows_drive(workbench.plain):
             # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
             untestable.setdefault(effect.name, "opening, or a data sheet of the actuator")
         elif effect.possible(workbench.plain) and touched:

@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from sklvalve.metrics import err_max, mape, rmse
-from sklvalve.mismatch.black_box import black_box_prediction
-from sklvalve.mismatch.linearised import Linearised
 from sklvalve.mismatch.model_free import model_free_noise
+from sklvalve.mismatch.referee import black_box_prediction
+from sklvalve.mismatch.refitting import lines_of, refitted
 from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.simulation.fitting import left_of, simulate_channels
 from sklvalve.simulation.robust import robust_cost
@@ -20,8 +20,6 @@ _FOLDS = 4
 _TURNS = 4
 # a learnt correction must improve this many of the folds, and all of them together
 _IMPROVED = 3
-# of a step to first order so much is tried, as long as it makes the rows worse that it should make better
-_SHARES = (1.0, 0.3, 0.1, 0.03)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,38 +70,6 @@ def folded(workbench, model, unknown=None):
     return Folded(made, rest)
 
 
-def lines_of(workbench, model):
-    """A hypothesis linearised, channels that share no parameter each by itself."""
-    lines = {}
-    for channel in workbench.channels:
-        line = Linearised(workbench, model, (channel,))
-        lines[line.channels] = line
-    return list(lines.values())
-
-
-def refitted(workbench, model, lines, rows):
-    """Values fitted to some rows only: one step, shortened where the simulation bends before its end."""
-    values = dict(model.values)
-    for line in lines:
-        least, there = _error(workbench, model.predictions, line, rows), line.refitted(rows)
-        here = {name: model.values[name] for name in there}
-        for share in _SHARES:
-            step = line.between(here, there, share)
-            made = simulate_channels(model.chain, model.values | step, line.channels)
-            if _error(workbench, made, line, rows) <= least:
-                break
-        values |= step
-    return values
-
-
-def _error(workbench, made, line, rows):
-    """Squared errors of the channels of a line on some rows, each in its own size."""
-    return sum(
-        np.nansum(left_of(workbench.recording, made, c)[rows] ** 2) / workbench.spans[c] ** 2
-        for c in line.channels
-    )
-
-
 def correction_holds_out(workbench, tried, channel):
     """Whether a learnt correction lowers the error of rows that it was not learnt from.
 
@@ -127,23 +93,20 @@ def correction_holds_out(workbench, tried, channel):
     return bool(sum(better) >= _IMPROVED and errors[1] < errors[0]), errors
 
 
-def held_out_predictions(workbench, whole, nominal, model, correction=None, tried=None, *, black_box=True):
-    """Predictions of held-out rows by simulations fitted without them.
+def held_out_predictions(workbench, whole, nominal, model, forward, correction=None):
+    """Predictions of rows that the fits behind them have not seen.
 
-    With rows behind those of the workbench (`whole` is longer) these are held out; else contiguous blocks in
-    turn.
+    With rows behind those of the workbench (`whole` is longer) these; else rows ahead of each origin of the
+    forecasts.
 
     Parameters
     ----------
     workbench : Workbench
     whole : Recording
     nominal, model : Model
+    forward : Forward
     correction : dict, default=None
         What is learnt beside `model`, from the rows of the workbench.
-    tried : Folded, default=None
-        `model` block by block, if that was done already.
-    black_box : bool, default=True
-        Whether the black box is asked as well.
 
     Returns
     -------
@@ -151,29 +114,44 @@ def held_out_predictions(workbench, whole, nominal, model, correction=None, trie
         ``nominal, corrected, black_box`` -> channel -> ndarray; held : ndarray of bool.
     """
     n, used = len(whole), len(workbench.recording)
-    if n > used:
-        held = np.arange(n) >= used
-        made = {"nominal": _run(workbench, nominal, whole), "corrected": _run(workbench, model, whole)}
-        if correction is not None:
-            chain = workbench.chain(model.members, whole)
-            made["corrected"][correction["channel"]] += learnt_rest(correction, chain, model.values)
-        if black_box:
-            made["black_box"] = {c: black_box_prediction(whole, c, ~held) for c in workbench.channels}
-        return made, held
-    if tried is None:
-        tried = folded(workbench, model)
-    corrected = {c: signal.copy() for c, signal in tried.predictions.items()}
+    if n == used:
+        return forward.predictions, forward.held
+    held = np.arange(n) >= used
+    made = {"nominal": run(workbench, nominal, whole), "corrected": run(workbench, model, whole)}
     if correction is not None:
-        corrected[correction["channel"]] += tried.rest
-    plain = corrected if model is nominal and correction is None else folded(workbench, nominal).predictions
-    made = {"nominal": plain, "corrected": corrected}
-    if not black_box:
-        return made, np.ones(n, dtype=bool)
-    made["black_box"] = {c: np.full(n, np.nan) for c in workbench.channels}
-    for rows, others in blocks(n):
-        for c in workbench.channels:
-            made["black_box"][c][rows] = black_box_prediction(whole, c, others)[rows]
-    return made, np.ones(n, dtype=bool)
+        chain = workbench.chain(model.members, whole)
+        made["corrected"][correction["channel"]] += learnt_rest(correction, chain, model.values)
+    made["black_box"] = {
+        c: black_box_prediction(whole, c, ~held, closed=forward.closed[c]) for c in workbench.channels
+    }
+    return made, held
+
+
+def interleaved_predictions(workbench, judged):
+    """Predictions of contiguous quarters, each by fits to the other three, those after it included.
+
+    Returns
+    -------
+    predictions : dict
+        ``nominal, corrected`` -> channel -> ndarray of shape (n,) [SI].
+    """
+    tried = judged.tried or folded(workbench, judged.model)
+    corrected = dict(tried.predictions)
+    if judged.correction is not None:
+        channel = judged.correction["channel"]
+        corrected[channel] = corrected[channel] + tried.rest
+    same = judged.model is judged.nominal
+    return {
+        "nominal": tried.predictions if same else folded(workbench, judged.nominal).predictions,
+        "corrected": corrected,
+    }
+
+
+def interleaved_errors(recording, predictions, channel):
+    """Root mean square errors of `interleaved_predictions`, in the recording's own units."""
+    unit = abs(recording.per_si(channel))
+    left = {kind: recording[channel] - made[channel] for kind, made in predictions.items()}
+    return {kind: float(np.sqrt(np.nanmean(error**2)) * unit) for kind, error in left.items()}
 
 
 def holds_out(workbench, nominal, model, least=0.5):
@@ -206,7 +184,8 @@ def holds_out(workbench, nominal, model, least=0.5):
     return bool(changed) and after < least * before
 
 
-def _run(workbench, model, whole):
+def run(workbench, model, whole):
+    """A fitted hypothesis simulated over a whole recording: channel -> ndarray [SI]."""
     return simulate_channels(workbench.chain(model.members, whole), model.values, workbench.channels)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sklvalve.mismatch.distance import distance, distance_of_strokes
-from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, Model, begun, is_in, price, switches_of
+from sklvalve.mismatch.hypothesis import Member, Model, begun, is_in, price
 from sklvalve.mismatch.matters import may_be_instead
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
@@ -60,7 +60,7 @@ class Finding:
     sizes: dict
 
 
-def find_rivals(workbench, model, effects, report, seen=None):
+def find_rivals(workbench, model, effects, report, seen=None, of=None):
     """For each effect found, what else could stand in its place.
 
     Parameters
@@ -71,6 +71,8 @@ def find_rivals(workbench, model, effects, report, seen=None):
     report : callable or None
     seen : dict, default=None
         Effect key -> the best hypothesis with it that the search met: where else to begin.
+    of : sequence of Member, default=None
+        Those of the hypothesis that are asked; all unless given.
 
     Returns
     -------
@@ -78,7 +80,7 @@ def find_rivals(workbench, model, effects, report, seen=None):
         The strongest first.
     """
     findings = []
-    for i, member in enumerate(model.members):
+    for i, member in enumerate(model.members if of is None else of):
         rest = tuple(m for m in model.members if m is not member)
         without = workbench.fit(rest, start=model)
         others = [e for e in effects if e.key != member.effect.key and not is_in(e, rest)]
@@ -87,7 +89,7 @@ def find_rivals(workbench, model, effects, report, seen=None):
         instead = _others_in_place(workbench, model, rest, without, others, member, seen or {})
         places += [(who, fitted) for who, fitted in instead if may_be_instead(workbench, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
-        rivals = _weighed(workbench, places, without)
+        rivals = weighed(workbench, places, without)
         findings.append(Finding(member, rivals, gain, workbench.change(model, without)))
         if report:
             report(0.8 + 0.2 * (i + 1) / len(model.members))
@@ -110,7 +112,7 @@ def without_rival(workbench, finding, model, rejected):
     if len(left) == len(finding.rivals):
         return finding
     rest = tuple(m for m in model.members if m is not finding.member)
-    return replace(finding, rivals=_weighed(workbench, left, workbench.fit(rest, start=model)))
+    return replace(finding, rivals=weighed(workbench, left, workbench.fit(rest, start=model)))
 
 
 def _others_in_place(workbench, model, rest, without, others, member, seen):
@@ -175,15 +177,23 @@ def _elsewhere(workbench, model, rest, member, others):
     return begun_anew
 
 
-def _weighed(workbench, places, without):
-    """Explanations in one place, with distances from the best and probabilities, the most probable first."""
+def weighed(workbench, places, without):
+    """Explanations in one place, with distances from the best and probabilities, the most probable first.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    places : list of (Member, Model)
+    without : Model
+        The hypothesis without any of them.
+    """
     front, best = max(places, key=lambda place: place[1].log_likelihood)
     distances = [_distance(workbench, best, m, without, who) for who, m in places]
     # the price of parameters counts as it does in the search
     scores = -0.5 * np.array(distances) - np.array([price(workbench, who) for who, _ in places])
     lost = [best.log_likelihood - m.log_likelihood for _, m in places]
-    each = zip(places, distances, lost, strict=True)
-    scores -= [_not_spared(switches_of(front) - switches_of(who), d, less) for (who, _), d, less in each]
+    spared = [price(workbench, front) - price(workbench, who) for who, _ in places]
+    scores -= [_not_spared(*each) for each in zip(spared, distances, lost, strict=True)]
     weights = np.exp(scores - scores.max())
     weights /= weights.sum()
     rivals = [
@@ -193,15 +203,15 @@ def _weighed(workbench, places, without):
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
 
 
-def _not_spared(fewer, distance, lost):
-    """Of the price of switches that an explanation does without, what does not speak for it.
+def _not_spared(cheaper, distance, lost):
+    """Of the price of parameters and switches that an explanation does without, what does not speak for it.
 
     Of the likelihood that it loses without them the distance counts a part only, for no simulation is true:
     what it is spared counts for no more.
     """
-    if fewer <= 0 or lost <= 0.0:
+    if cheaper <= 0.0 or lost <= 0.0:
         return 0.0
-    return SWITCH_PRICE * fewer * max(1.0 - 0.5 * distance / lost, 0.0)
+    return cheaper * max(1.0 - 0.5 * distance / lost, 0.0)
 
 
 def _distance(workbench, best, other, without, who):

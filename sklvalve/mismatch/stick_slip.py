@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Slips of a sticking stem, found as events: what a free run that has lost their times cannot show."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+
+from sklvalve.mismatch.drive_marks import rows_between_readings, rows_late, way_in_a_row
 
 # a slip moves the stem by this much of its travel in one step, or by this many times the sensor's noise
 _LEAST, _NOISES = 0.01, 8.0
@@ -14,6 +16,8 @@ _PAST, _COMMANDED = 0.25, 0.6
 # a stem rests that moves, in two of the three rows before a slip, by no more than this share of it: one that
 # hunts, or that follows its command, is on its way before
 _RESTING, _BEFORE = 0.1, 3
+# a slip is so many times as fast as a motor that runs at one speed
+_FASTER = 1.2
 # the rest that a recording begins from is unknown
 _BEGINNING = 5
 # what other effects and a positioner's own overshoot show by chance stays below this count
@@ -56,8 +60,10 @@ def find_slips(command, opening):
     whatever the error was. A step counts where it exceeds 1 % of travel and eight times the sensor's noise,
     begins from rest, leaves every command from 30 rows before to 2 rows after behind by a quarter of itself,
     is not undone in the next row (a spike of the sensor is), and the command moved by less than 0.6 of it
-    meanwhile. A dead time longer than 30 rows, or a position that the sensor shows wrong by more than that
-    quarter, would hide or feign it.
+    meanwhile. Where every step of the command is answered after one and the same time, as behind a dead time,
+    the 30 rows begin that much earlier; where the stem runs at one speed, as a motor does, a step must exceed
+    that by a fifth; and a position that is read every few rows is looked at in those rows only. One that the
+    sensor shows wrong by more than that quarter would feign slips.
 
     Parameters
     ----------
@@ -93,17 +99,25 @@ def find_slips(command, opening):
         raise ValueError(
             f"command and opening must be two series of one length; got shapes {u.shape} and {x.shape}."
         )
+    held = rows_between_readings(x)
+    if held > 1:
+        # between two readings a position that was held seems to rest, and jumps at the next one
+        first = int(np.bincount(np.flatnonzero(np.diff(x) != 0.0) % held).argmax() + 1) % held
+        slips = find_slips(u[first::held], x[first::held])
+        return replace(slips, rows=slips.rows * held + first)
     if len(x) < _BEGINNING + 3:
         return Slips(np.zeros(0, dtype=int), np.zeros(0), np.zeros(0))
     noise = sensor_noise(x)
-    least = max(_LEAST, _NOISES * noise)
+    # what a motor makes in a row at the one speed it runs at is no slip
+    least = max(_LEAST, _NOISES * noise, _FASTER * way_in_a_row(x, noise))
+    behind = _BEHIND + rows_late(u, x, noise)
     jump = np.diff(x)
     found = []
     with np.errstate(invalid="ignore"):
         candidates = np.flatnonzero(np.abs(jump) > least)
     for k in candidates[(candidates >= _BEGINNING) & (candidates < len(x) - 2)]:
         size, sign = abs(jump[k]), np.sign(jump[k])
-        around = u[max(k - _BEHIND, 0) : k + 2 + _AHEAD]
+        around = u[max(k - behind, 0) : k + 2 + _AHEAD]
         near = u[max(k - 3, 0) : k + 2 + _AHEAD]
         past = x[k + 1] - around.max() if sign > 0 else around.min() - x[k + 1]
         stays = sign * (x[k + 2] - x[k]) > 0.5 * size

@@ -157,6 +157,12 @@ def _finding(workbench, finding, model):
     return replace(finding, member=own, rivals=rivals)
 
 
+def with_every_row(workbench, finding):
+    """A finding of a part of the rows with its explanations simulated in every row, as they are."""
+    rivals = [_rival(workbench, r) for r in finding.rivals]
+    return replace(finding, rivals=rivals)
+
+
 def _rival(workbench, rival, more=0.0):
     """A rival with every row simulated, its log likelihood larger by so much."""
     model = rival.model

@@ -6,22 +6,17 @@ import numpy as np
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.hypothesis import own_values
 from sklvalve.mismatch.intervals import interval_of
+from sklvalve.mismatch.probability import vanishing
 
-# a class is named from this probability on
-NAMED_FROM = 0.8
-#: Share of the classes told on sealed records of a finer plant that held a true name (220 of 233): in the
-#: others it was none of the explanations at hand, however clearly one of them was the likeliest.
-BORNE_OUT = 0.94
+#: A class may be named where the explanations at hand that are not in it have less than the rest of one.
+CLEAR_OF_OTHERS = 0.85
 # what is as probable as this is in the class though it fits clearly worse: fewer parameters or switches speak
 # for it, and no class is told beside an explanation that is likelier
 _POSSIBLE = 0.05
+# so near to a bound, share of what is possible, a parameter lies at it
+_NEAR_BOUND = 0.02
 # an unknown rest of this share of what the effects explain makes their names doubtful
 _DOUBTFUL = 0.5
-
-
-def as_told(probability):
-    """Probability of a class or member as it is told, from that among the explanations at hand."""
-    return round(BORNE_OUT * float(min(probability, 1.0)), 4)
 
 
 def class_of(finding):
@@ -60,19 +55,22 @@ def verdict_of(findings, unknown, enough, explained):
         return "none_of_these", []
     if not findings:
         return "cannot_tell", []
-    named = [as_told(sum(p for p, _, _ in class_of(f).values())) >= NAMED_FROM for f in findings]
-    return ("named" if any(named) else "cannot_tell"), findings
+    clear = [sum(p for p, _, _ in class_of(f).values()) >= CLEAR_OF_OTHERS for f in findings]
+    return ("named" if any(clear) else "cannot_tell"), findings
 
 
 def effect_entry(finding, recording, workbench):
-    """The entry of diagnosis.json for one finding."""
+    """The entry of diagnosis.json for one finding, but for how sure it is (`assessed`).
+
+    Its probabilities are those among the explanations at hand.
+    """
     members = class_of(finding)
     _, who, fitted = next(iter(members.values()))
     total = sum(p for p, _, _ in members.values())
     values = own_values(who, fitted)
     entry = {
-        "members": [{"name": n, "probability": as_told(p)} for n, (p, _, _) in members.items()],
-        "probability": as_told(total),
+        "members": [{"name": n, "probability": float(p)} for n, (p, _, _) in members.items()],
+        "probability": float(total),
         "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
         "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
         "onset": None if who.onset is None else float(who.onset - fitted.chain.clock[0]),
@@ -85,7 +83,30 @@ def effect_entry(finding, recording, workbench):
         value = fitted.values[f"{who.effect.key}.{q.name}"]
         told = interval_of(workbench, who, fitted, q)
         entry["parameters"][q.name] = _in_units(q, value, told, recording)
+    entry["evidence"] = {
+        "gain": float(f"{finding.gain:.4g}"),
+        "runner_up": _runner_up(finding, members),
+        "vanishes": vanishing(who.effect, entry["parameters"]),
+        "at_bound": [q.name for q in who.effect.quantities(fitted.chain) if _at_bound(who, fitted, q)],
+    }
     return entry
+
+
+def _runner_up(finding, members):
+    """Distance of the likeliest explanation that is not in the class; None without one."""
+    others = [r.distance for r in finding.rivals if r.member.effect.name not in members]
+    return float(f"{min(others):.4g}") if others else None
+
+
+def _at_bound(who, fitted, quantity):
+    """Whether the size of an effect ends where physics ends, other than where the effect vanishes."""
+    value, low, high = fitted.values[f"{who.effect.key}.{quantity.name}"], quantity.low, quantity.high
+    if quantity.null is None:
+        return False
+    if quantity.log:
+        value, low, high = np.log([value, low, high])
+    near = _NEAR_BOUND * (high - low)
+    return bool(value >= high - near or (value <= low + near and quantity.low != quantity.null))
 
 
 def _spells(who, fitted):

@@ -2,6 +2,7 @@
 """Fits of hypotheses to one recording: a hypothesis is a set of effects, each from its onset on."""
 
 from contextlib import contextmanager
+from copy import copy
 from dataclasses import replace
 
 import numpy as np
@@ -85,6 +86,25 @@ class Workbench(Sharing, Sizes):
             onsets=onsets,
             choking=self.choking and "p1" in recording and "p2" in recording,
         )
+
+    def holding(self, members, model):
+        """Workbench of the same recording whose simulation holds these effects, as if they had been declared.
+
+        Parameters
+        ----------
+        members : sequence of Member
+        model : Model
+            Whose values they begin with.
+        """
+        other = copy(self)
+        other.held = (*self.held, *members)
+        keys = tuple(f"{m.effect.key}." for m in members)
+        begun = {name: value for name, value in model.values.items() if name.startswith(keys)}
+        other.held_values = self.held_values | begun
+        other.plain = other.chain((), self.recording)
+        other.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
+        other._known, other._learnt, other.sound_values = {}, {}, {}
+        return other
 
     def physics_of(self, members):
         """Effects of a hypothesis, those held included, and the onsets of those that have one."""
@@ -225,11 +245,16 @@ class Workbench(Sharing, Sizes):
         return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
     @contextmanager
-    def every_row_alike(self, model):
-        """Noise of one size in all rows; the best explanation's makes little of a poor one's errors."""
+    def every_row_alike(self, model, rows=slice(None)):
+        """Noise of one size in all rows; the best explanation's makes little of a poor one's errors.
+
+        The size is that of the residual in `rows`.
+        """
         kept, left = self.noise, self.residuals(model)
+        squares = {c: left[c][rows] ** 2 for c in self.channels}
         self.noise = {
-            c: PlainNoise(max(float(np.sqrt(np.nanmean(left[c] ** 2))), 1e-12)) for c in self.channels
+            c: PlainNoise(max(float(np.sqrt(np.nanmean(s))), 1e-12) if np.isfinite(s).any() else 1.0)
+            for c, s in squares.items()
         }
         try:
             yield

@@ -30,6 +30,7 @@ def require_agreement(
     """
     _require_liquid(fluid, source)
     _require_strong_air(actuator, source)
+    _require_one_drive(actuator, source)
     _require_own_columns(roles, time, source)
 
 
@@ -69,6 +70,17 @@ def _require_strong_air(actuator: Mapping[str, object], source: str) -> None:
             f"{source}: [actuator] supply_pressure = {supply / 1e3:g} kPa does not exceed "
             f"{spring[0] / 1e3:g} kPa, where spring_range begins, so air could not move the stem; correct "
             "one of them"
+        )
+
+
+def _require_one_drive(actuator: Mapping[str, object], source: str) -> None:
+    """What only air has belongs to no motor."""
+    kind = actuator.get("kind")
+    of_air = [key for key in ("supply_pressure", "spring_range", "effective_area") if key in actuator]
+    if kind in ("electric", "hydraulic") and of_air:
+        raise InputError(
+            f'{source}: [actuator] kind = "{kind}", but {of_air[0]} belongs to an actuator driven by air; '
+            f'leave {of_air[0]} out, or write kind = "pneumatic"'
         )
 
 

@@ -83,6 +83,18 @@ def one_of(*names: str) -> Check:
     return check
 
 
+def or_left_out(content: Check) -> Check:
+    """What the recording itself may tell where nobody knows it."""
+
+    def check(value: object, where: str) -> object:
+        try:
+            return content(value, where)
+        except InputError as error:
+            raise InputError(f"{error}: correct it, or leave it out and it is taken as unknown") from None
+
+    return check
+
+
 def table(value: object, where: str, *, content: Number, rising: bool) -> tuple[tuple[float, float], ...]:
     """Pairs of opening and value, openings rising from shut to open."""
     form = f"{where} must be a table of pairs [opening, value], at least two"

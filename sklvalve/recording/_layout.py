@@ -15,6 +15,7 @@ _AIR = check.Number("kPa", 1e3, low=10.0, high=2000.0, open_low=False)
 _SPRING = check.Number("kPa", 1e3, high=1000.0, open_low=False)
 _NARROWEST_SPRING = 5.0  # kPa
 _FACTOR = check.Number(high=1.0)
+_SLOWEST = 3600.0  # s; the largest gate valves take some minutes
 
 # section -> key -> check; the checks give SI
 KEYS: dict[str, dict[str, check.Check]] = {
@@ -45,6 +46,11 @@ KEYS: dict[str, dict[str, check.Check]] = {
         "compressibility": check.Number(high=10.0),
     },
     "actuator": {
+        "kind": check.or_left_out(check.one_of("pneumatic", "electric", "hydraulic", "unknown")),
+        "stroke_time": check.or_left_out(check.Number("s", high=_SLOWEST)),
+        "dead_time": check.or_left_out(check.Number("s", high=_SLOWEST, open_low=False)),
+        # of a band as wide as this nothing of the travel would be left
+        "dead_band": check.or_left_out(check.Number("% of travel", 1e-2, high=50.0, open_low=False)),
         "fail": check.one_of("closed", "open"),
         "supply_pressure": _AIR,
         "spring_range": check.rising_pair(_SPRING, _NARROWEST_SPRING),
@@ -62,6 +68,7 @@ SCALES = {
     **dict.fromkeys(("nominal_size", "inlet_pipe", "outlet_pipe", "travel"), 1e-3),
     **dict.fromkeys(("supply_pressure", "spring_range", "vapour_pressure", "critical_pressure"), 1e3),
     "effective_area": 1e-4,
+    "dead_band": 1e-2,
     "molar_mass": 1e-3,
 }
 

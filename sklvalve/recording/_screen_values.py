@@ -4,6 +4,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from sklvalve.recording._rest import rests
 from sklvalve.recording._screen_command import screen_command
 from sklvalve.recording._screen_lines import straight_lines
 from sklvalve.recording._screen_tools import (
@@ -88,6 +89,7 @@ def screen_frozen(recording: Recording) -> list[Finding]:
             for start, stop in equal_runs(values)
             if not _natural_end(recording, role, values, values[start])
             and _too_long(values, start, stop, resting)
+            and not rests(recording, role, start, stop)
         ]
         if spans:
             longest = max(stop - start for start, stop in spans) * recording.sample_time

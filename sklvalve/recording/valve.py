@@ -49,6 +49,12 @@ class Valve:
         Sizes and rated travel [m]; in the file in mm.
     fluid : dict
         Key -> value of section ``[fluid]``, in SI (pressures absolute [Pa], ``molar_mass`` [kg/mol]).
+    kind : {"pneumatic", "electric", "hydraulic", "unknown"} or None
+        What drives the stem.
+    stroke_time, dead_time : float or None
+        Time of a stroke over the whole travel, and from a command to the first movement [s].
+    dead_band : float or None
+        How far the command may turn back before the stem follows [1 = travel]; in the file in % of travel.
     fail : {"closed", "open"} or None
         Where the spring drives the valve without air.
     supply_pressure : float or None
@@ -89,6 +95,10 @@ class Valve:
     outlet_pipe: float | None = None
     travel: float | None = None
     fluid: dict[str, str | float] = field(default_factory=dict)
+    kind: str | None = None
+    stroke_time: float | None = None
+    dead_time: float | None = None
+    dead_band: float | None = None
     fail: str | None = None
     supply_pressure: float | None = None
     spring_range: tuple[float, float] | None = None

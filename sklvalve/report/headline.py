@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The top of a report: the finding in one short sentence, how sure it is, what it brings, what to do next."""
 
+from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, to_be_declared
 from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
 from sklvalve.report.rows import moves
@@ -10,6 +11,8 @@ from sklvalve.report.words import (
     class_words,
     either,
     lacks_sheet,
+    likeliest_first,
+    named_effects,
     number,
     p_words,
     percent,
@@ -66,7 +69,7 @@ def glance(d: dict) -> list[tuple[str, str]]:
 
 
 def _agreement(d: dict) -> str:
-    if d.get("reasons"):
+    if d.get("subject") == "loop":
         return "Sticking of a size that matters is excluded."
     if _differs(d):
         return (
@@ -79,24 +82,27 @@ def _agreement(d: dict) -> str:
 
 
 def _named(d: dict) -> str:
-    effects = d["effects"]
+    effects = faults_first(named_effects(d))
     if len(effects) == 1:
         effect = effects[0]
         words = class_words(effect["members"])
         found = f"{words} {brief_place(d, unsaid(words, effect['blocks']))}".rstrip()
         size = _size(effect, d)
-        return f"The simulation leaves out {found}{f': {size}' if size else ''}."
-    listed = []
-    for count, effect in enumerate(effects, start=1):
-        sizes = [
-            words
-            for words in (size_words(effect, d, interval=False), moves(effect.get("size") or {}))
-            if words
-        ]
-        words = f"{count}. {class_in_block(effect)}"
-        listed.append(f"{words} ({', '.join(sizes)})" if sizes else words)
+        return f"{begins(effect)} {found}{is_what(effect)}{f': {size}' if size else ''}."
+    told = [
+        f"{begin} {'; '.join(f'{count}. {_one_of_several(effect, d)}' for count, effect in group)}"
+        for begin, group in by_beginning(effects)
+    ]
     where = brief_place(d, [])
-    return f"The simulation leaves out {'; '.join(listed)}{f'; they show {where}' if where else ''}."
+    return f"{'. '.join(told)}{f'; they show {where}' if where else ''}."
+
+
+def _one_of_several(effect: dict, d: dict) -> str:
+    """One of several effects, where it sits, what it is and its sizes."""
+    sizes = [size_words(effect, d, interval=False), moves(effect.get("size") or {})]
+    told = ", ".join(words for words in (is_what(effect).strip(" ()"), *sizes) if words)
+    words = class_in_block(effect)
+    return f"{words} ({told})" if told else words
 
 
 def _unknown(d: dict) -> str:
@@ -117,8 +123,7 @@ def _undecided(d: dict) -> str:
         sentence += f": it acts {where}"
     members = [member for effect in d.get("effects") or [] for member in effect["members"]]
     if members:
-        likeliest = sorted(members, key=lambda member: -member["probability"])
-        sentence += f"; likeliest is {class_words(likeliest, limit=4)}"
+        sentence += f"; likeliest is {class_words(likeliest_first(members), limit=4)}"
     return sentence + "."
 
 
@@ -139,7 +144,7 @@ def _sureness(d: dict) -> str:
     p_value, next_test = d["mismatch"].get("p_value"), d.get("next_test")
     parts = []
     if d["verdict"] == "named":
-        parts.append(_named_sureness(d["effects"]))
+        parts.append(_named_sureness(faults_first(named_effects(d))))
     if d["verdict"] == "cannot_tell" and d["mismatch"].get("detected", True):
         parts.append("That something is missing is sure, what it is is not.")
     if p_value is not None:
@@ -152,17 +157,20 @@ def _sureness(d: dict) -> str:
 
 
 def _named_sureness(effects: list[dict]) -> str:
-    if len(effects) == 1:
-        told, count = sure(effects[0]["probability"]), len(effects[0]["members"])
-        told = f"{told[:1].upper()}{told[1:]}"
-        what = "of the name" if count == 1 else f"that it is one of these {_COUNTS.get(count, count)}"
-        return f"{told} {what}: so often have such names held on records whose causes were sealed."
-    every = [
-        f"{sure(e['probability'])} of {class_words(e['members'], limit=1 + len(e['members']))}"
-        for e in effects
-    ]
-    words = "; ".join(every)
-    return f"{words[:1].upper()}{words[1:]}."
+    if len(effects) > 1:
+        every = [f"{sure(e)} of {class_words(e['members'], limit=1 + len(e['members']))}" for e in effects]
+        return _begun(f"{'; '.join(every)}.")
+    effect, count = effects[0], len(effects[0]["members"])
+    words = sure(effect)
+    if effect.get("probability") is None:
+        return f"{_begun(words)}. {(effect.get('grade') or {}).get('reason', '')}".strip()
+    what = "of the name" if count == 1 else f"that it is one of these {_COUNTS.get(count, count)}"
+    share = "in blind tests on simulated valves this share of such identifications was correct"
+    return f"{_begun(words)} {what}: {share}."
+
+
+def _begun(words: str) -> str:
+    return f"{words[:1].upper()}{words[1:]}"
 
 
 def _times(p_value: float) -> str:
@@ -181,6 +189,8 @@ def _next(d: dict) -> str:
             else "Nothing needs to be done."
         )
         return " ".join([first, *([f"To learn more: {test}"] if test else [])])
+    if d["verdict"] == "named" and to_be_declared(d["effects"]):
+        return " ".join(words for words in (to_be_declared(d["effects"]), test) if words)
     if test:
         return test
     if d["verdict"] == "named":

@@ -5,7 +5,7 @@ import re
 from collections.abc import Sequence
 from datetime import datetime, timedelta
 
-from sklvalve.report.words import block_words, number, percent
+from sklvalve.report.words import block_words, number, percent, role_words, with_unit
 
 _FORMULA = " dp/(p1 - FF pv)"
 # signal -> what it is called, factor and offset from SI to what is shown, unit shown
@@ -156,6 +156,24 @@ def _span(low: float, high: float, location: dict) -> str:
         return f"{begin} to {end}"
     same = begin.split(" ")[1] == end.split(" ")[1]
     return f"{begin.split(' ')[0] if same else begin} to {end}"
+
+
+def change_words(location: dict) -> str:
+    """When a signal changed and by how much: ``at 9757 s [9750 to 9761 s]: the flow reads 12 cm3/s lower``.
+
+    Empty where nothing changed in time.
+    """
+    change = location.get("change")
+    if not change:
+        return ""
+    low, high = change["ci95"]
+    scale, unit = (100.0, "% of travel") if change["unit"] == "1" else (1.0, change["unit"])
+    size = with_unit(abs(scale * change["size"]), unit)
+    which = "lower" if change["size"] < 0.0 else "higher"
+    return (
+        f"at {moment(change['time'], location)} [{_span(low, high, location)}]: the "
+        f"{role_words(change['signal'])} reads {size} {which} from then on"
+    )
 
 
 def since_known(d: dict) -> bool:

@@ -2,14 +2,15 @@
 """On which rows the errors of a diagnosis were taken, in words.
 
 ``proof`` of a diagnosis says it: ``later_rows``, behind those that served for finding, which no step has
-seen, or ``four_blocks``, each predicted by fits to the other three while the effect was chosen on all rows.
+seen; ``forward``, rows ahead of those that the parameters were fitted to, while the effect was chosen on all
+rows; or ``four_blocks``, each predicted by fits to the other three.
 """
 
 import numpy as np
 
 from sklvalve.report.words import number, role_words, spoken, with_unit
 
-LATER_ROWS, FOUR_BLOCKS = "later_rows", "four_blocks"
+LATER_ROWS, FORWARD, FOUR_BLOCKS = "later_rows", "forward", "four_blocks"
 
 
 def with_proof(d: dict, traces: dict) -> dict:
@@ -41,6 +42,8 @@ def heading(d: dict) -> str:
     rows = f"{count} " if count else ""
     if d.get("proof") == LATER_ROWS:
         return f"on {rows}unseen rows"
+    if d.get("proof") == FORWARD:
+        return f"on {rows}rows ahead in time"
     return f"on {rows}rows, held out in turn" if d.get("proof") == FOUR_BLOCKS else f"on {rows}held-out rows"
 
 
@@ -48,23 +51,29 @@ def note(d: dict) -> str:
     """What the errors prove, and what they do not; empty where that is not known."""
     if d.get("proof") == LATER_ROWS:
         return "These rows served for nothing before: neither to find what is missing nor to fit it."
-    if d.get("proof") != FOUR_BLOCKS:
-        return ""
-    # a loop is fitted anew without each block; the simulation of a valve goes one step from its fit to all
-    step = "" if "reasons" in d else ", one step from the fit to all rows"
-    return (
-        "Cross-validated in four blocks: each is predicted by parameters fitted to the other three"
-        f"{step}. The verdict, with any effect and its onset, was reached on all rows; figures on rows that "
-        "nothing has seen come with --until."
+    chosen = (
+        "The verdict, with any effect and its onset, was reached on all rows; use --until to evaluate on "
+        "untouched data."
     )
+    if d.get("proof") == FORWARD:
+        return (
+            "Forecasts: parameters are fitted to the rows before 40, 55, 70 and 85 % of the recording and "
+            f"predict those up to the next of these. {chosen}"
+        )
+    if d.get("proof") == FOUR_BLOCKS:
+        words = "Cross-validated in four blocks: each is predicted by parameters fitted to the other three."
+        return f"{words} {chosen}"
+    return ""
 
 
 def error_words(d: dict, role: str) -> str:
     """An error and the rows on which it was taken: ``flow error on 1440 unseen rows``."""
     if d.get("proof") == FOUR_BLOCKS:
         return f"cross-validated {role_words(role)} error"
-    kind = "unseen" if d.get("proof") == LATER_ROWS else "held-out"
     count = ((d.get("fit") or {}).get(role) or {}).get("held_out_rows")
+    if d.get("proof") == FORWARD:
+        return f"{role_words(role)} error on {f'{count} ' if count else ''}rows ahead in time"
+    kind = "unseen" if d.get("proof") == LATER_ROWS else "held-out"
     return f"{role_words(role)} error on {f'{count} ' if count else ''}{kind} rows"
 
 
@@ -98,6 +107,13 @@ def further(d: dict) -> list[str]:
             continue
         scale, unit = (100.0, "%") if fit.get("unit") == "1" else (1.0, fit.get("unit"))
         name = role_words(role)
+        across = (fit.get("interleaved") or {}).get("rmse") or {}
+        if None not in (across.get("nominal"), across.get("corrected")):
+            lines.append(
+                f"Each quarter by fits to the other three, later rows included, the {name} error is "
+                f"{with_unit(scale * across['corrected'], unit)} "
+                f"(nominal {number(scale * across['nominal'])})."
+            )
         if "extrapolation" in fit:
             far = fit["extrapolation"]
             error = {kind: number(scale * value) for kind, value in far["rmse"].items()}

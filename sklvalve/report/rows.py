@@ -3,9 +3,18 @@
 
 from typing import NamedTuple
 
+from sklvalve.report.kinds import faults_first
 from sklvalve.report.noise import noise_told
 from sklvalve.report.parameters import parameters
-from sklvalve.report.place import intervals_words, moment, region_words, share_words, since_known, since_words
+from sklvalve.report.place import (
+    change_words,
+    intervals_words,
+    moment,
+    region_words,
+    share_words,
+    since_known,
+    since_words,
+)
 from sklvalve.report.proof import further, left_out, note
 from sklvalve.report.words import (
     block_words,
@@ -29,29 +38,30 @@ class Explanation(NamedTuple):
     """One thing that was found."""
 
     name: str
-    probability: float
+    probability: float | None
     sure: str
     chance: str
     blocks: str
     placed: str
-    members: list[tuple[str, float, str]]
+    members: list[tuple[str, float | None, str]]
     parameters: list[tuple[str, str]]
     sentence: str
     separated_by: str
+    grade: str
 
 
 def explanations(d: dict) -> list[Explanation]:
-    """Everything found, strongest first, with parameters and intervals in words."""
+    """Everything found, faults first, with parameters and intervals in words."""
     return [
         Explanation(
             name=class_words(effect["members"], limit=5),
-            probability=effect["probability"],
-            sure=sure(effect["probability"]),
-            chance=chance(effect["probability"]),
+            probability=effect.get("probability"),
+            sure=sure(effect),
+            chance=chance(effect.get("probability")),
             blocks=block_words(effect["blocks"]),
             placed=class_in_block(effect, limit=5),
             members=[
-                (spoken(member["name"]), member["probability"], chance(member["probability"]))
+                (spoken(member["name"]), member.get("probability"), chance(member.get("probability")))
                 for member in effect["members"]
             ],
             parameters=parameters(effect, d),
@@ -59,9 +69,19 @@ def explanations(d: dict) -> list[Explanation]:
                 words for words in (effect.get("sentence"), _moves(effect), _begins(effect, d)) if words
             ),
             separated_by=effect.get("separated_by") or "",
+            grade=_grade(effect),
         )
-        for effect in d.get("effects") or []
+        for effect in faults_first(d.get("effects") or [])
     ]
+
+
+def _grade(effect: dict) -> str:
+    """Reason of a finding's grade, and the grade where it is not said for want of a probability already."""
+    grade = effect.get("grade")
+    if not grade:
+        return ""
+    level = "" if effect.get("probability") is None else f"{grade['level'].capitalize()} evidence. "
+    return f"{level}{grade['reason']}"
 
 
 def moves(sizes: dict) -> str:
@@ -102,9 +122,14 @@ def places(d: dict) -> list[tuple[str, str]]:
     for region in location.get("regions") or []:
         share = share_words(region)
         rows.append(("Region", region_words(region) + (f", {share}" if share else "")))
+    changed = change_words(location)
+    if changed:
+        rows.append(("Changed", changed))
     if not rows and not location.get("intervals"):
         return rows
     if not since_known(d):
+        if changed:
+            return rows
         learnt = ": it was learnt from all rows alike" if d["verdict"] == "none_of_these" else ""
         return [*rows, ("Since", f"not known{learnt}")]
     begins = (d.get("provenance") or {}).get("begins")

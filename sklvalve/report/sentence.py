@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first thing that a person reads: the diagnosis in one sentence."""
 
+from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what
 from sklvalve.report.parameters import parameters
 from sklvalve.report.place import onset_words, regions_words, since_known
 from sklvalve.report.proof import error_words, left_out
@@ -11,6 +12,8 @@ from sklvalve.report.words import (
     class_words,
     either,
     lacks_sheet,
+    likeliest_first,
+    named_effects,
     number,
     p_words,
     percent,
@@ -71,8 +74,9 @@ def summary_sentence(d: dict) -> str:
 
 def _agreement(d: dict) -> str:
     p_value = p_words(d["mismatch"].get("p_value"))
-    if d.get("reasons"):
-        return " ".join([f"Sticking of a size that matters is excluded ({p_value}).", *d["reasons"]])
+    if d.get("subject") == "loop":
+        reasons = d.get("reasons") or []
+        return " ".join([f"Sticking of a size that matters is excluded ({p_value}).", *reasons])
     level, chance = d["mismatch"].get("alpha"), d["mismatch"].get("p_value")
     if d["mismatch"].get("detected") or (None not in (level, chance) and chance <= level):
         return (
@@ -88,19 +92,25 @@ def _agreement(d: dict) -> str:
 
 
 def _named(d: dict) -> str:
-    effects = d["effects"]
+    effects = faults_first(named_effects(d))
     if len(effects) == 1:
         effect = effects[0]
         return (
-            f"The simulation leaves out {class_words(effect['members'])} ({sure(effect['probability'])}): "
+            f"{begins(effect)} {class_words(effect['members'])}{is_what(effect)} "
+            f"({sure(effect)}): "
             f"{_size(effect, d)}acting {_place(d, effect['blocks'])}{_clause(d)}."
         )
-    count = _COUNTS.get(len(effects), str(len(effects)))
     found = [
-        f"{class_in_block(effect)} ({_size(effect, d)}{sure(effect['probability'])})" for effect in effects
+        f"{place}. {class_in_block(effect)}{is_what(effect)} ({_size(effect, d)}{sure(effect)})"
+        for place, effect in enumerate(effects, start=1)
     ]
-    listed = "; ".join(f"{place}. {words}" for place, words in enumerate(found, start=1))
-    return f"The simulation leaves out {count} things: {listed}; they show {_place(d, [])}{_clause(d)}."
+    groups = by_beginning(effects)
+    if len(groups) == 1 and groups[0][0] != "Likely fault:":
+        count = _COUNTS.get(len(effects), str(len(effects)))
+        told = f"{groups[0][0]} {count} things: {'; '.join(found)}"
+    else:
+        told = ". ".join(f"{begin} {'; '.join(found[k - 1] for k, _ in group)}" for begin, group in groups)
+    return f"{told}; they show {_place(d, [])}{_clause(d)}."
 
 
 def _unknown(d: dict) -> str:
@@ -156,16 +166,18 @@ def _undecided(d: dict) -> str:
         f"Something is missing ({p_words(d['mismatch'].get('p_value'))}), but this recording cannot "
         f"tell what{f': it acts {place}' if place else ''}"
     )
-    likely = sorted(
-        (member for effect in d.get("effects") or [] for member in effect["members"]),
-        key=lambda member: -member["probability"],
-    )
+    likely = likeliest_first(m for effect in d.get("effects") or [] for m in effect["members"])
     if likely:
-        listed = [f"{spoken(member['name'])} ({chance(member['probability'])})" for member in likely[:3]]
+        listed = [_with_chance(member) for member in likely[:3]]
         sentence += f"; likeliest is {', then '.join(listed)}"
     if d.get("next_test"):
         sentence += "; the next test named below would decide"
     return sentence + "."
+
+
+def _with_chance(member: dict) -> str:
+    name, probability = spoken(member["name"]), member.get("probability")
+    return name if probability is None else f"{name} ({chance(probability)})"
 
 
 def size_words(effect: dict, d: dict, *, interval: bool = True) -> str:

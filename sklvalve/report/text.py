@@ -61,7 +61,9 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
         label += f" {count}" if len(found) > 1 else ""
         lines += ["", line(label, f"{item.placed}: {item.sure}")]
         if len(item.members) > 1:
-            lines.append(line("", "; ".join(f"{name} {share}" for name, _, share in item.members)))
+            shown = [name if p is None else f"{name} {share}" for name, p, share in item.members]
+            lines.append(line("", "; ".join(shown)))
+        lines += [line("", item.grade)] if item.grade else []
         lines += [line("", f"{name} {value}") for name, value in item.parameters]
         lines += [line("", words) for words in (item.sentence,) if words]
         if item.separated_by and len(item.members) > 1:
@@ -111,8 +113,7 @@ def to_markdown(d: dict) -> str:
     parts += ["\n".join(besides)] if besides else []
     for item in rows.explanations(d):
         lines = [f"### {_safe(item.name[:1].upper() + item.name[1:])} ({item.sure}, {_safe(item.blocks)})"]
-        if item.sentence:
-            lines.append(_safe(item.sentence))
+        lines += [_safe(words) for words in (item.grade, item.sentence) if words]
         if item.parameters:
             lines.append(_table(("parameter", "value [95 % interval]"), item.parameters))
         if len(item.members) > 1:

@@ -48,6 +48,7 @@ EFFECTS = {
     "flow_meter_gain": "a wrong span of the flow meter",
     "flow_meter_bias": "a shifted zero of the flow meter",
     "flow_meter_drift": "a drift of the flow meter",
+    "flow_meter_failure": "a failed flow meter",
     "position_sensor_bias": "a shifted zero of the position sensor",
     "position_sensor_gain": "a wrong span of the position sensor",
     "inlet_pressure_bias": "a shifted zero of the inlet pressure sensor",
@@ -146,14 +147,31 @@ def percent(share: float | None) -> str:
     return f"{value:.0f} %"
 
 
-def chance(probability: float) -> str:
-    """A probability as percent; certainty is never claimed."""
+def chance(probability: float | None) -> str:
+    """A probability as percent; certainty is never claimed, and none where it was not checked."""
+    if probability is None:
+        return "not known"
     return "> 99 %" if probability > 0.99 else percent(probability)
 
 
-def sure(probability: float) -> str:
-    """How sure a finding is; certainty is never claimed."""
+def sure(effect: dict) -> str:
+    """How sure a finding is: its probability, else its grade; certainty is never claimed."""
+    probability = effect.get("probability")
+    if probability is None:
+        return f"{(effect.get('grade') or {}).get('level') or 'unknown'} evidence"
     return "more than 99 % sure" if probability > 0.99 else f"{100.0 * probability:.0f} % sure"
+
+
+def likeliest_first(members: Iterable[dict]) -> list[dict]:
+    """Members of one or several classes, most probable first; as given where no probability is known."""
+    return sorted(members, key=lambda member: -(member.get("probability") or 0.0))
+
+
+def named_effects(d: dict) -> list[dict]:
+    """Findings to speak of first: all but the weak ones, where others are stronger."""
+    effects = d.get("effects") or []
+    sure = [each for each in effects if (each.get("grade") or {}).get("level") != "weak"]
+    return sure or effects
 
 
 def p_words(p_value: float | None) -> str:

@@ -10,6 +10,7 @@ import numpy as np
 
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
 from sklvalve.recording import InputError
+from sklvalve.simulation.declared import declared_delay, declared_parameters
 from sklvalve.simulation.electric import is_electric, motor_parameters
 from sklvalve.simulation.given import chain_for, given_flow_parameters, given_opening_parameters
 from sklvalve.simulation.given_trim import GivenTrim
@@ -97,13 +98,13 @@ def opening_parameters(recording, valve, tolerance):
         return given_opening_parameters(recording, tolerance)
     if "simulated_flow" in recording and "opening" not in recording:
         return ()
-    found = list(motor_parameters(tolerance))
-    if not is_electric(valve, recording):
-        found = _air_parameters(recording, tolerance)
+    electric = is_electric(valve, recording)
+    found = list(motor_parameters(tolerance, valve)) if electric else _air_parameters(recording, tolerance)
+    found += declared_parameters(tolerance, valve, electric=electric)
     # a few scans may lie between a command and its effect
     longest = float(np.nanmax([recording.slice(*span).sample_time for span in recording.spans]))
     scan = min(2.0 * longest, tolerance.response)
-    found.append(Parameter("actuator_delay", "s", 0.0, scan, 0.3 * scan, spread=0.5 * scan))
+    found.append(declared_delay(tolerance, valve, scan))
     if "opening" in recording:
         zero = tolerance.position_zero
         found.append(Parameter("position_zero", "1", -zero, zero, 0.0, spread=0.5 * zero))

@@ -6,6 +6,7 @@ from math import exp
 import numba as nb
 import numpy as np
 
+from sklvalve.simulation.declared import declared_speed
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.stages import delayed
 
@@ -17,8 +18,21 @@ _APPROACH = 0.03
 _SPEED = 1.0
 
 
+#: Kinds of actuators that run at a speed of their own: oil metered by a pump drives as a motor does.
+DRIVEN = ("electric", "hydraulic")
+
+
+def knows_air(valve, recording):
+    """Whether the sheet says, or a recorded pressure shows, that air drives the stem."""
+    if valve.kind in ("pneumatic", *DRIVEN):
+        return valve.kind == "pneumatic"
+    air = (valve.supply_pressure, valve.spring_range, valve.effective_area, valve.fail)
+    told = {"actuator_pressure", "supply_pressure"} & set(recording)
+    return bool(told) or any(known is not None for known in air)
+
+
 def is_electric(valve, recording):
-    """Whether a position is recorded of a valve whose sheet and recording say nothing of compressed air.
+    """Whether a motor drives the stem: the sheet says so, or a position is recorded and nothing of air known.
 
     Parameters
     ----------
@@ -28,24 +42,27 @@ def is_electric(valve, recording):
     Returns
     -------
     electric : bool
-        True where no air supply, spring, diaphragm or fail position is known, and no pressure of the actuator
-        is recorded. Without a position nothing tells one kind from the other, and all effects stay open.
+        As `kind` of the sheet says; where that is missing or unknown, True where no air supply, spring,
+        diaphragm or fail position is known, and no pressure of the actuator is recorded. Without a position
+        nothing tells one kind from the other then, and all effects stay open.
     """
-    air = (valve.supply_pressure, valve.spring_range, valve.effective_area, valve.fail)
-    told = {"actuator_pressure", "supply_pressure"} & set(recording)
-    return "opening" in recording and not told and all(known is None for known in air)
+    if valve.kind in DRIVEN:
+        return True
+    return "opening" in recording and not knows_air(valve, recording)
 
 
-def motor_parameters(tolerance):
+def motor_parameters(tolerance, valve):
     """Parameters of a healthy motor that stay open.
 
-    What a data sheet grants the response of positioner and actuator is here the motor's time for a stroke.
-    The comparator that starts it answers at once, and the motor slows down for a moment only.
+    What a data sheet grants the response of positioner and actuator is here the motor's time for a stroke,
+    unless the sheet declares one. The comparator that starts it answers at once, and the motor slows down for
+    a moment only.
     """
     lag = _APPROACH * tolerance.response
+    speed = Parameter("actuator_speed", "1/s", 0.5 / tolerance.response, 10.0, _SPEED, spread=1.5, log=True)
     return (
         Parameter("actuator_filter", "s", 0.01, lag, 0.5 * lag, spread=1.0, log=True),
-        Parameter("actuator_speed", "1/s", 0.5 / tolerance.response, 10.0, _SPEED, spread=1.5, log=True),
+        speed if valve.stroke_time is None else declared_speed("actuator_speed", tolerance, valve),
     )
 
 
@@ -132,7 +149,7 @@ def electric_stem(chain, values, changed):
     drive = {
         "up": np.full(n, speed),
         "down": np.full(n, speed),
-        "dead_band": np.zeros(n),
+        "dead_band": np.full(n, 0.5 * values.get("actuator_dead_band", 0.0)),
         "reversal": np.ones(n),
     }
     drive = changed("actuator", drive, values)

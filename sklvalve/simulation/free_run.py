@@ -6,7 +6,7 @@ import numpy as np
 from sklvalve.recording import InputError
 from sklvalve.simulation.electric import electric_stem
 from sklvalve.simulation.faults import FAULTS, columns_of_faults
-from sklvalve.simulation.stages import delayed, first_order_lag
+from sklvalve.simulation.stages import delayed, first_order_lag, limited_rate, play
 from sklvalve.simulation.stem import positioner_and_actuator
 
 # a quick positioner and a stem that slides: what stands in where no position speaks of them
@@ -58,8 +58,12 @@ def free_run(chain, values, through):
     if chain.electric or "actuator_speed" in values:
         return electric_stem(chain, values, through)
     command = delayed(chain.command, chain.time, values["actuator_delay"])
+    if "actuator_stroke" in values:
+        command = limited_rate(command, chain.step, values["actuator_stroke"], values["actuator_stroke"])
     command = through("signal", command, values)
     if "actuator_gain" not in values and not any(e.stage == "actuator" for e in chain.effects):
+        # where nothing speaks of its air a dead band leaves the stem where it came to rest, as play does
+        command = play(command, values["actuator_dead_band"]) if "actuator_dead_band" in values else command
         stem = first_order_lag(command, chain.step, values["actuator_filter"], 1.0)
         return np.clip(stem, 0.0, 1.0)
     return _driven_by_air(chain, command, _IDEAL | values, through)
@@ -71,7 +75,7 @@ def _driven_by_air(chain, command, values, through):
         "supply": np.full(n, chain.supply),
         "coulomb": np.full(n, values["actuator_coulomb"]),
         "stick": np.zeros(n),
-        "dead_band": np.zeros(n),
+        "dead_band": np.full(n, 0.5 * values.get("actuator_dead_band", 0.0)),
     } | dict.fromkeys(FAULTS, 0.0)
     drive = through("actuator", drive, values)
     start = chain.measured[:1] if chain.measured is not None else command[:1]

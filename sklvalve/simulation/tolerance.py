@@ -18,6 +18,8 @@ class Tolerance:
         F_L, relative [1].
     response : float, default=3.0
         Time constants of positioner and actuator, and of the meters [s].
+    declared : float, default=0.25
+        Stroke time, dead time and dead band where the sheet declares them, relative [1].
     static_error : float, default=0.01
         Width of the static error of positioner, friction and play together [1 = travel].
     position_zero : float, default=0.01
@@ -36,6 +38,7 @@ class Tolerance:
     trim: float = 0.10
     recovery: float = 0.10
     response: float = 3.0
+    declared: float = 0.25
     static_error: float = 0.01
     position_zero: float = 0.01
     flow_zero: float = 0.005

@@ -47,6 +47,11 @@ UNDIAGNOSABLE = {
 }
 VALVES = {
     "unknown unit": (stand_in.VALVE.replace('"m3/h"', '"m3/hour"'), "m3/hour"),
+    "unknown kind": (stand_in.VALVE + '\n[actuator]\nkind = "motor"\n', "[actuator] kind must be one of"),
+    "negative stroke time": (
+        stand_in.VALVE + "\n[actuator]\nstroke_time = -20.0\n",
+        "[actuator] stroke_time must be above 0",
+    ),
     "malformed": (stand_in.VALVE + "\n[recording.", "no valid TOML"),
     "unknown role": (stand_in.VALVE.replace("recording.p1", "recording.p9"), "p9"),
     "no rangeability": (

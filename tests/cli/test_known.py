@@ -109,8 +109,7 @@ REFUSED = {
     ),
     "no flow at all": (
         {"FIC7.OP": TRAVEL, "FIC7.PV": 0.0 * TRAVEL},
-        "correct its unit, or leave the role out (there is no valve.toml yet: sklvalve init recording.csv "
-        "drafts one)",
+        "flow holds one value (0) in all rows; give a time in which it is measured",
     ),
 }
 
@@ -150,3 +149,21 @@ def test_a_draft_that_nobody_filled_in_is_told_last(alone, capsys, filled):
 def test_too_little_is_told_by_names(alone, capsys, columns, words):
     _recording(alone, **columns)
     refused(["diagnose", "recording.csv"], words, capsys)
+
+
+def test_a_command_with_a_cell_that_is_no_number_is_named(alone, capsys):
+    command = TRAVEL.astype(object)
+    command[7] = "bad?"
+    _recording(alone, **{"FIC7.OP": command, "FIC7.PV": 0.3 * TRAVEL})
+    assert main(["diagnose", "recording.csv"]) == 2
+    refusal = capsys.readouterr().err
+    assert "column 'FIC7.OP' (command), row 8" in refusal
+    assert not (alone / "results").exists()
+
+
+def test_a_command_beyond_its_range_is_named(alone, capsys):
+    _recording(alone, **{"FIC7.OP": 4.0 * TRAVEL, "FIC7.PV": 0.3 * TRAVEL})
+    assert main(["diagnose", "recording.csv"]) == 2
+    refusal = capsys.readouterr().err
+    assert "stays between 0 and 100 %" in refusal
+    assert not (alone / "results").exists()

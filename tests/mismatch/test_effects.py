@@ -142,6 +142,9 @@ def test_at_no_size_it_changes_nothing(effect, bench, plain):
     if effect.key == "stuck_valve":
         pytest.skip("a stem that is stuck is so wholly")
     same = _with(bench, plain, effect, NOTHING[effect.key])
+    for quantity in effect.parameters:
+        if quantity.null is not None:
+            assert NOTHING[effect.key][quantity.name] == pytest.approx(quantity.null, abs=1e-5)
     for channel, signal in plain.predictions.items():
         np.testing.assert_allclose(
             same.predictions[channel], signal, rtol=1e-9, atol=1e-9 * bench.spans[channel], err_msg=channel

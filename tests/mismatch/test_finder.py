@@ -10,6 +10,7 @@ from sklearn.base import clone
 
 from sklvalve.mechanism import ValidityWarning
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
+from sklvalve.mismatch.probability import NAMED_FROM
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import Tolerance, ValveSimulation
 
@@ -44,7 +45,8 @@ def test_healthy_valve_has_no_mismatch(found_healthy, healthy):
     assert diagnosis.effects == ()
     assert content["mismatch"]["detected"] is False
     assert content["mismatch"]["p_value"] > content["mismatch"]["alpha"] == 0.01
-    assert content["location"] == {"blocks": [], "regions": [], "onset": None, "intervals": []}
+    nowhere = {"blocks": [], "regions": [], "onset": None, "intervals": [], "change": None}
+    assert content["location"] == nowhere
     nominal, corrected = found_healthy.nominal_simulation_, found_healthy.corrected_simulation_
     np.testing.assert_array_equal(corrected.predict(healthy), nominal.predict(healthy))
 
@@ -89,7 +91,8 @@ def test_effect_is_named_with_its_size(name, strength, seed, onset, parameter, s
         size = strength * 1.5 * recording.valve.kv_rated
     assert told["value"] == pytest.approx(size, rel=0.3)
     assert told["ci95"][0] <= told["value"] <= told["ci95"][1]
-    assert entry["probability"] >= 0.8
+    assert entry["probability"] >= NAMED_FROM
+    assert entry["grade"]["level"] != "weak"
     assert entry["sentence"][0].isupper()
     assert entry["sentence"].endswith(".")
 
@@ -119,6 +122,9 @@ def test_diagnosis_has_the_schema_and_is_json(found_healthy, found_leaking):
                 "parameters",
                 "sentence",
                 "separated_by",
+                "grade",
+                "evidence",
+                "kind",
             }
             assert {m["name"] for m in entry["members"]} <= {e.name for e in CATALOGUE}
         assert content["provenance"]["rows"] == ROWS
@@ -176,12 +182,12 @@ def test_later_rows_serve_nothing_but_the_fit_figures(leaking):
 
 
 def test_with_few_signals_the_finder_says_what_it_cannot_test(healthy):
-    bare = Recording.from_frame(_signals(healthy, "command", "flow"))
+    bare = Recording.from_frame(_signals(healthy, "command", "flow", "p1"))
     finder = MissingPhysicsFinder(effects=("choked_flow", "position_sensor_bias", "clogging", "dead_time"))
     content = finder.fit(bare).diagnosis_.to_dict()
     assert set(content["fit"]) == {"flow"}
     needs = {item["name"]: item["needs"] for item in content["not_testable"]}
-    assert needs["choked_flow"] == "p1 and p2"
+    assert needs["choked_flow"] == "p2"
     assert needs["position_sensor_bias"] == "opening"
     assert "dead_time" not in needs
 

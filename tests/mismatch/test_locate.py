@@ -22,7 +22,13 @@ def test_onset_has_an_interval_that_holds_it(found_leaking):
 
 
 def test_nothing_found_is_nowhere(found_healthy):
-    assert set(found_healthy.diagnosis_.content["location"]) == {"blocks", "regions", "onset", "intervals"}
+    assert set(found_healthy.diagnosis_.content["location"]) == {
+        "blocks",
+        "regions",
+        "onset",
+        "intervals",
+        "change",
+    }
 
 
 def test_clogging_acts_above_its_limit():

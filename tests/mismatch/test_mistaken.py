@@ -9,7 +9,7 @@ from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.excitation import Explanation
 from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.rivals import _weighed
+from sklvalve.mismatch.rivals import weighed
 
 EFFECTS = {effect.key: effect for effect in CATALOGUE}
 BARE, BIAS, RIVAL = (SimpleNamespace(log_likelihood=value) for value in (0.0, 300.0, 275.0))
@@ -18,7 +18,7 @@ BARE, BIAS, RIVAL = (SimpleNamespace(log_likelihood=value) for value in (0.0, 30
 def _distances(monkeypatch, *keys):
     monkeypatch.setattr("sklvalve.mismatch.rivals.price", lambda workbench, who: 0.0)
     places = [(Member(EFFECTS["flow_meter_bias"]), BIAS), *((Member(EFFECTS[k]), RIVAL) for k in keys)]
-    return {r.member.effect.key: r.distance for r in _weighed(None, places, BARE)}
+    return {r.member.effect.key: r.distance for r in weighed(None, places, BARE)}
 
 
 def test_viscous_flow_in_the_place_of_another_is_granted_more(monkeypatch):

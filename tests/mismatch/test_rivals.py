@@ -25,7 +25,7 @@ def _weighed(monkeypatch, lost, distance, who=STAYS):
         (COMES_AND_GOES, SimpleNamespace(log_likelihood=BEST)),
         (who, SimpleNamespace(log_likelihood=BEST - lost)),
     ]
-    told = {r.member: r.probability for r in rivals._weighed(BENCH, places, None)}
+    told = {r.member: r.probability for r in rivals.weighed(BENCH, places, None)}
     return float(np.log(told[COMES_AND_GOES] / told[who]))
 
 

@@ -17,7 +17,7 @@ from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.rivals import Rival
-from sklvalve.mismatch.verdict import BORNE_OUT, NAMED_FROM, as_told, class_of, verdict_of
+from sklvalve.mismatch.verdict import CLEAR_OF_OTHERS, class_of, verdict_of
 from sklvalve.simulation.fitting import PlainNoise
 
 EFFECTS = {effect.key: effect for effect in CATALOGUE}
@@ -167,13 +167,6 @@ def test_next_test_separates_what_is_open_first():
 # ---- how sure
 
 
-@pytest.mark.parametrize("among", [0.0, 0.4, 1.0, 1.0 + 1e-12])
-def test_no_name_is_told_surer_than_names_have_been_borne_out(among):
-    assert as_told(among) == pytest.approx(BORNE_OUT * min(among, 1.0), abs=1e-4)
-
-
-def test_a_class_is_named_by_what_is_told_of_it():
-    # what is told, and not the probability among the explanations at hand, decides
-    for told, verdict in ((NAMED_FROM - 0.01, "cannot_tell"), (NAMED_FROM + 0.01, "named")):
-        share = told / BORNE_OUT
+def test_a_class_is_named_only_clear_of_all_others():
+    for share, verdict in ((CLEAR_OF_OTHERS - 0.01, "cannot_tell"), (CLEAR_OF_OTHERS + 0.01, "named")):
         assert verdict_of([_among_many(share)], None, True, 0.05)[0] == verdict

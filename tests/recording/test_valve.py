@@ -200,6 +200,13 @@ def test_numbers_survive_the_round_trip(size, kv, area):
         (changed("fluid", densty=1.0), ["[fluid]", "did you mean 'density'?"]),
         (changed("fluid", name="wather", density=None), ["[fluid] name = 'wather'", "density", "(water)"]),
         (changed("actuator", fail="shut"), ["fail must be one of closed, open", "'shut'"]),
+        (changed("actuator", kind="electrical"), ["[actuator] kind", "pneumatic, electric", "leave it out"]),
+        (changed("actuator", kind="electric"), ['kind = "electric"', "supply_pressure", "driven by air"]),
+        (changed("actuator", stroke_time=-20.0), ["[actuator] stroke_time", "above 0", "-20", "correct it"]),
+        (changed("actuator", stroke_time=0), ["stroke_time", "above 0"]),
+        (changed("actuator", stroke_time="20 s"), ["stroke_time must be a number"]),
+        (changed("actuator", dead_time=-1), ["[actuator] dead_time", "at least 0"]),
+        (changed("actuator", dead_band=60.0), ["[actuator] dead_band", "% of travel", "60"]),
         (changed("actuator", positioner="yes"), ["positioner must be true or false"]),
         (changed("actuator", spring_range=[100.0, 20.0]), ["spring_range", "lower number first"]),
         (changed("actuator", spring_range=20.0), ["spring_range", "two numbers"]),
@@ -269,3 +276,11 @@ def test_missing_file_and_folder(tmp_path):
         read_valve(tmp_path / "none.toml")
     with pytest.raises(InputError, match="cannot be read"):
         read_valve(tmp_path)
+
+
+def test_an_actuator_declares_its_response():
+    declared = {"kind": "electric", "stroke_time": 60.0, "dead_time": 1.5, "dead_band": 0.5}
+    valve = Valve.from_dict({"actuator": declared})
+    assert (valve.kind, valve.stroke_time, valve.dead_time) == ("electric", 60.0, 1.5)
+    assert valve.dead_band == pytest.approx(0.005)
+    assert valve.to_dict()["actuator"] == declared

@@ -25,9 +25,9 @@ def test_finding_in_one_sentence():
         "812 s on: it moves the flow by 3 % of span where it acts (leak kv 0.8 m3/h)."
     )
     assert _glance(made) == {
-        "How sure": "97 % sure that it is one of these two: so often have such names held on records whose "
-        "causes were sealed. A difference as large comes by chance in fewer than 1 of 1000 recordings of a "
-        "healthy valve (p < 0.001).",
+        "How sure": "97 % sure that it is one of these two: in blind tests on simulated valves this share "
+        "of such identifications was correct. A difference as large comes by chance in fewer than 1 of 1000 "
+        "recordings of a healthy valve (p < 0.001).",
         "What to do next": "Close the valve for 60 s.",
         "What it brings": "With it the flow error on 1440 unseen rows falls from 1.9 to 0.22 m3/h. For "
         "comparison: a black box learnt from the same rows makes 0.5, noise alone 0.2.",
@@ -134,3 +134,24 @@ def test_it_is_short_and_one_sentence(make):
     assert sentence.endswith(".")
     assert "p = " not in sentence
     assert "p < " not in sentence
+
+
+def test_without_a_frequency_the_grade_and_its_reason_stand_in_its_place():
+    made = examples.graded()
+    told = _glance(made)["How sure"]
+    assert told.startswith("Moderate evidence. How often such names hold was not checked for gas. A diff")
+    assert "%" not in told.split("A difference")[0]
+    assert "(moderate evidence)" in summary_sentence(made)
+    made["verdict"] = "cannot_tell"
+    assert headline(made).endswith("; likeliest is seat leakage or an open bypass.")
+    assert "likeliest is seat leakage, then an open bypass" in summary_sentence(made)
+
+
+def test_a_weak_finding_beside_others_is_not_named():
+    made = examples.named_twice()
+    weak = {"level": "weak", "reason": "The interval of its leak kv holds the value at which it vanishes."}
+    made["effects"][1] = made["effects"][1] | {"grade": weak}
+    for sentence in (headline(made), summary_sentence(made)):
+        assert "backlash" in sentence
+        assert "seat leakage" not in sentence
+    assert "seat leakage" not in _glance(made)["How sure"]

@@ -55,3 +55,11 @@ def test_shares_are_told_in_percent(diagnosis):
     diagnosis["fit"]["opening"] = told
     (line,) = noise_told(diagnosis)
     assert "Noise of opening, told without a model: 0.12 % quick" in line
+
+
+def test_what_comes_back_otherwise_has_a_date_where_there_is_one(diagnosis):
+    diagnosis["fit"]["flow"]["model_free"]["repeats_above_steady"] = True
+    assert "it remembers, or has changed in time" in noise_told(diagnosis)[0]
+    change = {"signal": "flow", "time": 812.0, "ci95": [800.0, 820.0], "size": 0.5, "unit": "m3/h"}
+    diagnosis["location"] = {"change": change}
+    assert "it changed at 812 s [800 to 820 s]: the flow reads 0.5 m3/h higher" in noise_told(diagnosis)[0]

@@ -2,6 +2,7 @@
 import pytest
 
 from sklvalve.report.place import (
+    change_words,
     duration,
     intervals_words,
     onset_words,
@@ -92,8 +93,8 @@ def test_clock_times_stand_beside_seconds_where_the_recording_has_them():
 
 
 def test_certainty_is_never_claimed():
-    assert sure(1.0) == "more than 99 % sure"
-    assert sure(0.87) == "87 % sure"
+    assert sure({"probability": 1.0}) == "more than 99 % sure"
+    assert sure({"probability": 0.87}) == "87 % sure"
     assert chance(1.0) == "> 99 %"
     assert chance(0.87) == "87 %"
     assert p_words(0.0) == "p < 0.001"
@@ -119,3 +120,15 @@ def test_large_classes_are_cut_short():
     members = [{"name": name} for name in ("stiction", "backlash", "dead_time", "new_effect")]
     assert class_words(members) == "stiction, backlash or one of 2 others"
     assert spoken("new_effect") == "new effect"
+
+
+def test_a_change_has_a_time_an_interval_and_a_size():
+    change = {"signal": "flow", "time": 9757.0, "ci95": [9750.0, 9761.0], "size": -12.3, "unit": "cm3/s"}
+    words = "at 9757 s [9750 to 9761 s]: the flow reads 12.3 cm3/s lower from then on"
+    assert change_words({"change": change}) == words
+    assert change_words({"change": None}) == change_words({}) == ""
+    opened = change | {"signal": "opening", "size": 0.05, "unit": "1"}
+    assert change_words({"change": opened}).endswith("the opening reads 5 % of travel higher from then on")
+    nameless = {"verdict": "none_of_these", "location": {"blocks": ["valve"], "change": change}}
+    assert ("Changed", words) in places(nameless)
+    assert "Since" not in dict(places(nameless))

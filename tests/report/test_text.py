@@ -40,7 +40,7 @@ def test_without_later_rows_nothing_is_called_unseen():
         words = " ".join(text.split())
         assert "unseen" not in words
         assert "on 1440 rows, held out in turn" in words
-        assert "each is predicted by parameters fitted to the other three, one step from the fit" in words
+        assert "each is predicted by parameters fitted to the other three." in words
         assert "was reached on all rows" in words
     loop = " ".join(to_text(made | {"reasons": ["A band explains the value."]}).split())
     assert "fitted to the other three. The verdict" in loop

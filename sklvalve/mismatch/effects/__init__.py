@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The catalogue: one effect, one file, one line here."""
 
+from sklvalve.mismatch.effects._late import Blocked, MeterFailed
 from sklvalve.mismatch.effects.actuator_lag import ActuatorLag, RestrictedAir
 from sklvalve.mismatch.effects.actuator_leak import ActuatorLeak, DiaphragmLeak
 from sklvalve.mismatch.effects.backlash import Backlash, LinkageBacklash
@@ -126,4 +127,7 @@ EVENTS = (
     RodBendByHunting(),
 )
 
-__all__ = ["CATALOGUE", "EVENTS", "Effect", "Quantity"]
+#: Forms that only an event at the end of a recording is told by, which no search takes up.
+LATE = (Blocked(), MeterFailed())
+
+__all__ = ["CATALOGUE", "EVENTS", "LATE", "Effect", "Quantity"]

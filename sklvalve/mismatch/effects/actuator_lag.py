@@ -16,6 +16,7 @@ class ActuatorLag(Effect):
     """
 
     name = key = "actuator_lag"
+    kind = "property"
     block, stage = "actuator", "signal"
     parameters: tuple = (Quantity("time_constant", "s", 0.5, 600.0, (6.0, 25.0), log=True),)
     needs = ("command",)
@@ -47,9 +48,11 @@ class RestrictedAir(ActuatorLag):
     """
 
     key = "actuator_lag_air"
+    # thin tubes of a sound actuator throttle its air as a kinked one does
+    kind = "either"
     stage = "actuator"
     family = "air"
-    parameters = (Quantity("share", "1", 0.002, 0.95, (0.3, 0.07), log=True),)
+    parameters = (Quantity("share", "1", 0.002, 0.95, (0.3, 0.07), log=True, null=1.0),)
     phrase = "the actuator's air is throttled to {share:.0%} of its flow"
     source = "ISO 6358, critical ratio 0.3"
 

@@ -71,8 +71,8 @@ class Backlash(Effect):
     block, stage = "valve", "plug"
     parameters: tuple = (
         Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),
-        Quantity("overshoot", "1", 0.0, 0.3, (0.03,)),
-        Quantity("first_side", "1", -1.0, 1.0, (0.0,)),
+        Quantity("overshoot", "1", 0.0, 0.3, (0.03,), null=None),
+        Quantity("first_side", "1", -1.0, 1.0, (0.0,), null=None),
     )
     needs: tuple = ("flow",)
     family = "play"

@@ -21,6 +21,9 @@ class Quantity:
         Where fits begin: at several sizes, for a dead band has no slope at zero.
     log : bool, default=False
         Whether a fit moves its logarithm.
+    null : float or None, default=0.0
+        Value at which the effect vanishes: zero of a bias or a leak, one of a ratio. None of a parameter that
+        says where or how an effect acts and not how much, such as a limit of speed.
     """
 
     name: str
@@ -29,6 +32,7 @@ class Quantity:
     high: float
     starts: tuple
     log: bool = False
+    null: float | None = 0.0
 
     def parameter_of(self, key, attempt=0):
         """Parameter of a fit for the effect of this key, begun with the start of this number."""
@@ -76,12 +80,21 @@ class Effect:
         Fault of the benchmark with the same physics, or ``""``.
     source : str
         Where its equation is from, or ``""`` where it is plain arithmetic.
+    kind : {"fault", "property", "either"}
+        What it is where it is there from the start: a fault; a property of a sound valve, or of its fluid and
+        line, that a simulation may lack; or either of them, which the recording does not tell.
+    kind_late : {"fault", "either"}
+        What it is where it begins within the recording, or grows: no valve changes its properties, but a
+        fluid may.
+    declared_as : str
+        Key of ``[actuator]`` in valve.toml that declares it, or ``""``.
     requires : str
         What must be known or seen for `possible` to hold, as it is told where the effect cannot be tested.
     """
 
     name = key = block = stage = phrase = separated_by = damadics = ""
-    family = alike = source = ""
+    family = alike = source = declared_as = ""
+    kind, kind_late = "fault", "fault"
     begins_with: tuple = ()
     requires = "a data sheet with the characteristic and the fluid"
     may_begin = True
@@ -98,6 +111,10 @@ class Effect:
     def apply(self, value, p, chain):
         """What the stage makes, `value`, with the effect of parameters `p`."""
         raise NotImplementedError
+
+    def kind_of(self, chain, late):
+        """What it is in this valve: "fault", "property" or "either"; `late`: it began in the record."""
+        return self.kind_late if late or self.grows else self.kind
 
     def beyond_tolerance(self, p, chain, tolerance, late):
         """Whether parameters `p` lie beyond what a data sheet leaves open; `late`: it began in the record."""

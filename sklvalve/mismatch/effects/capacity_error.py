@@ -9,6 +9,8 @@ class CapacityError(FlowMeterGain):
     r"""Capacity off by one factor at every opening: :math:`K_v' = (1 + g) K_v`."""
 
     name = key = "capacity_error"
+    # the sheet may be of another trim, or the trim be spoilt
+    kind = "either"
     block, stage = "valve", "capacity"
     parameters = (Quantity("gain", "1", -0.9, 2.0, (0.1, -0.1)),)
     phrase = "the valve's capacity is {gain:+.0%} off its data sheet"

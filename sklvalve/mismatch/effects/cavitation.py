@@ -20,10 +20,11 @@ class Cavitation(Effect):
     """
 
     name = key = "cavitation"
+    kind = "property"
     block, stage = "valve", "capacity"
     parameters = (
         Quantity("loss", "1", 0.0, 0.4, (0.05, 0.15)),
-        Quantity("begins", "1", 0.15, 0.9, (0.3, 0.6)),
+        Quantity("begins", "1", 0.15, 0.9, (0.3, 0.6), null=None),
     )
     needs = ("flow", "p1", "p2")
     phrase = "cavitation takes capacity from a pressure ratio of {begins:.2f} on"

@@ -16,11 +16,12 @@ class ChokedFlow(Effect):
     """
 
     name = key = "choked_flow"
+    kind = "property"
     block, stage = "valve", "choking"
     parameters = (
-        Quantity("fl", "1", 0.25, 0.99, (0.85, 0.65, 0.5)),
-        Quantity("knee", "1", 3.0, 40.0, (12.0,), log=True),
-        Quantity("slope", "1", 0.0, 0.25, (0.05,)),
+        Quantity("fl", "1", 0.25, 0.99, (0.85, 0.65, 0.5), null=None),
+        Quantity("knee", "1", 3.0, 40.0, (12.0,), log=True, null=None),
+        Quantity("slope", "1", 0.0, 0.25, (0.05,), null=None),
     )
     needs = ("flow", "p1", "p2")
     phrase = "the flow chokes (F_L about {fl:.2f})"

@@ -11,7 +11,7 @@ class Clogging(Effect):
 
     name = key = "clogging"
     block, stage = "valve", "capacity"
-    parameters: tuple = (Quantity("limit", "1", 0.03, 0.99, (0.9, 0.7, 0.45)),)
+    parameters: tuple = (Quantity("limit", "1", 0.03, 0.99, (0.9, 0.7, 0.45), null=None),)
     needs: tuple = ("flow",)
     phrase = "the passage is blocked above {limit:.0%} opening"
     separated_by = (
@@ -26,7 +26,7 @@ class Clogging(Effect):
         opening = chain.command if chain.measured is None else chain.measured
         starts = np.nanquantile(opening, self._left_alone)
         starts = tuple(float(v) for v in np.clip(starts, limit.low + 1e-3, limit.high - 1e-3))
-        return (Quantity("limit", "1", limit.low, limit.high, starts),)
+        return (Quantity("limit", "1", limit.low, limit.high, starts, null=None),)
 
     def apply(self, value, p, chain):
         return np.minimum(value, chain.capacity_at(p["limit"]))
@@ -44,7 +44,7 @@ class ClosingBlocked(Clogging):
 
     key = "clogging_closing"
     stage = "stem"
-    parameters = (Quantity("limit", "1", 0.01, 0.95, (0.08, 0.25, 0.5)),)
+    parameters = (Quantity("limit", "1", 0.01, 0.95, (0.08, 0.25, 0.5), null=None),)
     needs = ("command",)
     phrase = "something keeps the plug from closing below {limit:.0%} opening"
     separated_by = "Close the valve slowly and open it by hand wheel: the stem stops at one place, both ways."

@@ -25,8 +25,10 @@ class DensityChange(Effect):
     """
 
     name = key = "density_change"
+    # another fluid is no fault of a valve, whenever it comes
+    kind = kind_late = "either"
     block, stage = "valve", "flow"
-    parameters: tuple = (Quantity("ratio", "1", 0.6, 1.7, (1.25, 0.85)),)
+    parameters: tuple = (Quantity("ratio", "1", 0.6, 1.7, (1.25, 0.85), null=1.0),)
     needs: tuple = ("flow",)
     family = "gain"
     phrase = "the liquid's density is {ratio:.2f} times the sheet's"

@@ -19,7 +19,7 @@ class Erosion(Effect):
     block, stage = "valve", "capacity"
     parameters = (
         Quantity("wear_kv", "m3/h", 0.0, 1.0, (0.3,)),
-        Quantity("reach", "1", 0.02, 0.3, (0.1, 0.05), log=True),
+        Quantity("reach", "1", 0.02, 0.3, (0.1, 0.05), log=True, null=None),
     )
     needs = ("flow",)
     phrase = (

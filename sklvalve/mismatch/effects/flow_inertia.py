@@ -59,6 +59,7 @@ class FlowInertia(Effect):
     """
 
     name = key = "flow_inertia"
+    kind = "property"
     block, stage = "line", "flow"
     parameters = (Quantity("length_over_area", "1/m", 10.0, _STEEL, (1e4,), log=True),)
     needs = ("flow", "p1", "p2")

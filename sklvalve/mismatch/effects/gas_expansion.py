@@ -19,8 +19,9 @@ class GasExpansion(Effect):
     """
 
     name = key = "gas_expansion"
+    kind = "property"
     block, stage = "valve", "capacity"
-    parameters = (Quantity("xt", "1", 0.15, 0.9, (0.7, 0.4)),)
+    parameters = (Quantity("xt", "1", 0.15, 0.9, (0.7, 0.4), null=None),)
     needs = ("flow", "p1", "p2")
     phrase = "the gas expands in the valve (x_T about {xt:.2f})"
     separated_by = (

@@ -14,5 +14,6 @@ class LineLoss(PipingReducers):
     """
 
     name = key = "line_loss"
+    kind = "property"
     parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
     phrase = "the line between the pressure taps costs {loss:.2g} times the valve's own loss when fully open"

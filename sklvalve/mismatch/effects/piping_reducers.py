@@ -16,6 +16,7 @@ class PipingReducers(Effect):
     """
 
     name = key = "piping_reducers"
+    kind = "property"
     block, stage = "line", "line"
     parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
     needs: tuple = ("flow",)

@@ -16,6 +16,7 @@ class PositionerCharacteriser(Effect):
     """
 
     name = key = "positioner_characteriser"
+    kind = "property"
     block, stage = "actuator", "signal"
     parameters = (Quantity("curvature", "1", -5.0, 5.0, (0.4, -0.4, 3.0, -3.0)),)
     needs = ("command",)

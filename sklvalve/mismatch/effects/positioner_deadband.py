@@ -14,6 +14,8 @@ class PositionerDeadband(Effect):
     """
 
     name = key = "positioner_deadband"
+    # a setting of some positioners, a fault of others
+    kind, declared_as = "either", "dead_band"
     alike = "play"
     block, stage = "actuator", "actuator"
     parameters: tuple = (Quantity("half_width", "1", 0.002, 0.2, (0.01, 0.03), log=True),)
@@ -27,7 +29,8 @@ class PositionerDeadband(Effect):
         return value | {"dead_band": np.full_like(value["dead_band"], p["half_width"])}
 
     def beyond_tolerance(self, p, chain, tolerance, late):
-        return 2.0 * p["half_width"] > tolerance.static_error
+        declared = (1.0 + tolerance.declared) * (chain.valve.dead_band or 0.0)
+        return 2.0 * p["half_width"] > max(tolerance.static_error, declared)
 
 
 class MotorDeadband(PositionerDeadband):
@@ -40,10 +43,12 @@ class MotorDeadband(PositionerDeadband):
     """
 
     key = "positioner_deadband_motor"
+    # no comparator of a motor does without
+    kind = "property"
     motor = True
     parameters = (
         Quantity("half_width", "1", 0.0005, 0.2, (0.005, 0.01, 0.01, 0.02, 0.02, 0.05), log=True),
-        Quantity("reversal", "1", 0.2, 10.0, (1.0, 1.0, 2.5, 1.0, 2.5, 1.0), log=True),
+        Quantity("reversal", "1", 0.2, 10.0, (1.0, 1.0, 2.5, 1.0, 2.5, 1.0), log=True, null=None),
     )
     phrase = (
         "the motor leaves errors of up to {half_width:.2%} of travel uncorrected, "

@@ -17,11 +17,13 @@ class Presliding(Effect):
     """
 
     name = key = "presliding"
+    # every packing gives way a little; one that gives way much is worn or too tight
+    kind = "either"
     alike = "play"
     block, stage = "actuator", "actuator"
     parameters = (
         Quantity("friction", "1", 0.02, 1.5, (0.1, 0.2, 0.3), log=True),
-        Quantity("reach", "1", 0.002, 0.2, (0.01, 0.03, 0.01), log=True),
+        Quantity("reach", "1", 0.002, 0.2, (0.01, 0.03, 0.01), log=True, null=None),
     )
     needs = ("command",)
     source = "Canudas de Wit et al., A new model for control of systems with friction, IEEE TAC 40 (1995)"

@@ -19,7 +19,7 @@ class RodBend(Effect):
     block, stage = "actuator", "actuator"
     parameters = (
         Quantity("friction", "1", 0.02, 2.0, (0.2, 0.5, 0.5), log=True),
-        Quantity("begins", "1", 0.0, 0.95, (0.3, 0.6, 0.1)),
+        Quantity("begins", "1", 0.0, 0.95, (0.3, 0.6, 0.1), null=None),
     )
     needs = ("command",)
     source = "friction in proportion to the side load of a bent beam"
@@ -55,7 +55,7 @@ class RodBendShut(RodBend):
     key = "rod_bend_shut"
     parameters = (
         Quantity("friction", "1", 0.02, 2.0, (0.2, 0.5, 0.5), log=True),
-        Quantity("begins", "1", 0.05, 1.0, (0.7, 0.4, 0.9)),
+        Quantity("begins", "1", 0.05, 1.0, (0.7, 0.4, 0.9), null=None),
     )
     phrase = (
         "the stem is bent (below {begins:.0%} opening friction grows to {friction:.0%} of the spring's range)"

@@ -15,6 +15,7 @@ class SensorLag(Effect):
     """
 
     name = key = "sensor_lag"
+    kind = "property"
     block, stage = "measurement", "flow_meter"
     parameters = (Quantity("lag", "s", 1.0, 600.0, (6.0, 25.0), log=True),)
     needs = ("flow",)

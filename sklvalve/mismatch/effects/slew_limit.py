@@ -5,6 +5,7 @@ import numpy as np
 
 from sklvalve.mismatch.effects._response import slowest
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.electric import knows_air
 from sklvalve.simulation.stages import limited_rate
 
 
@@ -15,10 +16,11 @@ class SlewLimit(Effect):
     """
 
     name = key = "slew_limit"
+    kind, declared_as = "property", "stroke_time"
     block, stage = "actuator", "signal"
     parameters: tuple = (
-        Quantity("speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True),
-        Quantity("closing_ratio", "1", 0.25, 4.0, (1.0,), log=True),
+        Quantity("speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True, null=None),
+        Quantity("closing_ratio", "1", 0.25, 4.0, (1.0,), log=True, null=None),
     )
     needs = ("command",)
     phrase = (
@@ -32,11 +34,19 @@ class SlewLimit(Effect):
         return limited_rate(value, chain.step, p["speed"], p["speed"] * p["closing_ratio"])
 
     def beyond_tolerance(self, p, chain, tolerance, late):
-        # positioner and actuator each may take their response time for a stroke
-        return p["speed"] * min(p["closing_ratio"], 1.0) < 0.5 / slowest(chain, tolerance, late)
+        # positioner and actuator each may take their response time for a stroke, or as long as is declared
+        slow = 0.5 / slowest(chain, tolerance, late)
+        if chain.valve.stroke_time is not None:
+            slow = min(slow, 1.0 / ((1.0 + tolerance.declared) * chain.valve.stroke_time))
+        return p["speed"] * min(p["closing_ratio"], 1.0) < slow
 
     def possible(self, chain):
         return not chain.electric
+
+    def kind_of(self, chain, late):
+        # air that fills a chamber slowly may do so by design, or for a clogged filter
+        kind = super().kind_of(chain, late)
+        return "either" if kind == "property" and knows_air(chain.valve, chain.recording) else kind
 
 
 class MotorSpeed(SlewLimit):
@@ -50,7 +60,7 @@ class MotorSpeed(SlewLimit):
         speed, ratio = self.parameters
         fastest = _usual_speed(chain)
         starts = speed.starts if fastest is None else (float(np.clip(fastest, 0.0011, 0.99)), *speed.starts)
-        return (Quantity("speed", "1/s", speed.low, speed.high, starts, log=True), ratio)
+        return (Quantity("speed", "1/s", speed.low, speed.high, starts, log=True, null=None), ratio)
 
     def apply(self, value, p, chain):
         up = np.full_like(value["up"], p["speed"])

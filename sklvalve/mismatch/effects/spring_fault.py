@@ -18,7 +18,7 @@ class SpringFault(Effect):
     name = key = "spring_fault"
     block, stage = "actuator", "actuator"
     parameters = (
-        Quantity("strength", "1", 0.02, 3.0, (0.6, 1.5, 0.15), log=True),
+        Quantity("strength", "1", 0.02, 3.0, (0.6, 1.5, 0.15), log=True, null=1.0),
         Quantity("hardening", "1", -0.3, 2.0, (0.0,)),
     )
     needs = ("command",)

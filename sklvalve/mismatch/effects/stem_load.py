@@ -17,6 +17,8 @@ class StemLoad(Effect):
     """
 
     name = key = "stem_load"
+    # an unbalanced plug, or an actuator too weak for it
+    kind = "either"
     block, stage = "actuator", "actuator"
     parameters = (Quantity("load", "1", -3.0, 3.0, (0.3, -0.3, 1.0, -1.0)),)
     needs = ("command", "p1", "p2")

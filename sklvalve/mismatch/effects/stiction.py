@@ -22,7 +22,7 @@ class Stiction(Effect):
     block, stage = "actuator", "actuator"
     parameters: tuple = (
         Quantity("static_friction", "1", 0.02, 0.6, (0.06, 0.2), log=True),
-        Quantity("sliding_share", "1", 0.1, 0.95, (0.4,)),
+        Quantity("sliding_share", "1", 0.1, 0.95, (0.4,), null=None),
     )
     needs: tuple = ("command",)
     phrase = "the stem sticks and slips (friction at rest {static_friction:.0%} of the spring's range)"

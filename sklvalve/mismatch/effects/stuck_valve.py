@@ -17,7 +17,7 @@ class StuckValve(Effect):
 
     name = key = "stuck_valve"
     block, stage = "actuator", "stem"
-    parameters = (Quantity("opening", "1", 0.0, 1.0, (0.5, 0.2, 0.8)),)
+    parameters = (Quantity("opening", "1", 0.0, 1.0, (0.5, 0.2, 0.8), null=None),)
     needs = ("command",)
     source = "plain"
     requires = "a command that moves"
@@ -33,7 +33,7 @@ class StuckValve(Effect):
         # what seizes stays so: the last fifth of the record, then where else it stood
         last = np.median(seen[-max(len(seen) // 5, 1) :])
         starts = tuple(float(np.clip(x, 0.0, 1.0)) for x in (last, *np.quantile(seen, (0.5, 0.15, 0.85))))
-        return (Quantity(opening.name, opening.unit, opening.low, opening.high, starts),)
+        return (Quantity(opening.name, opening.unit, opening.low, opening.high, starts, null=None),)
 
     def apply(self, value, p, chain):
         return np.full_like(value, p["opening"])

@@ -19,6 +19,7 @@ class TightShutoff(Effect):
     """
 
     name = key = "tight_shutoff"
+    kind = "property"
     block, stage = "actuator", "signal"
     parameters: tuple = (Quantity("cut_off", "1", 0.003, 0.4, (0.02, 0.06, 0.15), log=True),)
     needs = ("command",)

@@ -51,7 +51,7 @@ class TransducerOutput(TransducerFault):
     key = "transducer_fault_output"
     stage = "actuator"
     family = "air"
-    parameters = (Quantity("share", "1", 0.01, 3.0, (0.3, 0.07, 2.0), log=True),)
+    parameters = (Quantity("share", "1", 0.01, 3.0, (0.3, 0.07, 2.0), log=True, null=1.0),)
     source = "ISO 6358, critical ratio 0.3"
     requires = "an actuator driven by air"
     phrase = "the positioner's transducer gives {share:.0%} of its air"

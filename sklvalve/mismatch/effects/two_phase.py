@@ -23,6 +23,8 @@ class TwoPhase(Effect):
     """
 
     name = key = "two_phase"
+    # another fluid is no fault of a valve, whenever it comes
+    kind = kind_late = "either"
     block, stage = "line", "capacity"
     parameters = (Quantity("gas_share", "1", 0.0, 0.6, (0.03, 0.15)),)
     needs = ("flow", "p1", "p2")

@@ -19,9 +19,11 @@ class ViscosityChange(ViscousFlow):
     """
 
     name = key = "viscosity_change"
+    # another fluid is no fault of a valve, whenever it comes
+    kind = kind_late = "either"
     parameters = (
-        Quantity("viscosity", "m2/s", 5e-7, 5e-2, (1e-5, 2e-4, 2e-3), log=True),
-        Quantity("fall", "1/K", 0.02, 0.15, (0.04,), log=True),
+        Quantity("viscosity", "m2/s", 5e-7, 5e-2, (1e-5, 2e-4, 2e-3), log=True, null=None),
+        Quantity("fall", "1/K", 0.02, 0.15, (0.04,), log=True, null=None),
     )
     needs = ("flow", "p1", "p2", "temperature")
     phrase = "the flow is viscous ({viscosity:.2g} m2/s at 20 degC), the less so by {fall:.1%} a kelvin"

@@ -17,8 +17,9 @@ class ViscousFlow(Effect):
     """
 
     name = key = "viscous_flow"
+    kind = "property"
     block, stage = "valve", "capacity"
-    parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4, 2e-3), log=True),)
+    parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4, 2e-3), log=True, null=None),)
     needs: tuple = ("flow", "p1", "p2")
     # between laminar and turbulent the standard's law is a fit by pieces, with a jump at either end
     mistaken = 0.3

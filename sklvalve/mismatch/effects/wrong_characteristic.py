@@ -16,6 +16,7 @@ class WrongCharacteristic(Effect):
     """
 
     name = key = "wrong_characteristic"
+    kind = "property"
     block, stage = "valve", "capacity"
     parameters = (
         Quantity("slope", "1", -4.0, 4.0, (0.3, -0.3)),

@@ -5,6 +5,15 @@ from sklvalve.mismatch.loop.content import is_loop, loop_content
 from sklvalve.mismatch.loop.diagnose import diagnose_loop
 from sklvalve.mismatch.loop.finding import LoopFinding
 from sklvalve.mismatch.loop.operators import stick_slip
+from sklvalve.mismatch.loop.signals import loop_signals
 from sklvalve.mismatch.loop.traces import loop_traces
 
-__all__ = ["LoopFinding", "diagnose_loop", "is_loop", "loop_content", "loop_traces", "stick_slip"]
+__all__ = [
+    "LoopFinding",
+    "diagnose_loop",
+    "is_loop",
+    "loop_content",
+    "loop_signals",
+    "loop_traces",
+    "stick_slip",
+]

@@ -15,12 +15,12 @@ def is_loop(recording):
     Returns
     -------
     loop : bool
-        True with a command and a set-point or a process value, and neither opening, nor pressures at the
+        True with a command and a flow or another process value, and neither opening, nor pressures at the
         valve, nor a simulation's columns.
     """
     more = {"opening", "p1", "p2", "actuator_pressure", "simulated_flow", "simulated_opening"}
     held = set(recording.signals)
-    loop = "command" in held and ("process_value" in held or {"flow", "setpoint"} <= held)
+    loop = "command" in held and ("process_value" in held or "flow" in held)
     return loop and not held & more
 
 
@@ -39,19 +39,19 @@ def loop_content(finding, recording, *, data=(), random_state=0):
     Returns
     -------
     content : dict
-        Errors in the recording's own unit. There is no black box among them, and no interval of the skill.
+        Errors on rows ahead in time, in the recording's own unit, without an interval of the skill.
     """
     role = "flow" if "flow" in recording else "process_value"
     unit = abs(recording.per_si(role))
-    nominal, corrected = (finding.fit["rmse"][kind] for kind in ("nominal", "corrected"))
+    nominal, corrected, box = (finding.fit["rmse"][k] for k in ("nominal", "corrected", "black_box"))
     named = finding.verdict == "named"
-    if not named:
-        # a stem that sticks was tried, and not taken up
-        corrected = nominal
+    # a stem that sticks was tried; where it is not taken up, or makes rows ahead worse, nothing is corrected
+    corrected = min(nominal, corrected) if named else nominal
     floor = min(finding.fit["noise_floor"], nominal, corrected)
     room = nominal**2 - floor**2
     return {
         "schema": "sklvalve.diagnosis/1",
+        "subject": "loop",
         "verdict": finding.verdict,
         "mismatch": {"detected": named, "p_value": finding.p_value, "alpha": finding.alpha},
         "location": {
@@ -59,23 +59,30 @@ def loop_content(finding, recording, *, data=(), random_state=0):
             "regions": [],
             "onset": None,
             "intervals": [[0.0, float(recording.time[-1] - recording.time[0])]] if named else [],
+            "change": None,
         },
-        "effects": [dict(effect) for effect in finding.effects],
+        "effects": [{"kind": "fault"} | dict(effect) for effect in finding.effects],
         "fit": {
             role: {
                 "unit": recording.unit(role),
                 "held_out_rows": finding.fit["held_out_rows"],
                 "noise_floor": float(floor * unit),
-                "rmse": {"nominal": float(nominal * unit), "corrected": float(corrected * unit)},
+                "rmse": {
+                    "nominal": float(nominal * unit),
+                    "black_box": float(box * unit),
+                    "corrected": float(corrected * unit),
+                },
                 "skill": float((nominal**2 - corrected**2) / room) if room > 0.0 else None,
             }
         },
-        # each quarter foretold from the other three: rows behind those used are not looked at
-        "proof": "four_blocks",
+        "proof": "forward",
         "not_testable": [{"name": name, "needs": needs} for name, needs in _not_testable(recording)],
         "next_test": _next_test(finding),
         "data": list(data),
         "reasons": list(finding.reasons),
+        "sampling": dict(finding.sampling),
+        "oscillation": dict(finding.oscillation),
+        "methods": [dict(method) for method in finding.methods],
         "provenance": {
             "sklvalve": sklvalve.__version__,
             "recording_sha256": recording.sha256,

@@ -25,8 +25,8 @@ class LoopFinding:
         Band of the likeliest stem, as a share of the command's movement; below 0.2 on the grid it is no
         finding.
     effects : tuple of dict
-        As `effects` in diagnosis.json: members with probabilities, parameters with intervals, a sentence,
-        what would separate the members.
+        As `effects` in diagnosis.json: members, a `grade` in place of probabilities, parameters with
+        intervals, a sentence, what would separate the members.
     fit : dict
         Held-out errors of the value (SI): `held_out_rows`, `rmse` of `nominal` and `corrected`, and
         `noise_floor`, what no row foresees.
@@ -34,7 +34,13 @@ class LoopFinding:
         `time`, `stem`, `nominal`, `corrected`; values as recorded (SI), free runs from the command but for a
         constant level in each quarter of the recording.
     reasons : tuple of str
-        Plain sentences: what the verdict rests on.
+        Plain sentences: what the verdict rests on, and how the rows were used.
+    sampling : dict
+        `recorded`, `used` [s], `averaged_rows`, `stretches` and the `stretch` that the figures are of [s].
+    oscillation : dict
+        Period [s] and regularity of the loop's swing; empty where it was not looked for.
+    methods : tuple of dict
+        What published methods say: `method`, `statistic`, `limit`, `says`, `source`.
     """
 
     verdict: str
@@ -46,6 +52,9 @@ class LoopFinding:
     fit: dict = field(default_factory=dict)
     predictions: dict[str, np.ndarray] = field(default_factory=dict)
     reasons: tuple[str, ...] = ()
+    sampling: dict = field(default_factory=dict)
+    oscillation: dict = field(default_factory=dict)
+    methods: tuple[dict, ...] = ()
 
     def to_dict(self):
         """Plain dict without the predictions, as it may stand in diagnosis.json."""

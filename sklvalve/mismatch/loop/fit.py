@@ -4,12 +4,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 from scipy.signal import lfilter
 
-from sklvalve.mismatch.loop.noise import FILTERS, autoregression, rhythm, whiten, whitened_level
+from sklvalve.mismatch.loop.noise import FILTERS, autoregression, rhythms, whiten, whitened_level
+from sklvalve.mismatch.loop.search import left_over, nonnegative
 
-_REFINED = 8  # stems whose noise is fitted in full
+_REFINED = 6  # stems whose noise is fitted in full
 _ROUNDS = 3
 
 
@@ -66,59 +66,117 @@ def simple_fits(columns, value, used, sense):
         Log likelihood without any response.
     """
     count = int(used.sum())
-    likelihoods = np.full(len(columns), -np.inf)
-    noises: list[tuple[float, float]] = [FILTERS[0]] * len(columns)
-    silent = -np.inf
-    for noise in FILTERS:
-        new, level = whiten(value, *noise)[used], whitened_level(len(value), *noise)[used]
-        # nothing of a level is left where the first row does not count
-        level = level / (np.linalg.norm(level) or 1.0)
-        new = new - level * (level @ new)
-        silent = max(silent, -0.5 * count * np.log(new @ new / count))
-        answers = whiten(columns, *noise)[..., used]
-        answers -= (answers @ level)[..., None] * level
-        for place, rows in enumerate(answers):
-            scale = np.sqrt((rows**2).sum(axis=1).max()) or 1.0
-            _, norm = nnls(sense * rows.T / scale, new)
-            likelihood = -0.5 * count * np.log(norm**2 / count)
-            if likelihood > likelihoods[place]:
-                likelihoods[place], noises[place] = likelihood, noise
-    return likelihoods, noises, silent
+    left, free = left_over(
+        np.ascontiguousarray(columns), np.asarray(value, float), used, np.array(FILTERS), float(sense)
+    )
+    best = np.argmin(left, axis=1)
+    likelihoods = -0.5 * count * np.log(left[np.arange(len(left)), best] / count)
+    silent = float(-0.5 * count * np.log(free.min() / count))
+    return likelihoods, [FILTERS[place] for place in best], silent
 
 
-def fit_stems(columns, value, used, sense):
-    """Log likelihood of each stem under the simpler noise, and full fits of the command and the best stem.
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """The command itself and the stems, each with the noise that suits it best.
+
+    Parameters
+    ----------
+    likelihoods : ndarray of shape (m,)
+        Of each stem under the simpler noise, beside the oscillation from outside where there is one.
+    silent : float
+        Without any response.
+    command, stem, small : LoopFit
+        Of the command itself, of the best stem whose band matters, and of the best with a smaller one.
+    waves : ndarray of shape (w, n) or None
+        The oscillation from outside that the command's own model wants.
+    """
+
+    likelihoods: np.ndarray
+    silent: float
+    command: LoopFit
+    stem: LoopFit
+    small: LoopFit
+    waves: np.ndarray | None
+
+
+def fit_stems(columns, value, used, sense, eligible):
+    """Fits of the command and of the best stem, without and with an oscillation from outside.
+
+    An oscillation from outside may stand beside the command *and* beside a stem that sticks: else the stem
+    would be preferred for what the valve has no part in, or a regular disturbance would hide it.
 
     Parameters
     ----------
     columns, value, used, sense
         As in `simple_fits`; the first stem is the command.
+    eligible : (ndarray of bool, ndarray of bool), each of shape (m,)
+        Stems that may be chosen: those with a band that matters, and those with a smaller one.
 
     Returns
     -------
-    likelihoods, silent
-        As of `simple_fits`.
-    command, stem : LoopFit
-        The fit of the command itself, and of the best other stem.
+    compared : Compared
     """
-    likelihoods, noises, silent = simple_fits(columns, value, used, sense)
-    best = 1 + np.argsort(-likelihoods[1:], kind="stable")[:_REFINED]
-    stem = max(
-        (refined(columns, place, value, used, sense, noises[place]) for place in best),
-        key=lambda fit: fit.log_likelihood,
+    plain = _compared(columns, value, used, sense, eligible, None)
+    noises = {plain.command.noise, plain.stem.noise}
+    tried = rhythms(value)
+    fits = [
+        max(
+            (refined(columns, 0, value, used, sense, noise, waves) for noise in noises),
+            key=lambda fit: fit.log_likelihood,
+        )
+        for waves in tried
+    ]
+    best = int(np.argmax([fit.log_likelihood for fit in fits]))
+    if fits[best].log_likelihood <= plain.command.log_likelihood:
+        return plain
+    beside = _compared(columns, value, used, sense, eligible, tried[best])
+    command = max(fits[best], beside.command, key=lambda fit: fit.log_likelihood)
+    stem = max(plain.stem, beside.stem, key=lambda fit: fit.log_likelihood)
+    small = max(plain.small, beside.small, key=lambda fit: fit.log_likelihood)
+    return Compared(beside.likelihoods, beside.silent, command, stem, small, tried[best])
+
+
+def _compared(columns, value, used, sense, eligible, waves):
+    # waves of single frequencies pass every filter as themselves, so that they can be taken out before it
+    likelihoods, noises, silent = simple_fits(
+        without(columns, waves, used), without(value, waves, used), used, sense
     )
-    # the command may have any noise that served the stem, and an oscillation from outside beside it: else
-    # the stem would be preferred for what the valve has no part in
-    waves = rhythm(value)
+    order = np.argsort(-likelihoods, kind="stable")
+    stem, small = (
+        max(
+            (
+                refined(columns, place, value, used, sense, noises[place], waves)
+                for place in order[chosen[order]][:most]
+            ),
+            key=lambda fit: fit.log_likelihood,
+        )
+        for chosen, most in zip(eligible, (_REFINED, _REFINED // 2), strict=True)
+    )
     command = max(
-        (
-            refined(columns, 0, value, used, sense, noise, extra)
-            for noise in {noises[0], stem.noise}
-            for extra in (None, waves)
-        ),
+        (refined(columns, 0, value, used, sense, noise, waves) for noise in {noises[0], stem.noise}),
         key=lambda fit: fit.log_likelihood,
     )
-    return likelihoods, silent, command, stem
+    return Compared(likelihoods, silent, command, stem, small, waves)
+
+
+def without(values, waves, used):
+    """Values along the last axis without what waves (and a level) explain of them.
+
+    Parameters
+    ----------
+    values : ndarray of shape (..., n)
+    waves : ndarray of shape (w, n) or None
+    used : ndarray of bool, shape (n,)
+
+    Returns
+    -------
+    left : ndarray of shape (..., n)
+    """
+    if waves is None:
+        return values
+    basis = np.concatenate([np.ones((1, waves.shape[1])), waves])
+    found = np.linalg.pinv(basis[:, used].T) @ np.moveaxis(values[..., used], -1, 0).reshape(used.sum(), -1)
+    return values - (found.T @ basis).reshape(values.shape)
 
 
 def mixture_of(columns, value, rows, sense, noise):
@@ -150,8 +208,11 @@ def _solve(answers, new, free, rows, sense):
     answered = answers[:, rows] - (answers[:, rows] @ basis) @ basis.T
     aim = new[rows] - basis @ (basis.T @ new[rows])
     scale = np.sqrt((answered**2).sum(axis=1).max()) or 1.0
-    weights, _ = nnls(sense * answered.T / scale, aim)
-    mixture = sense * weights / scale
+    sizes = np.sqrt((answered**2).sum(axis=1))
+    sizes = np.where(sizes > 1e-9 * scale, sizes, scale)
+    reduced = sense * answered / sizes[:, None]
+    weights, _ = nonnegative(reduced @ reduced.T, reduced @ aim)
+    mixture = sense * weights / sizes
     left = new - mixture @ answers
     return mixture, left - np.linalg.lstsq(free[:, rows].T, left[rows], rcond=None)[0] @ free
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE, OF_STROKES, distance
-from sklvalve.mismatch.loop.fit import LoopFit, refined, simple_fits
-from sklvalve.mismatch.loop.operators import JUMPS, placed, size_grid, stick_ahead, stick_glide
+from sklvalve.mismatch.loop.fit import LoopFit, refined, simple_fits, without
+from sklvalve.mismatch.loop.operators import JUMPS, moved, size_grid, stick_ahead, stick_glide
 from sklvalve.mismatch.loop.process import responses
 
 _LEAST_JUMP = 0.2  # of the band; a smaller one is play
@@ -67,7 +67,7 @@ _FAMILIES = (
 )
 
 
-def kind_of_sticking(loop, foreseen, sense, command):
+def kind_of_sticking(loop, foreseen, sense, command, waves=None):
     """Play or a jump, where the one is told from the other.
 
     A jump is told from play from a distance of 14 on, as anywhere in this package (`distance`), of the best
@@ -85,12 +85,14 @@ def kind_of_sticking(loop, foreseen, sense, command):
         Sign of the response.
     command : LoopFit
         The fit of the command itself.
+    waves : ndarray of shape (w, n), optional
+        An oscillation from outside beside the stem.
 
     Returns
     -------
     kind : Kind
     """
-    found = [_searched(family, loop, foreseen, sense) for family in _FAMILIES]
+    found = [_searched(family, loop, foreseen, sense, waves) for family in _FAMILIES]
     best = max(found, key=lambda one: one.fit.log_likelihood)
     gain = best.fit.log_likelihood - command.log_likelihood
     weights: dict[str, float] = {}
@@ -129,25 +131,27 @@ class _Searched:
     fit: LoopFit
 
 
-def _searched(family, loop, foreseen, sense):
-    tried = _tried(family, size_grid(loop.span, family.jumps), loop, foreseen, sense)
+def _searched(family, loop, foreseen, sense, waves):
+    tried = _tried(family, size_grid(loop.span, family.jumps), loop, foreseen, sense, waves)
     for factor, step in _ROUNDS:
         stick, jump, side = tried[0][np.argmax(tried[1])]
         jumps = np.clip([jump - step, jump, jump + step], _LEAST_JUMP, 1.0) if jump > 0.0 else [0.0]
         near = [(s, j, side) for s in stick * np.geomspace(1 / factor, factor, 7) for j in np.unique(jumps)]
-        finer = _tried(family, np.array(near), loop, foreseen, sense)
+        finer = _tried(family, np.array(near), loop, foreseen, sense, waves)
         tried = tuple(np.concatenate(pair) for pair in zip(tried, finer, strict=True))
     sizes, likelihoods, noises, stems, columns = tried
     most = np.argsort(-likelihoods, kind="stable")[:_FITTED]
     fit = max(
-        (refined(columns, k, loop.value, loop.used, sense, tuple(noises[k])) for k in most),
+        (refined(columns, k, loop.value, loop.used, sense, tuple(noises[k]), waves) for k in most),
         key=lambda one: one.log_likelihood,
     )
     return _Searched(family.name, sizes, likelihoods, stems, columns, fit)
 
 
-def _tried(family, sizes, loop, foreseen, sense):
-    stem, ahead = family.law(loop.command, *placed(loop.command, sizes), foreseen)
+def _tried(family, sizes, loop, foreseen, sense, waves):
+    stem, ahead = moved(family.law, loop, sizes, foreseen)
     columns = responses(stem, ahead, not loop.is_flow)
-    likelihoods, noises, _ = simple_fits(columns, loop.value, loop.used, sense)
+    likelihoods, noises, _ = simple_fits(
+        without(columns, waves, loop.used), without(loop.value, waves, loop.used), loop.used, sense
+    )
     return sizes, likelihoods, np.array(noises), stem, columns

@@ -14,8 +14,9 @@ FILTERS = tuple(
     if keep == 1.0 or follow <= keep
 )
 _ORDERS = (0, 2, 4, 8, 14)
-_HARMONICS = (1, 2, 3)
-_WIDTH = 1  # neighbouring frequencies on either side: an oscillation's amplitude and phase may drift
+#: Harmonics and width of the oscillations from outside that are tried, a regular one and one that drifts.
+RHYTHMS = ((1, 1), (3, 1), (5, 2), (3, 4))
+_SWINGS = 8  # for each of its width: a band as wide as its own frequency is no rhythm but any slow course
 
 
 def whiten(values, keep, follow):
@@ -56,19 +57,23 @@ def autoregression(residual):
     """
     most = min(_ORDERS[-1], len(residual) // 10)
     before, now = lagged(residual, most)[most:], residual[most:]
-    best, best_score = np.zeros(0), len(now) * np.log(np.mean(now**2))
+    products, aims, power = before.T @ before, before.T @ now, now @ now
+    # as small as rounding: a residual that repeats itself exactly
+    products[np.diag_indices(most)] += 1e-12 * np.trace(products) / most
+    best, best_score = np.zeros(0), len(now) * np.log(power)
     for order in _ORDERS[1:]:
         if order > most:
             break
-        found = np.linalg.lstsq(before[:, :order], now, rcond=None)[0]
-        score = len(now) * np.log(np.mean((now - before[:, :order] @ found) ** 2)) + 2 * order
+        found = np.linalg.solve(products[:order, :order], aims[:order])
+        left = max(power - found @ aims[:order], 1e-12 * power)
+        score = len(now) * np.log(left) + 2 * order
         if score < best_score:
             best, best_score = found, score
     return best
 
 
-def rhythm(value):
-    """Waves that may come from outside: at the strongest frequency, beside it, and at its harmonics.
+def rhythms(value):
+    """Oscillations that may come from outside: at the strongest frequency, beside it, and at its harmonics.
 
     Parameters
     ----------
@@ -76,14 +81,20 @@ def rhythm(value):
 
     Returns
     -------
-    waves : ndarray of shape (k, n)
+    waves : list of ndarray of shape (k, n)
+        The wider ones only where the swings are many.
     """
     n = len(value)
     time = np.arange(n) / n
-    rest = value - np.polyval(np.polyfit(time, value, 2), time)
-    power = np.abs(np.fft.rfft(rest * np.hanning(n))) ** 2
+    swings = value - np.polyval(np.polyfit(time, value, 2), time)
+    power = np.abs(np.fft.rfft(swings * np.hanning(n))) ** 2
     power[:3] = 0.0
     peak = int(np.argmax(power))
-    turns = [h * peak + i for h in _HARMONICS for i in range(-_WIDTH, _WIDTH + 1) if h * peak + i < n // 2]
-    angle = 2.0 * np.pi * np.outer(turns, time)
-    return np.concatenate([np.cos(angle), np.sin(angle)])
+    out = []
+    for harmonics, width in RHYTHMS:
+        if width > 1 and peak < _SWINGS * width:
+            continue
+        turns = {h * peak + i for h in range(1, harmonics + 1) for i in range(-width, width + 1)}
+        angle = 2.0 * np.pi * np.outer(sorted(turn for turn in turns if 0 < turn < n // 2), time)
+        out.append(np.concatenate([np.cos(angle), np.sin(angle)]))
+    return out

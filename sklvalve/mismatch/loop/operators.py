@@ -7,7 +7,7 @@ import numba as nb
 import numpy as np
 
 #: Shares of the command's span tried for the band in which a turning command moves nothing.
-SHARES = np.geomspace(0.05, 1.25, 14)
+SHARES = np.geomspace(0.05, 1.0, 13)
 #: Shares of the band tried for the jump that ends it; none of it is play.
 JUMPS = (0.0, 0.3, 0.7, 1.0)
 
@@ -145,9 +145,13 @@ def stick_ahead(command, stick, slip, start, foreseen):
     """
     stem = stick_slip(command, stick, slip, start)
     before = np.hstack([start[:, None], stem[:, :-1]])
+    return stem, _one_ahead(before, stick, slip, foreseen)
+
+
+def _one_ahead(before, stick, slip, foreseen):
     band, rest = 0.5 * (stick + slip)[:, None], 0.5 * (stick - slip)[:, None]
     gap = foreseen - before
-    return stem, np.where(gap > band, foreseen - rest, np.where(gap < -band, foreseen + rest, before))
+    return np.where(gap > band, foreseen - rest, np.where(gap < -band, foreseen + rest, before))
 
 
 def size_grid(span, jumps=JUMPS):
@@ -197,23 +201,81 @@ class Candidates:
     ahead: np.ndarray
 
 
-def candidates(command, foreseen, span):
-    """Stems of all sizes, each from up to three places in its band at the beginning.
+def moved(law, loop, sizes, foreseen):
+    """Positions of a stem that sticks, in the rows of a loop, by a law of friction.
 
-    Where the stem stood before the first row is not recorded: behind a command that rose, behind one that
-    fell, or level with it.
+    The stem answers the command of every recorded row; a row of the loop is the mean of some of them.
 
     Parameters
     ----------
-    command, foreseen : ndarray of shape (n,)
-        Command, and what the rows before foresee of it [fraction of travel].
-    span : float
-        Span of the command [fraction of travel].
+    law : callable
+        `stick_ahead` or `stick_glide`.
+    loop : LoopSignals
+    sizes : ndarray of shape (m, 3)
+        As `size_grid` has them.
+    foreseen : ndarray of shape (n,)
+        Command at the end of each row, as the rows before foresee it [fraction of travel].
+
+    Returns
+    -------
+    stem, ahead : ndarray of shape (m, n)
+        Position, and as foreseen from the rows before [fraction of travel].
+    """
+    stick, slip, start = placed(loop.whole, sizes)
+    if loop.every == 1:
+        return law(loop.command, stick, slip, start, foreseen)
+    stem, _ = law(loop.whole, stick, slip, start, loop.whole)
+    ends = stem[:, loop.every - 1 :: loop.every]
+    before = np.hstack([start[:, None], ends[:, :-1]])
+    return loop.means(stem), 0.5 * (before + _one_ahead(before, stick, slip, foreseen))
+
+
+@nb.njit(cache=True)
+def reversals(command, size):
+    """How often a command turns and then goes at least a given way back.
+
+    Parameters
+    ----------
+    command : ndarray of shape (n,)
+    size : float
+
+    Returns
+    -------
+    count : int
+    """
+    count, way, high, low = 0, 0, command[0], command[0]
+    for now in command:
+        high, low = max(high, now), min(low, now)
+        if way >= 0 and now < high - size:
+            count += way > 0
+            way, low = -1, now
+        elif way <= 0 and now > low + size:
+            count += way < 0
+            way, high = 1, now
+    return count
+
+
+def candidates(loop, foreseen):
+    """Stems of all sizes, each from up to three places in its band at the beginning.
+
+    Both forms of friction are tried, `stick_slip` and `stick_glide`: a stem that moves goes in jumps, or with
+    the command until it turns. Where the stem stood before the first row is not recorded: behind a command
+    that rose, behind one that fell, or level with it.
+
+    Parameters
+    ----------
+    loop : LoopSignals
+    foreseen : ndarray of shape (n,)
+        Command at the end of each row, as the rows before foresee it [fraction of travel].
 
     Returns
     -------
     tried : Candidates
     """
-    stick, slip, start = placed(command, np.vstack([np.zeros(3), size_grid(span)]))
-    stem, ahead = stick_ahead(command, stick, slip, start, foreseen)
-    return Candidates(stick, slip, stem, ahead)
+    sizes = np.vstack([np.zeros(3), size_grid(loop.span)])
+    gliding = size_grid(loop.span, JUMPS[1:])
+    # where a gliding stem begins is forgotten at the first turn
+    gliding = gliding[gliding[:, 2] == 0.0]
+    stems = moved(stick_ahead, loop, sizes, foreseen), moved(stick_glide, loop, gliding, foreseen)
+    stick, slip, _ = placed(loop.whole, np.vstack([sizes, gliding]))
+    return Candidates(stick, slip, *(np.vstack(pair) for pair in zip(*stems, strict=True)))

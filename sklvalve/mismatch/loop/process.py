@@ -60,44 +60,68 @@ def sense_of_process(command, value, setpoint=None):
     -------
     sense : int
         1 where the controller raises the command when the value is too low, else -1.
+    share : float
+        Of the variance of the command's moves that a controller explains; 0 without an integral action.
     """
     error = (value.mean() if setpoint is None else setpoint) - value
     design = np.column_stack([np.diff(error), error[1:], np.ones(len(error) - 1)])
-    gain = np.linalg.lstsq(design, np.diff(command), rcond=None)[0][0]
-    return 1 if gain >= 0.0 else -1
+    moves = np.diff(command)
+    weights = np.linalg.lstsq(design, moves, rcond=None)[0]
+    left = moves - design @ weights
+    share = 1.0 - np.var(left) / (np.var(moves) or 1.0)
+    # a value that follows the command at once explains its moves as well, but has no integral
+    spread = np.sqrt(np.var(left) * np.linalg.pinv(design.T @ design)[1, 1])
+    if weights[1] * np.sign(weights[0]) <= _INTEGRAL * spread:
+        share = 0.0
+    return (1 if weights[0] >= 0.0 else -1), float(share)
 
 
-def responses(stem, ahead, integrates):
+_INTEGRAL = 3.0  # standard errors of the integral action, below which there may be no controller
+#: Dead times [rows] and time constants [rows] of the responses. Rows are thinned to some 30 a period, so they
+#: span from at once to longer than a period whatever the sampling.
+_DEAD = (2, 4, 8)
+_FAST = (1.5, 4.0, 10.0, 25.0)
+_SLOW = (60.0, 150.0)
+#: Of the responses, how many are quick: at once, late, behind a dead time, with the first three lags.
+QUICK = 2 + len(_DEAD) + 3
+_SUMMED = (0.0, 4.0, 25.0)
+
+
+def responses(stem, ahead, any_kind):
     """Responses that a process may be made of, all of one sign.
 
-    A positive mixture of them is any process whose step response does not turn back: flow follows the stem
-    at once, after a row or two, or with time constants up to 20 rows; anything else answers within 100 rows
-    or integrates, behind further lags.
+    A positive mixture of them is any process whose step response does not turn back: a flow follows the stem
+    at once, after a dead time, or with a time constant up to the period of the loop; a value of unknown kind
+    may also answer more slowly, or integrate, behind further lags.
 
     Parameters
     ----------
     stem, ahead : ndarray of shape (..., n)
         Position [fraction of travel], and as foreseen from the rows before.
-    integrates : bool
+    any_kind : bool
         Whether a slow or integrating process may stand between the stem and the value.
 
     Returns
     -------
     columns : ndarray of shape (..., k, n)
     """
-    level = stem[..., :1] if not integrates else stem.mean(axis=-1, keepdims=True)
-    late = np.concatenate([stem[..., :1], stem[..., :-1]], axis=-1) - level
+    level = stem.mean(axis=-1, keepdims=True) if any_kind else stem[..., :1]
 
-    def lag(keep):
-        return lfilter([1.0 - keep], [1.0, -keep], late, axis=-1)
+    def dead(rows):
+        return np.concatenate([np.repeat(stem[..., :1], rows, axis=-1), stem[..., :-rows]], axis=-1) - level
 
-    if integrates:
+    def lag(values, rows):
+        keep = np.exp(-1.0 / rows) if rows else 0.0
+        # at rest at the first value, not at zero
+        begin = keep * values[..., :1]
+        return lfilter([1.0 - keep], [1.0, -keep], values, axis=-1, zi=begin)[0]
+
+    late = dead(1)
+    columns = [ahead - level, late, *map(dead, _DEAD), *(lag(late, rows) for rows in _FAST)]
+    if any_kind:
+        columns += [lag(late, rows) for rows in _SLOW]
         # the divisor only brings the columns to one size
-        sums = [0.02 * np.cumsum(column, axis=-1) for column in (late, lag(0.7), lag(0.9), lag(0.97))]
-        columns = [late, lag(0.7), lag(0.95), lag(0.99), *sums]
-    else:
-        later = np.concatenate([late[..., :1], late[..., :-1]], axis=-1)
-        columns = [ahead - level, late, later, lag(0.6), lag(0.85), lag(0.95)]
+        columns += [0.02 * np.cumsum(lag(late, rows), axis=-1) for rows in _SUMMED]
     return np.stack(columns, axis=-2)
 
 

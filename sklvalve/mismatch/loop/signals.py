@@ -1,31 +1,34 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Signals of a loop that can be diagnosed, or the one sentence that says why not."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sklvalve.mismatch.loop.pace import thinning
+from sklvalve.mismatch.loop.process import sense_of_process
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.runs import runs
 
 _FEWEST = 100
-_MOST = 2500  # more rows than this are thinned: the search would take too long
-_STEP = 10.0  # s; a valve that follows a loop needs no finer rows
+_STRETCH = 2000  # rows of a stretch; of a longer record some are taken apart, since plants change
+_STRETCHES = 3
 _HELD = 6  # rows in which nothing recorded changes are a historian's hold, not the plant
+_SURE = 0.9  # share of the command's moves that a controller explains, from which on its sign is known
 _AT_LIMIT = 0.2
 _NEAR_ZERO = 0.02
 
 
 @dataclass(frozen=True, eq=False)
 class LoopSignals:
-    """Command, value and set-point of a loop, row by row.
+    """Command, value and set-point of a loop, row by row; a row is the mean of `every` recorded ones.
 
     Parameters
     ----------
     time : ndarray of shape (n,)
         [s]
     command : ndarray of shape (n,)
-        [fraction of travel]
+        At the end of each row [fraction of travel].
     value : ndarray of shape (n,)
         Flow, or the process value [as recorded, SI].
     setpoint : ndarray of shape (n,) or None
@@ -35,6 +38,16 @@ class LoopSignals:
         Whether the value is the flow through the valve.
     span : float
         Span of the command between its 1 % and 99 % quantiles [fraction of travel].
+    whole : ndarray of shape (n * every,)
+        Command in every recorded row: a stem answers each of them.
+    every : int
+        Recorded rows in one of these.
+    step : float
+        Time from row to row [s].
+    period : float
+        Of the strongest swing [s]; infinite without one.
+    senses : tuple of int
+        Signs that the response to the command may have: one where the controller tells it, else both.
     """
 
     time: np.ndarray
@@ -44,6 +57,51 @@ class LoopSignals:
     used: np.ndarray
     is_flow: bool
     span: float
+    whole: np.ndarray
+    every: int
+    step: float
+    period: float
+    senses: tuple[int, ...]
+
+    def means(self, values):
+        """Means over each row of what is known in every recorded row, along the last axis."""
+        return row_means(values, self.every)
+
+    def stretches(self):
+        """The record itself, or of a long one up to three stretches, evenly spread."""
+        n = len(self.command)
+        if n <= 1.25 * _STRETCH:
+            return [self]
+        count = min(_STRETCHES, max(2, n // _STRETCH))
+        begins = np.linspace(0, n - _STRETCH, count).astype(int)
+        cut = [slice(begin, begin + _STRETCH) for begin in begins]
+        return [self._slice(rows) for rows in cut if self.used[rows].sum() >= _FEWEST]
+
+    def _slice(self, rows):
+        every = slice(rows.start * self.every, rows.stop * self.every)
+        whole = self.whole[every]
+        return replace(
+            self,
+            time=self.time[rows],
+            command=self.command[rows],
+            value=self.value[rows],
+            setpoint=None if self.setpoint is None else self.setpoint[rows],
+            used=self.used[rows],
+            span=max(_span(whole), 1e-9),
+            whole=whole,
+        )
+
+
+def row_means(values, every):
+    """Means of `every` values, along the last axis; what is over at the end is left out."""
+    if every == 1:
+        return values
+    n = values.shape[-1] // every
+    return values[..., : n * every].reshape(*values.shape[:-1], n, every).mean(axis=-1)
+
+
+def _span(command):
+    return float(np.ptp(np.quantile(command, [0.01, 0.99])))
 
 
 def loop_signals(recording):
@@ -71,26 +129,57 @@ def loop_signals(recording):
                 f"{recording.source}: a loop needs the roles command and flow (or process_value), and there "
                 f"is no {needed}; name its column"
             )
-    every = max(1, round(_STEP / recording.sample_time), -(-len(recording) // _MOST))
-    command, gaps = _filled(recording["command"][::every])
-    value, missing = _filled(recording[role][::every])
+    whole, gaps = _filled(recording["command"])
+    value, missing = _filled(recording[role])
+    _require_command(recording.source, whole)
     setpoint = recording.get("setpoint")
     if setpoint is not None:
-        setpoint = _filled(setpoint[::every])[0]
-    _require_command(recording.source, command)
-    _require_value(recording.source, role, value, setpoint, command)
-    used = ~(gaps | missing | _held(command, value))
+        setpoint = _filled(setpoint)[0]
+    _require_value(recording.source, role, value, setpoint, whole)
+    span = _span(whole)
+    if span <= 0.0:
+        raise InputError(
+            f"{recording.source}: the command is at rest in 98 % of the rows; give a time in which it moves"
+        )
+    every, period = thinning(whole, value)
+    n = len(whole) // every
+    ends = slice(every - 1, n * every, every)
+    command = whole[ends]
+    used = (row_means((gaps | missing).astype(float), every) < 0.5) & ~_held(command, value[ends])
     if used.sum() < _FEWEST:
         raise InputError(
             f"{recording.source}: only {used.sum()} rows hold a fresh command and {role}; give at least "
             f"{_FEWEST} rows, exported as they were sampled"
         )
-    span = float(np.ptp(np.quantile(command, [0.01, 0.99])))
-    if span <= 0.0:
-        raise InputError(
-            f"{recording.source}: the command is at rest in 98 % of the rows; give a time in which it moves"
-        )
-    return LoopSignals(recording.time[::every], command, value, setpoint, used, role == "flow", span)
+    return LoopSignals(
+        row_means(recording.time, every),
+        command,
+        row_means(value, every),
+        None if setpoint is None else row_means(setpoint, every),
+        used,
+        role == "flow",
+        span,
+        whole[: n * every],
+        every,
+        recording.sample_time * every,
+        period * recording.sample_time,
+        _senses(whole, value, setpoint, role == "flow"),
+    )
+
+
+def _senses(command, value, setpoint, is_flow):
+    """Signs of the response that are tried.
+
+    Of 197 drawn loops without a set-point the controller's sign was right in 99 % of those where it explains
+    nine tenths of the command's moves, and in 81 % of the others; with the set-point in 97 % of all. A larger
+    opening gives more flow, unless the controller shows that the command is of the other sense.
+    """
+    sense, share = sense_of_process(command, value, setpoint)
+    if share >= _SURE:
+        return (sense,)
+    if is_flow:
+        return (1,)
+    return (sense,) if setpoint is not None and np.ptp(setpoint) > 0.0 else (1, -1)
 
 
 def _filled(values):
@@ -114,8 +203,8 @@ def _held(command, value):
 def _require_command(source, command):
     if command.min() < -0.1 or command.max() > 1.1:
         raise InputError(
-            f"{source}: the command runs from {command.min():.3g} to {command.max():.3g} of the travel; "
-            "correct its unit, or leave the recording out if it is no valve's command"
+            f"{source}: the command runs from {command.min():.1%} to {command.max():.1%} of the travel, and "
+            "a valve's command stays between 0 and 100 %; correct its unit, or name the column of the command"
         )
     share = max(np.mean(command <= 0.001), np.mean(command >= 0.999))
     if share > _AT_LIMIT:

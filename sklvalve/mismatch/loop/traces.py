@@ -27,8 +27,12 @@ def loop_traces(finding, whole, used):
         # a stem that sticks was tried in any case, and is shown where it was taken up
         values = finding.predictions.get(kind if named else "nominal")
         if values is not None:
-            known = np.interp(whole.time, finding.predictions["time"], values)
+            seen = finding.predictions["time"]
+            known = np.interp(whole.time, seen, values)
             known[used:] = np.nan
+            if len(finding.sampling.get("stretches", ())) > 1:
+                # of a long record one stretch was simulated
+                known[(whole.time < seen[0]) | (whole.time > seen[-1])] = np.nan
             made[kind] = known
     flagged = np.zeros(len(whole), dtype=bool)
     if named and len(made) == 2:

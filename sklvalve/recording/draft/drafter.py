@@ -143,6 +143,15 @@ def _write_valve(sheet: Sheet, roles: Mapping[str, Assignment], answers: Answers
         else:
             sheet.open(key, example, what, fill=f"data sheet; {needed}" if needed else "")
     _write_fluid(sheet, answers)
+    _write_actuator(sheet)
+
+
+def _write_actuator(sheet: Sheet) -> None:
+    sheet.section("actuator", "what moves the stem; what is declared is no mismatch")
+    sheet.open("kind", "electric", "or pneumatic, hydraulic, unknown")
+    sheet.open("stroke_time", 60.0, "s, over the whole travel")
+    sheet.open("dead_time", 1.0, "s, from the command to the first movement")
+    sheet.open("dead_band", 0.5, "% of travel that the command may change without the stem following")
 
 
 def _write_fluid(sheet: Sheet, answers: Answers) -> None:

@@ -39,8 +39,8 @@ class ExplanationDisplay(Display):
 
     Parameters
     ----------
-    classes : sequence of sequence of (str, float)
-        For each thing found the effects that may be it, with their probabilities.
+    classes : sequence of sequence of (str, float or None)
+        For each thing found the effects that may be it, with their probabilities; None where not known.
     next_test : str, default=""
         What to do to tell them apart.
     pairs : sequence of Pair, default=()
@@ -62,7 +62,10 @@ class ExplanationDisplay(Display):
     """
 
     def __init__(
-        self, classes: Sequence[Sequence[tuple[str, float]]], next_test: str = "", pairs: Sequence[Pair] = ()
+        self,
+        classes: Sequence[Sequence[tuple[str, float | None]]],
+        next_test: str = "",
+        pairs: Sequence[Pair] = (),
     ) -> None:
         self.classes = [list(members) for members in classes]
         self.next_test = next_test
@@ -127,7 +130,7 @@ class ExplanationDisplay(Display):
             here = [begin + k for k in range(len(members))]
             shares = [share for _, share in members]
             ax.barh(here, [1.0] * len(here), height=0.6, color=faint(), alpha=0.5)
-            bars = ax.barh(here, shares, height=0.6, color=COLOURS["corrected"])
+            bars = ax.barh(here, [share or 0.0 for share in shares], height=0.6, color=COLOURS["corrected"])
             ax.bar_label(bars, [chance(share) for share in shares], padding=4)
             places += here
             names += [name for name, _ in members]
@@ -171,5 +174,5 @@ def _strip(told: str) -> float:
     return 1.3 * lines * rcParams["font.size"] / 72.0
 
 
-def _members(item: Explanation) -> list[tuple[str, float]]:
+def _members(item: Explanation) -> list[tuple[str, float | None]]:
     return [(name, share) for name, share, _ in item.members]

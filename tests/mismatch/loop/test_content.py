@@ -42,7 +42,7 @@ def test_a_named_loop_is_a_diagnosis_in_the_recordings_own_unit():
     assert content["fit"]["flow"]["rmse"]["corrected"] == pytest.approx(
         3600.0 * found.fit["rmse"]["corrected"], rel=1e-9
     )
-    assert content["proof"] == "four_blocks"
+    assert content["proof"] == "forward"
     assert "clogging" in {entry["name"] for entry in content["not_testable"]}
 
 

@@ -7,9 +7,9 @@ import pytest
 from sklvalve.mismatch.loop.evidence import p_value
 
 
-@pytest.mark.parametrize("is_flow", [True, False])
-def test_more_evidence_is_never_a_larger_p_value(is_flow):
-    values = [p_value(evidence, is_flow) for evidence in np.linspace(-50.0, 100.0, 301)]
+@pytest.mark.parametrize("fast", [True, False])
+def test_more_evidence_is_never_a_larger_p_value(fast):
+    values = [p_value(evidence, fast) for evidence in np.linspace(-50.0, 100.0, 301)]
     assert (np.diff(values) <= 0.0).all()
     assert values[0] == pytest.approx(1.0)
     assert values[-1] == pytest.approx(1e-4)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The stem's law, against play computed another way, and by its properties."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -8,6 +10,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from sklvalve.mismatch.loop.operators import candidates, stick_ahead, stick_glide, stick_slip
+from sklvalve.mismatch.loop.signals import loop_signals
+from sklvalve.recording import Recording
 
 
 def _walk(seed, n=300):
@@ -54,7 +58,12 @@ def test_a_jump_larger_than_the_band_is_refused():
 
 def test_the_first_candidate_is_the_command_and_foreseeing_it_well_foresees_the_stems():
     command = _walk(1)
-    tried = candidates(command, command, 0.5)
+    value = np.linspace(1.0, 2.0, len(command))
+    frame = {"time": np.arange(len(command)), "command": 0.5 + 0.1 * command, "flow": value}
+    loop = replace(
+        loop_signals(Recording.from_frame(frame)), command=command, whole=command, every=1, span=0.5
+    )
+    tried = candidates(loop, command)
     assert tried.stick[0] == 0.0
     assert_allclose(tried.stem[0], command)
     assert_allclose(tried.ahead, tried.stem, rtol=0, atol=1e-12)

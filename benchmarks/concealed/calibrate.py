@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fit how often names hold, by what a diagnosis knows of them, to the sealed runs; print the numbers.
+
+    python -m benchmarks.concealed.calibrate                      numbers of sklvalve/mismatch/borne_out.py
+    python -m benchmarks.concealed.calibrate --without seventh    fitted without a run, and tried on it
+
+A logistic regression with a ridge: the log odds of the leading name, the rarity of the mismatch, whether the
+class stands beside a stronger one, whether the values are coarse, whether the effect may vanish. Classes of
+recordings without the opening or a pressure get an offset and a slope of their own.
+"""
+
+import argparse
+import copy
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import minimize
+
+from benchmarks.concealed.report.history import RESULTS, runs_of
+from benchmarks.concealed.report.reliability import few_signals, reliability_report
+from benchmarks.concealed.scoring.lines import entries_of, names_of, true_names
+from sklvalve.mismatch.borne_out import SEALED, Numbers
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS
+from sklvalve.mismatch.probability import (
+    Grounds,
+    is_coarse,
+    log_odds_of_name,
+    probability_of,
+    shares_of,
+    vanishing,
+)
+
+# of the ridge: a prior of the coefficients with this standard deviation, and of the slope about one
+_SPREAD, _SPREAD_OF_SLOPE = 1.0, 0.5
+_TEMPERS = np.arange(0.3, 1.01, 0.05)
+
+
+class Told(NamedTuple):
+    """A class that was reported, what it was reported on, and whether it holds the truth."""
+
+    run: str
+    grounds: Grounds
+    shares: tuple
+    true: tuple
+
+    @property
+    def right(self):
+        """Whether any of its names is true."""
+        return any(self.true)
+
+
+def told_of(runs):
+    """Classes of runs as `history.runs_of` gives them."""
+    return [
+        Told(
+            run["run"],
+            grounds_of(line, entry, k > 0),
+            _at_hand(entry),
+            tuple(name in true_names(line) for name in names_of(entry)),
+        )
+        for run in runs
+        for line in run["lines"]
+        for k, entry in enumerate(entries_of(line))
+    ]
+
+
+def grounds_of(line, entry, beside):
+    """`Grounds` of an entry of a line of scores."""
+    name, parameters = entry["members"][0]["name"], entry["parameters"]
+    forms = [
+        e
+        for e in (*CATALOGUE, *EVENTS)
+        if e.name == name and {q.name for q in e.parameters} == set(parameters)
+    ]
+    return Grounds(
+        name,
+        line["found"]["mismatch"]["p_value"],
+        beside=beside,
+        coarse=is_coarse(line["found"].get("data") or []),
+        may_vanish=bool(forms) and bool(vanishing(forms[0], parameters)),
+        few_signals=few_signals(line),
+    )
+
+
+def held_by_name(told):
+    """Leading name -> (classes that hold the truth, classes)."""
+    held: dict = {}
+    for each in told:
+        right, many = held.get(each.grounds.leading, (0, 0))
+        held[each.grounds.leading] = right + each.right, many + 1
+    return dict(sorted(held.items()))
+
+
+def fitted_to(told):
+    """Numbers fitted to classes."""
+    held = held_by_name(told)
+    rows = np.array([[1.0, _others_say(each, held), *each.grounds.columns] for each in told])
+    right = np.array([each.right for each in told], dtype=float)
+    few = np.array([each.grounds.few_signals for each in told])
+    of_all = _logistic(rows[~few], right[~few], np.array([0.0, 1.0, *[0.0] * (rows.shape[1] - 2)]), _SPREAD)
+    odds = np.stack([np.ones(few.sum()), rows[few] @ of_all], axis=1)
+    of_few = _logistic(odds, right[few], np.array([0.0, 1.0]), _SPREAD_OF_SLOPE)
+    several = [each for each in told if each.right and len(each.shares) > 1]
+    numbers = Numbers(of_all[0], of_all[1], tuple(of_all[2:]), tuple(of_few), 1.0, held)
+    return min(
+        (replace(numbers, temper=float(power)) for power in _TEMPERS),
+        key=lambda tried: _misfit_of_shares(several, tried),
+    )
+
+
+def _others_say(each, held):
+    """Log odds of its name by the other classes: a class must not vote for itself."""
+    right, many = held[each.grounds.leading]
+    others = held | {each.grounds.leading: (right - each.right, many - 1)}
+    return log_odds_of_name(each.grounds.leading, others)
+
+
+def _logistic(rows, right, about, spread):
+    """Coefficients of least log loss; the first, the intercept, is free, others have a prior."""
+
+    def loss(values):
+        odds, off = rows @ values, (values - about)[1:] / spread
+        return np.sum(np.logaddexp(0.0, odds) - right * odds) + 0.5 * off @ off
+
+    return minimize(loss, about).x
+
+
+def _misfit_of_shares(several, numbers):
+    total = 0.0
+    for each in several:
+        shares = np.clip(shares_of(each.shares, numbers), 1e-6, 1.0 - 1e-6)
+        total -= float(np.sum(np.where(each.true, np.log(shares), np.log1p(-shares))))
+    return total
+
+
+def reported_anew(line, numbers):
+    """A line of scores with the probabilities that numbers give it."""
+    made = copy.deepcopy(line)
+    for k, entry in enumerate(entries_of(made)):
+        whole = probability_of(grounds_of(line, entry, k > 0), numbers)
+        shares = shares_of(_at_hand(entry), numbers)
+        entry["probability"] = round(whole, 4)
+        for member, share in zip(entry["members"], shares, strict=True):
+            member["probability"] = round(float(whole * share), 4)
+    return made
+
+
+def _at_hand(entry):
+    """Probabilities of the members among the explanations at hand, which lines with a grade have tempered."""
+    reported = np.array([m["probability"] or 0.0 for m in entry["members"]])
+    return tuple(reported ** (1.0 / SEALED.temper) if "grade" in entry else reported)
+
+
+def as_code(numbers):
+    """The numbers as `borne_out` has them."""
+    each = ", ".join(f"{c:.3f}" for c in numbers.of_grounds)
+    lines = [
+        "SEALED = Numbers(",
+        f"    intercept={numbers.intercept:.3f},",
+        f"    of_name={numbers.of_name:.3f},",
+        f"    of_grounds=({each}),",
+        f"    few_signals=({numbers.few_signals[0]:.3f}, {numbers.few_signals[1]:.3f}),",
+        f"    temper={numbers.temper:.2f},",
+        "    held={",
+        *(f'        "{name}": ({right}, {many}),' for name, (right, many) in numbers.held.items()),
+        "    },",
+        ")",
+    ]
+    return "\n".join(lines)
+
+
+def main(arguments=None):
+    """Print the numbers; returns the exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.concealed.calibrate", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("results", type=Path, nargs="?", default=RESULTS, help="folder with runs.csv")
+    parser.add_argument("--without", metavar="RUN", help="leave a run out, and try the numbers on it")
+    options = parser.parse_args(arguments)
+    try:
+        runs = runs_of(options.results)
+    except (OSError, ValueError) as error:
+        parser.error(str(error))
+    if options.without is not None and options.without not in [run["run"] for run in runs]:
+        parser.error(f"--without takes one of {', '.join(run['run'] for run in runs)}")
+    numbers = fitted_to(told_of([run for run in runs if run["run"] != options.without]))
+    print(as_code(numbers))
+    for run in runs:
+        if run["run"] == options.without:
+            print(reliability_report([reported_anew(line, numbers) for line in run["lines"]]), sep="\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

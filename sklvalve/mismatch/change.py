@@ -1,0 +1,299 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""When a recording stopped being what its simulation makes of it: the date of a change that needs no name.
+
+What a simulation leaves over of a signal is regressed on all that a simulation gets wrong of a valve that
+stays as it is: its trim, its lags, its lost motion, its pressure, a steady drift. A change is what this
+leaves and a step at one time explains: of the level, or of the level and of how far the signal follows its
+simulation. All of it is whitened by a noise that is learnt from what is left when the change is taken away,
+or a wander would take it up.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.stats import chi2
+
+from sklvalve.mismatch.noise_of_pieces import noise_of
+from sklvalve.simulation.calibration import drop_is_unknown
+
+# rows at either end of a recording, or of one that was joined, of which nothing is said
+_FEWEST = 20
+# times tried first, and those around the best one that are tried row by row
+_PLACES, _NEAR = 240, 1.5
+# share of a recording before which no change is looked for: what was there before is not known well enough
+_FIRST = 0.08
+# cells of the simulated signal within which rows before and after are equal
+_CELLS = 25
+# independent times among those tried: for the largest of so many statistics its chance is taken
+_INDEPENDENT = 60.0
+# knots of the curve over the simulated signal, and lags [rows] of what answers late
+_KNOTS, _LAGS = 6, (2, 8, 32, 128)
+# what a simulation gets wrong gains so many times more than chance: with it 1 of 104 healthy channels of two
+# drawn plants (40 recordings with opening and flow, 24 of a slow motor) has a p-value of 0.01 or less
+_MODEL = 2.5
+# deviations from which on a row counts less
+_ROBUST = 3.0
+# log likelihood that a response besides a level must gain
+_ONE_MORE = 6.0
+# share of the rows that a posterior of change times holds to either side of its interval
+_TAIL = 0.025
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of one signal.
+
+    Attributes
+    ----------
+    channel : str
+    row : int
+        First row of the changed signal.
+    within : (int, int)
+        Rows that hold it with 95 %.
+    size : float
+        What it adds to the signal from then on, at equal simulated values [SI].
+    response : float
+        Change of the slope of recorded over simulated signal; -1 where it does not follow any more [1].
+    p_value : float
+        Chance of as clear a change, at any time, where there is none.
+    spread : float
+        How many times more than by chance steps at other times gain; the p-value allows for it.
+    """
+
+    channel: str
+    row: int
+    within: tuple
+    size: float
+    response: float
+    p_value: float
+    spread: float = 1.0
+
+
+def find_change(workbench, model):
+    """The clearest change that a simulation leaves over, of all its channels.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        Calibrated; what is looked for is what it leaves over.
+
+    Returns
+    -------
+    change : Change or None
+        None where no time could be tried. Whether it counts is the caller's matter.
+    """
+    # what an unrecorded drop does to a flow is no change of the valve
+    unseen = ("flow",) if drop_is_unknown(workbench.recording) else ()
+    found = [change_in(workbench, model, c) for c in workbench.channels if c not in unseen]
+    found = [each for each in found if each is not None]
+    if not found:
+        return None
+    best = min(found, key=lambda each: each.p_value)
+    return replace(best, p_value=min(len(workbench.channels) * best.p_value, 1.0))
+
+
+def change_in(workbench, model, channel):
+    """The clearest change of one channel; None where it has too few rows."""
+    left = workbench.residuals(model)[channel]
+    shown, n = model.predictions[channel], len(workbench.recording)
+    if np.isfinite(left).sum() < 8 * _FEWEST:
+        return None
+    steady = _steady_columns(workbench, model, channel)
+    settings = workbench.noise_settings(channel)
+    about = shown - np.nanmean(shown)
+    about = np.nan_to_num(about) / max(float(np.nanstd(about)), 1e-12)
+    places = _places(workbench.recording.spans, n)
+    places = np.array([k for k in places if size_of(left, shown, k) is not None], dtype=int)
+    if not len(places):
+        return None
+    rest, search = left, None
+    for cautious in (True, False, False):
+        noise = noise_of(
+            workbench.recording, rest, shown, model.chain.step, channel, cautious=cautious, **settings
+        )
+        search = _Search(noise, left, steady, about)
+        row, gain, response_too = search.best(places)
+        made, rest = search.split(row, response_too)
+    spread = search.inflation(places)
+    freedom = 2 if response_too else 1
+    p_value = min(_INDEPENDENT * float(chi2.sf(gain / spread, freedom)), 1.0)
+    within = search.interval(row, response_too, spread)
+    size = size_of(left, shown, row)
+    if size is None or (not response_too and size * np.mean(made[row:]) <= 0.0):
+        return None
+    slope = search.response / max(float(np.nanstd(shown)), 1e-12) if response_too else 0.0
+    return Change(channel, row, within, size, slope, max(p_value, 1e-12), spread)
+
+
+def size_of(left, shown, row):
+    """Median by which a signal differs after a row from before, at equal simulated values [SI].
+
+    None where most of what comes after has no equal before: that is another place, and no other time.
+    """
+    seen, after = np.isfinite(left), np.arange(len(left)) >= row
+    edges = np.linspace(np.nanmin(shown), np.nanmax(shown) + 1e-12, _CELLS + 1)
+    cell = np.clip(np.searchsorted(edges, shown, side="right") - 1, 0, _CELLS - 1)
+    differences, weights = [], []
+    for k in np.unique(cell[seen & after]):
+        old, new = left[seen & ~after & (cell == k)], left[seen & after & (cell == k)]
+        if len(old) >= _FEWEST:
+            differences.append(np.median(new) - np.median(old))
+            weights.append(len(new))
+    if not weights or sum(weights) < 0.5 * np.sum(seen & after):
+        return None
+    return float(np.average(differences, weights=weights))
+
+
+def _places(spans, n):
+    """Rows at which a change is tried first; not where one recording was joined to the next."""
+    found = [
+        np.linspace(
+            low + max(_FEWEST, _FIRST * (high - low)), high - _FEWEST, max(int(_PLACES * (high - low) / n), 4)
+        )
+        for low, high in spans
+        if high - low > 4 * _FEWEST
+    ]
+    # the last rows of a recording tell of a change by their number: they are tried densely
+    low, high = spans[-1]
+    if high - low > 4 * _FEWEST:
+        found.append(np.linspace(high - 0.04 * (high - low), high - _FEWEST, 40))
+    rows = np.concatenate(found).astype(int) if found else np.empty(0, dtype=int)
+    return np.unique(rows[rows >= _FEWEST])
+
+
+def _steady_columns(workbench, model, channel):
+    """What a simulation gets wrong of a valve that stays as it is, as columns over the rows."""
+    recording, n = workbench.recording, len(workbench.recording)
+    shown = _filled(model.predictions[channel])
+    columns = [np.linspace(-1.0, 1.0, n)]
+    for low, high in recording.spans:
+        columns.append(((np.arange(n) >= low) & (np.arange(n) < high)).astype(float))
+    for driver in _drivers(recording, channel, shown):
+        columns.append(driver)
+        knots = np.quantile(driver, np.linspace(0.0, 1.0, _KNOTS + 2)[1:-1])
+        columns += [np.maximum(driver - k, 0.0) for k in np.unique(knots)]
+    for lag in _LAGS:
+        late = np.concatenate([np.full(min(lag, n), shown[0]), shown[: max(n - lag, 0)]])
+        columns.append(shown - late)
+    columns.append(_last_way(shown))
+    for role in ("p1", "p2", "temperature", "supply_pressure"):
+        if role in recording and role not in workbench.channels:
+            columns.append(_filled(recording[role]))
+    made = [c - (c.mean() if np.ptp(c) > 0.0 else 0.0) for c in columns]
+    scaled = [c / max(float(np.std(c)), 1e-30) if np.std(c) > 0.0 else c for c in made]
+    return np.stack([c for c in scaled if np.any(c)], axis=1)
+
+
+def _drivers(recording, channel, shown):
+    """Signals over which a simulation of a channel may be bent."""
+    role = "opening" if channel == "flow" and "opening" in recording else "command"
+    return [shown, *([_filled(recording[role])] if role in recording else [])]
+
+
+def _filled(values):
+    seen = np.isfinite(values)
+    return np.interp(np.arange(len(values)), np.flatnonzero(seen), values[seen])
+
+
+def _last_way(shown):
+    """Which way a signal went last, beyond a hundredth of its range: lost motion leaves that over."""
+    least, held, way = 0.01 * np.ptp(shown), shown[0], 0.0
+    found = np.zeros(len(shown))
+    for k, value in enumerate(shown):
+        if abs(value - held) > least:
+            way, held = float(np.sign(value - held)), value
+        found[k] = way
+    return found
+
+
+class _Search:
+    """Generalised least squares of a residual on its steady columns, and one step more at any row."""
+
+    def __init__(self, noise, left, steady, about):
+        self.noise, self.left, self.steady, self.about = noise, left, steady, about
+        self.response = 0.0
+        white = noise.whiten(left)
+        columns = np.stack([noise.whiten(c) for c in steady.T], axis=1)
+        self.weights = np.ones(len(left))
+        for _ in range(2):
+            self._project(white, columns)
+            off = np.abs(self.white) / np.sqrt(self.weights)
+            self.weights = 1.0 / np.sqrt(1.0 + (off / _ROBUST) ** 2)
+        self._raw = white, columns
+        self._project(white, columns)
+
+    def _project(self, white, columns):
+        root = np.sqrt(self.weights)
+        self.basis = np.linalg.qr(columns * root[:, None])[0]
+        self.white = self._beside(white)
+
+    def _beside(self, white):
+        weighed = white * np.sqrt(self.weights)
+        return weighed - self.basis @ (self.basis.T @ weighed)
+
+    def _steps(self, row):
+        after = np.arange(len(self.left)) >= row
+        level = self._beside(self.noise.whiten(after.astype(float)))
+        follows = self._beside(self.noise.whiten(np.where(after, self.about, 0.0)))
+        return level, follows
+
+    def gains(self, row, white=None):
+        """Twice the log likelihood that a step of the level gains, and one of the response besides."""
+        white = self.white if white is None else white
+        level, follows = self._steps(row)
+        size = float(level @ level)
+        if size < 1e-9:
+            return 0.0, 0.0
+        first = float(level @ white) ** 2 / size
+        follows = follows - level * (float(level @ follows) / size)
+        more = float(follows @ follows)
+        return first, first + (float(follows @ white) ** 2 / more if more > 1e-6 else 0.0)
+
+    def best(self, places):
+        """The likeliest row, twice its log likelihood, and whether the response changes as well."""
+        scores = np.array([self.gains(k) for k in places])
+        worth = np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _ONE_MORE)
+        top = int(np.argmax(worth))
+        low, high = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
+        near = np.unique(np.linspace(low, high, min(high - low + 1, 160)).astype(int))
+        scores = np.array([self.gains(k) for k in near])
+        worth = np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _ONE_MORE)
+        top = int(np.argmax(worth))
+        both = scores[top, 1] - 2.0 * _ONE_MORE > scores[top, 0]
+        return int(near[top]), float(scores[top, int(both)]), bool(both)
+
+    def split(self, row, response_too):
+        """What the change makes of the signal, and what is left over without it and the steady columns."""
+        white, columns = self._raw
+        root = np.sqrt(self.weights)[:, None]
+        after = (np.arange(len(self.left)) >= row).astype(float)
+        steps = [after, after * self.about] if response_too else [after]
+        every = np.column_stack([columns, *(self.noise.whiten(s) for s in steps)])
+        found = np.linalg.lstsq(every * root, white * root[:, 0], rcond=1e-10)[0]
+        many = columns.shape[1]
+        made = sum(size * s for size, s in zip(found[many:], steps, strict=True))
+        self.response = float(found[-1]) if response_too else 0.0
+        self.white_left = self._beside(self.noise.whiten(self.left - made))
+        return made, self.left - self.steady @ found[:many] - made
+
+    def inflation(self, places):
+        """How many times chance the steps at other times gain when the best is gone, at least as usual."""
+        gained = [self.gains(k, self.white_left)[0] for k in places[:: max(len(places) // 80, 1)]]
+        return _MODEL * max(1.0, float(np.mean(gained)))
+
+    def interval(self, row, response_too, spread):
+        """Rows between which the change lies with 95 %, of a posterior over rows around the likeliest."""
+        n, reach = len(self.left), 8
+        while True:
+            near = np.unique(np.linspace(max(row - reach, 1), min(row + reach, n - 5), 121).astype(int))
+            near = np.unique(np.append(near, row))
+            gains = np.array([self.gains(k)[int(response_too)] for k in near])
+            weights = np.exp(0.5 * (gains - gains.max()) / spread) * np.gradient(near.astype(float))
+            mass = np.cumsum(weights) / weights.sum()
+            ends = np.interp([_TAIL, 1.0 - _TAIL], mass, near)
+            inside = (near[0] + 2 < ends[0] or near[0] <= 1) and (ends[1] < near[-1] - 2 or near[-1] >= n - 5)
+            if inside or reach > n:
+                low, high = int(np.floor(min(ends[0], row))), int(np.ceil(max(ends[1], row)))
+                return low, high
+            reach *= 4

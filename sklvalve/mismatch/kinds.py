@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fault or property: what a class of explanations is to the person who maintains the valve."""
+
+from sklvalve.mismatch.verdict import class_of
+
+
+def kinds_of_members(finding):
+    """Kind of each member of a class, by its name."""
+    members = class_of(finding).items()
+    return {name: who.effect.kind_of(fit.chain, who.onset is not None) for name, (_, who, fit) in members}
+
+
+def kind_of_class(finding):
+    """What the members of a class are: "fault", "property", or "either" where they differ or leave it open.
+
+    Parameters
+    ----------
+    finding : Finding
+
+    Returns
+    -------
+    kind : str
+    """
+    kinds = set(kinds_of_members(finding).values())
+    return kinds.pop() if len(kinds) == 1 else "either"
+
+
+def with_kinds(entry, finding):
+    """An entry of ``effects`` with its kind, and that of each of its members."""
+    kinds = kinds_of_members(finding)
+    members = [member | {"kind": kinds[member["name"]]} for member in entry["members"]]
+    return entry | {"members": members, "kind": kind_of_class(finding)}

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What happens in the last rows of a recording: the search is done on those before, the event on its own.
+
+An effect that acts in one row of fifty is an outlier to a robust fit, and to a noise model a wander. The rows
+before it tell how the valve works and how its signals scatter. Held against that the last rows are judged by
+themselves: whether the stem seized, the passage was blocked, the meter failed, or what else began then.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sklvalve.mismatch.change import find_change
+from sklvalve.mismatch.effects import CATALOGUE, LATE
+from sklvalve.mismatch.hypothesis import is_in, worth
+from sklvalve.mismatch.matters import may_be_instead
+from sklvalve.mismatch.noise import NoiseModel
+from sklvalve.mismatch.prove import correction_holds_out, folded
+from sklvalve.mismatch.rivals import Finding, weighed
+from sklvalve.mismatch.screening import screened
+from sklvalve.mismatch.stretches import with_every_row
+from sklvalve.mismatch.verdict import CLEAR_OF_OTHERS, class_of
+
+# from this share of a recording on a change is taken for an event of its end: what begins before is found by
+# the search itself, whose onsets end at 0.96
+_LATE = 0.94
+# a change counts from so many times what an effect must be, and ends what a valve did from so many
+COUNTS, _ENDS = 2.0, 4.0
+# share of the level of a diagnosis that this look at a recording has, beside what the others have
+_OF_ALPHA = 0.1
+# of the candidates screened so many are fitted, besides those that end what a valve does
+_FITTED, _STEPS = 4, 8
+# an event has settled where its signal is this near to what it ends at, share of its size
+_SETTLED = 0.15
+# and behind so many of the meter's lags
+_LAGS = 4.0
+# an event is named where so much of what the last rows leave over (rms) is gone with it
+_EXPLAINS = 0.5
+
+
+def late_event(workbench, model, alpha):
+    """A change in the last rows of a recording; None where nothing clear changes there.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    model : Model
+        Calibrated to all rows, or to those before.
+    alpha : float
+        Level of a diagnosis.
+
+    Returns
+    -------
+    event : Change or None
+    """
+    if len(workbench.recording.spans) > 1:
+        return None
+    found = find_change(workbench, model)
+    if found is None or found.row < _LATE * len(workbench.recording):
+        return None
+    return found if stands_out(workbench, found, alpha, _ENDS) else None
+
+
+def stands_out(workbench, change, alpha, counts=COUNTS):
+    """Whether a change is rare enough, and large enough to count."""
+    least = counts * workbench.least(change.channel) * workbench.spans[change.channel]
+    return change.p_value <= _OF_ALPHA * alpha and abs(change.size) >= least
+
+
+def before(recording, event):
+    """The same recording with opening and flow blank from an event on."""
+    late = np.arange(len(recording)) >= event.within[0]
+    signals = {
+        role: np.where(late, np.nan, values) if role in ("opening", "flow") else values
+        for role, values in recording.signals.items()
+    }
+    return replace(recording, signals=signals)
+
+
+def with_late_event(workbench, bench, judged, event, effects, alpha):
+    """A judgement on the rows before an event, with the event.
+
+    Parameters
+    ----------
+    workbench : Workbench
+        Of the whole recording, with the same trim.
+    bench, judged : Workbench, Judgement
+        Of the rows before.
+    event : Change
+        As the calibrated simulation tells it.
+    effects : sequence of Effect
+        Candidates of the search.
+    alpha : float
+        Level of the diagnosis.
+
+    Returns
+    -------
+    judged : Judgement or None
+        Of the whole recording; named where the event is, else cannot_tell where nothing was found before.
+        None where what was found before makes up for the event.
+    """
+    workbench.use_noise({c: _throughout(bench.noise[c], event.within[0]) for c in workbench.channels})
+    workbench.sound_values = bench.sound_values
+    nominal = workbench.simulate((), judged.nominal.values)
+    model = workbench.simulate(judged.model.members, judged.model.values)
+    # of a simulation with all that was found before an event has its date and its size
+    told = late_event(workbench, model, alpha)
+    if told is None:
+        return None
+    event = told
+    settled = _settled(workbench, model, event)
+    others = [with_every_row(workbench, f) for f in judged.findings]
+    p_value = min(judged.p_value, event.p_value)
+    noise = workbench.noise
+    workbench.use_noise({c: _without(noise[c], event.within[0], settled) for c in workbench.channels})
+    finding = _named(workbench, model, event, settled, effects)
+    workbench.use_noise(noise)
+    judged = replace(judged, p_value=p_value, nominal=nominal, change=event, event=event, findings=others)
+    if finding is None:
+        verdict = "cannot_tell" if judged.verdict == "no_mismatch" else judged.verdict
+        judged = replace(judged, verdict=verdict, model=model if others else nominal)
+    else:
+        model = workbench.least_squares(finding.rivals[0].model)
+        judged = replace(judged, verdict="named", model=model, findings=[finding, *others])
+    if judged.unknown is None:
+        return replace(judged, tried=None)
+    tried = folded(workbench, judged.model, judged.unknown)
+    kept, told = correction_holds_out(workbench, tried, judged.unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=told)
+
+
+def _throughout(noise, row):
+    """Noise of the rows before an event for those behind it as well, which were gaps to it."""
+    known = noise.white[:row]
+    usual = float(np.median(known[np.isfinite(known)]))
+    white = np.where((np.arange(len(noise.white)) >= row) & ~np.isfinite(noise.white), usual, noise.white)
+    return _of(noise, white)
+
+
+def _without(noise, low, high):
+    """The same noise with some rows as gaps."""
+    rows = np.arange(len(noise.white))
+    return _of(noise, np.where((rows >= low) & (rows < high), np.inf, noise.white))
+
+
+def _of(noise, white):
+    slow = noise.slow_time, noise.slow_size, noise.sensor
+    return NoiseModel(white, noise.step, noise.fast_time, noise.fast_size, *slow)
+
+
+def _settled(workbench, model, event):
+    """First row in which an event has come about: how it does so no effect knows, and nothing hangs on it."""
+    left = workbench.residuals(model)[event.channel][event.row :]
+    end = np.nanmedian(left[len(left) // 2 :])
+    near = np.flatnonzero(np.abs(left - end) <= _SETTLED * abs(event.size))
+    # what comes about behind the meter's lag shows behind it, and a lag may stand for a slow stem
+    lag = _LAGS * model.values.get("meter_lag", 0.0) / workbench.recording.sample_time
+    most = len(left) // 3
+    first = int(near[0]) if len(near) else most
+    return event.row + min(max(first, int(np.ceil(lag))), most)
+
+
+def _named(workbench, model, event, settled, effects):
+    """The finding of what explains the last rows; None where nothing that was tried does."""
+    onset = float(model.chain.clock[event.row])
+    stuck = [e for e in CATALOGUE if e.key == "stuck_valve" and e.possible(model.chain)]
+    ends = [e for e in (*stuck, *LATE) if event.channel in workbench.channels_touched(e)]
+    began = [e for e in effects if e.may_begin and not e.grows and e.key not in {s.key for s in ends}]
+    began = [e for e in began if event.channel in workbench.channels_touched(e)]
+    usable = [e for e in (*ends, *began) if not is_in(e, model.members)]
+    base = workbench.judged(model)
+    rough = screened(workbench, base, usable, onset=onset)
+    own = {e.key for e in ends}
+    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.members[-1].effect.key in own]
+    fits = [workbench.fit(m.members, start=m, max_steps=_STEPS) for m in chosen]
+    without = workbench.fit(model.members, start=model, max_steps=_STEPS)
+    places = [
+        (m.members[-1], m)
+        for m in fits
+        if m.members[-1].effect.key in own or may_be_instead(workbench, m, without)
+    ]
+    if not places:
+        return None
+    places = _no_coincidence(workbench, places, own, event.channel, settled)
+    rivals = weighed(workbench, places, without)
+    best = rivals[0].model
+    finding = Finding(
+        rivals[0].member, rivals, best.log_likelihood - without.log_likelihood, workbench.change(best, base)
+    )
+    sure = sum(p for p, _, _ in class_of(finding).values()) >= CLEAR_OF_OTHERS
+    left = [_left(workbench, m, event.channel, settled) for m in (best, base)]
+    counts = worth(workbench, best) > worth(workbench, without)
+    return finding if sure and counts and left[0] <= _EXPLAINS * left[1] else None
+
+
+def _no_coincidence(workbench, places, own, channel, first):
+    """Places where a flow ends at zero: what ends it explains that, any other size meets it by chance.
+
+    By a chance of twice what counts: no more than one in a hundred, so that such explanations are left out.
+    """
+    ends_at = np.nanmedian(workbench.recording[channel][first:])
+    if channel != "flow" or abs(ends_at) > workbench.least(channel) * workbench.spans[channel]:
+        return places
+    return [place for place in places if place[0].effect.key in own] or places
+
+
+def _left(workbench, model, channel, first):
+    """Rms of what a hypothesis leaves over from a row on [SI]."""
+    rest = workbench.residuals(model)[channel][first:]
+    return float(np.sqrt(np.nanmean(rest**2)))

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Published methods for sticking valves, from a loop's command and value alone."""
+
+from sklvalve.mismatch.loop.methods.area import area
+from sklvalve.mismatch.loop.methods.cross_correlation import cross_correlation
+from sklvalve.mismatch.loop.methods.curve_shape import curve_shape
+from sklvalve.mismatch.loop.methods.ellipse import ellipse
+from sklvalve.mismatch.loop.methods.hammerstein import hammerstein
+from sklvalve.mismatch.loop.methods.relay import relay
+from sklvalve.mismatch.loop.methods.result import MethodResult
+from sklvalve.mismatch.loop.oscillation import filled, find_oscillation
+
+__all__ = [
+    "MethodResult",
+    "area",
+    "cross_correlation",
+    "curve_shape",
+    "ellipse",
+    "hammerstein",
+    "published_methods",
+    "relay",
+]
+
+
+def published_methods(command, value, sample_time, *, oscillation=None, setpoint=None, is_flow=None):
+    """Let every published method look at a loop.
+
+    Parameters
+    ----------
+    command, value : array-like of shape (n,)
+        As recorded, any unit; rows that are not finite are interpolated.
+    sample_time : float
+        Between rows [s].
+    oscillation : Oscillation, optional
+        As `find_oscillation` gives it; found here unless given.
+    setpoint : array-like of shape (n,), optional
+        Of the value's unit.
+    is_flow : bool or None, default=None
+        Whether the value is the flow through the valve (a self-regulating process); False: the process may
+        integrate.
+
+    Returns
+    -------
+    results : list of MethodResult
+        One of each method, in the order of their years.
+    """
+    command, value = filled(command), filled(value)
+    setpoint = None if setpoint is None else filled(setpoint)
+    if oscillation is None:
+        oscillation = find_oscillation(command, value, sample_time, setpoint)
+    return [
+        cross_correlation(command, value, oscillation, is_flow=is_flow),
+        relay(command, value, oscillation, setpoint=setpoint),
+        area(command, value, oscillation, setpoint=setpoint, is_flow=is_flow),
+        ellipse(command, value, oscillation, setpoint=setpoint),
+        curve_shape(command, value, oscillation, is_flow=is_flow),
+        hammerstein(command, value, oscillation),
+    ]

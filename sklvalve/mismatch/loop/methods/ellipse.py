@@ -1,0 +1,172 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Bicoherence of the error, and an ellipse around the filtered command and value (Choudhury et al.)."""
+
+import numpy as np
+from scipy.fft import irfft, rfft
+from scipy.linalg import eig
+from scipy.signal.windows import hann
+
+from sklvalve.mismatch.loop.methods.cycles import low_passed, without_drift
+from sklvalve.mismatch.loop.methods.result import (
+    NOT_APPLICABLE,
+    SOUND,
+    STICTION,
+    UNDECIDED,
+    MethodResult,
+    why_not_applicable,
+)
+from sklvalve.mismatch.loop.oscillation import without_trend
+
+METHOD = "bicoherence and ellipse"
+SOURCE = "Choudhury, Shah, Thornhill and Shook 2006, doi 10.1016/j.conengprac.2005.10.003"
+NGI_LIMIT, NLI_LIMIT = 0.001, 0.01  # published
+_SEGMENT = 32  # rows of a segment: three periods
+# rows of a period after resampling: five harmonics below half the rate, and segments that begin at all phases
+# of the wave (half a segment is 1.54 periods), else a pure sine's leakage looks coupled
+_ROWS = 10.4
+_FEWEST_ROWS = 6.0
+_FEWEST_SEGMENTS = 12  # fewer, and no squared bicoherence below 1 is significant
+_BAND = (0.5, 3.4)  # of the oscillation's frequency, kept of command and value for the ellipse
+_LEVEL = 0.01  # of any squared bicoherence in the plane; a segment overlapped by half counts as a whole one
+_LEAST = 1e-3  # of its mean, of the spectra that a bicoherence is divided by
+
+
+def ellipse(command, value, oscillation, *, setpoint=None):
+    r"""Test the error for a nonlinearity, and measure how wide command against value is.
+
+    .. math::
+        bic^2(f_1, f_2) = \frac{|E[X(f_1) X(f_2) X^*(f_1 + f_2)]|^2}
+        {E[|X(f_1) X(f_2)|^2]\; E[|X(f_1 + f_2)|^2]}
+
+    The non-Gaussianity index NGI is the mean of the significant squared bicoherences less their limit for
+    Gaussian noise (1 % for any of the plane), or the greatest less that limit if none is. The nonlinearity
+    index NLI is the greatest less mean and two standard deviations of all but the largest tenth. A loop with
+    NGI > 0.001 and NLI > 0.01 is nonlinear. An ellipse is then fitted to value against command, both filtered
+    to the frequencies that take part; its width along the command through the centre is the apparent
+    stiction, for half axes m and n and an inclination alpha:
+
+    .. math:: 2 m n / \sqrt{m^2 \sin^2\alpha + n^2 \cos^2\alpha}
+
+    Valid for a loop whose valve is its only nonlinearity. The bicoherence sees quadratic coupling only: an
+    oscillation whose two halves are alike has none, and a short record has a high limit.
+
+    Parameters
+    ----------
+    command, value : array-like of shape (n,)
+        As recorded, any unit.
+    oscillation : Oscillation
+    setpoint : array-like of shape (n,), optional
+        The error is looked at where it is given.
+
+    Returns
+    -------
+    result : MethodResult
+        `statistic` is NGI where NLI is above its limit, else the smaller of NGI and 0; `band` the apparent
+        stiction where the loop is nonlinear [command's unit].
+
+    References
+    ----------
+    M. A. A. S. Choudhury, S. L. Shah, N. F. Thornhill, D. S. Shook, Automatic detection and quantification of
+    stiction in control valves, Control Engineering Practice 14 (2006) 1395-1412.
+    """
+    why = why_not_applicable(oscillation, _FEWEST_ROWS)
+    if oscillation.rows is None or oscillation.rows < _FEWEST_ROWS:
+        return MethodResult(METHOD, SOURCE, None, NGI_LIMIT, NOT_APPLICABLE, why)
+    signal = value if setpoint is None else np.asarray(value, float) - np.asarray(setpoint, float)
+    step = oscillation.rows / _ROWS
+    centred = low_passed(without_drift(signal, oscillation.rows), 0.45 / step)
+    thinned = np.interp(np.arange(0.0, len(centred) - 1.0, step), np.arange(len(centred)), centred)
+    if len(thinned) < _SEGMENT * (_FEWEST_SEGMENTS + 1) // 2:
+        why = f"The record holds {oscillation.cycles:.0f} periods, too few for a bicoherence."
+        return MethodResult(METHOD, SOURCE, None, NGI_LIMIT, NOT_APPLICABLE, why)
+    gaussian, linear = indices(thinned)
+    statistic = gaussian if linear > NLI_LIMIT else min(gaussian, 0.0)
+    if gaussian <= NGI_LIMIT or linear <= NLI_LIMIT:
+        detail = why or f"The error is that of a linear loop (NGI {gaussian:.3f}, NLI {linear:.3f})."
+        return MethodResult(METHOD, SOURCE, statistic, NGI_LIMIT, NOT_APPLICABLE if why else SOUND, detail)
+    width = width_of_ellipse(*(_passed(each, oscillation.rows) for each in (command, value)))
+    says = NOT_APPLICABLE if why else UNDECIDED if width is None else STICTION
+    told = (
+        "no ellipse fits" if width is None else f"the apparent stiction is {width:.3g} of the command's unit"
+    )
+    detail = why or f"The loop is nonlinear (NGI {gaussian:.3f}, NLI {linear:.3f}) and {told}."
+    return MethodResult(METHOD, SOURCE, statistic, NGI_LIMIT, says, detail, None if why else width)
+
+
+def indices(signal):
+    """Non-Gaussianity and nonlinearity index of a signal.
+
+    Parameters
+    ----------
+    signal : ndarray of shape (n,)
+        Ten rows a period or so.
+
+    Returns
+    -------
+    ngi, nli : float
+    """
+    begin = np.arange(0, len(signal) - _SEGMENT + 1, _SEGMENT // 2)
+    segments = signal[begin[:, None] + np.arange(_SEGMENT)]
+    segments = (segments - segments.mean(axis=1, keepdims=True)) * hann(_SEGMENT, sym=False)
+    spectra = rfft(segments, axis=1)
+    half = _SEGMENT // 2
+    low, high = np.meshgrid(np.arange(1, half + 1), np.arange(1, half + 1), indexing="ij")
+    domain = (low >= high) & (low + high <= half)  # the principal domain, without aliases
+    low, high = low[domain], high[domain]
+    pairs, both = spectra[:, low] * spectra[:, high], spectra[:, low + high]
+    left, right = np.mean(np.abs(pairs) ** 2, axis=0), np.mean(np.abs(both) ** 2, axis=0)
+    # without a floor a quotient of two nothings, far from the oscillation, may take any value
+    squared = np.abs(np.mean(pairs * both.conj(), axis=0)) ** 2 / (
+        (left + _LEAST * left.mean()) * (right + _LEAST * right.mean())
+    )
+    limit = np.log(len(low) / _LEVEL) / len(segments)  # chi-square with two degrees of freedom, over 2 K
+    significant = squared[squared > limit]
+    gaussian = float(significant.mean() - limit) if len(significant) else float(squared.max() - limit)
+    trimmed = squared[squared <= np.quantile(squared, 0.9)]
+    return gaussian, float(squared.max() - (trimmed.mean() + 2.0 * trimmed.std()))
+
+
+def width_of_ellipse(command, value):
+    """Width along the command, through its centre, of the ellipse that fits a cloud of points best.
+
+    Parameters
+    ----------
+    command, value : ndarray of shape (n,)
+
+    Returns
+    -------
+    width : float or None
+        [command's unit]; None where no ellipse fits.
+    """
+    scales = command.std(), value.std()
+    if min(scales) <= 0.0:
+        return None
+    x, y = (command - command.mean()) / scales[0], (value - value.mean()) / scales[1]
+    design = np.column_stack([x * x, x * y, y * y, x, y, np.ones(len(x))])
+    # the direct fit of Fitzgibbon, Pilu and Fisher, in the stable form of Halir and Flusser
+    quadratic, linear = design[:, :3], design[:, 3:]
+    scatter, mixed, rest = quadratic.T @ quadratic, quadratic.T @ linear, linear.T @ linear
+    back = -np.linalg.solve(rest, mixed.T)
+    reduced = scatter + mixed @ back
+    reduced = np.array([reduced[2] / 2.0, -reduced[1], reduced[0] / 2.0])
+    vectors = np.real(eig(reduced)[1])
+    good = np.flatnonzero(4.0 * vectors[0] * vectors[2] - vectors[1] ** 2 > 0.0)
+    if not len(good):
+        return None
+    a, b, c = vectors[:, good[0]]
+    d, e, f = back @ vectors[:, good[0]]
+    centre = np.linalg.solve([[2.0 * a, b], [b, 2.0 * c]], [-d, -e])
+    size = a * centre[0] ** 2 + b * centre[0] * centre[1] + c * centre[1] ** 2 - f
+    if not size / a > 0.0:
+        return None
+    return float(2.0 * np.sqrt(size / a) * scales[0])
+
+
+def _passed(signal, rows):
+    """Signal in the band of the oscillation and its first harmonics, mirrored at its ends."""
+    centred = without_trend(np.asarray(signal, dtype=float))
+    both = np.concatenate([centred, centred[::-1]])
+    spectrum = rfft(both)
+    frequencies = np.arange(len(spectrum)) / len(both) * rows
+    spectrum[(frequencies < _BAND[0]) | (frequencies > _BAND[1])] = 0.0
+    return irfft(spectrum, len(both))[: len(centred)]

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rival that knows no physics: an LS-SVM on the signals, or in a closed loop responses of one sign."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.lssvm.held_out import blocked_errors
+from sklvalve.mismatch.loop.process import foreseen_command
+from sklvalve.mismatch.referee.feedback import driver_of, filled
+from sklvalve.mismatch.referee.one_sign import one_sign_prediction
+
+LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
+_MOST_ROWS = 1500
+# of fewer rows nothing is learnt but their mean
+_FEWEST = 40
+_TUNED_ON = 600
+_GRID = tuple((gamma, C) for gamma in (0.01, 0.05, 0.2) for C in (10.0, 1000.0))
+
+
+def black_box_prediction(recording, channel, train, *, closed=False):
+    """Prediction of a channel for all rows by a black box that saw the `train` rows only.
+
+    Parameters
+    ----------
+    recording : Recording
+    channel : {"opening", "flow"}
+    train : ndarray of bool, shape (n,)
+    closed : bool, default=False
+        Whether a controller answers the channel by the driver. An LS-SVM on lagged commands would learn the
+        controller backwards there, so responses of one sign take its place (`one_sign_prediction`).
+
+    Returns
+    -------
+    predicted : ndarray of shape (n,)
+        [SI]
+    """
+    if closed:
+        return _of_one_sign(recording, channel, train)
+    X, y = lagged_signals(recording, channel), recording[channel]
+    rows = np.flatnonzero(train & np.isfinite(y))
+    # what stood still in the rows learnt from tells nothing there
+    X = X[:, X[rows].std(axis=0) > 0.0] if len(rows) else X[:, :0]
+    if len(rows) < _FEWEST or not X.shape[1]:
+        return np.full(len(y), np.nanmean(y[rows] if len(rows) else y))
+    centre, scale = X[rows].mean(axis=0), X[rows].std(axis=0) + 1e-12
+    Z = (X - centre) / scale
+    size = y[rows].std() + 1e-30
+    few = rows[:: max(len(rows) // _TUNED_ON, 1)]
+
+    def error(gamma, C):
+        held_out = blocked_errors(Z[few], C=C, gamma=gamma, blocks=_quarters(len(few)))
+        return float(np.sum(held_out(y[few] / size) ** 2))
+
+    gamma, C = min(_GRID, key=lambda pair: error(*pair))
+    many = rows[:: max(len(rows) // _MOST_ROWS, 1)]
+    regressor = LSSVMRegressor(gamma=gamma, C=C).fit(Z[many], y[many] / size)
+    return regressor.predict(Z) * size
+
+
+def lagged_signals(recording, channel):
+    """Inputs of the LS-SVM: the driver with its lags, and pressures and temperature as they are."""
+    signal = filled(recording[driver_of(recording, channel)])
+    columns = [np.concatenate([np.full(k, signal[0]), signal[: len(signal) - k]]) for k in LAGS]
+    if channel == "flow":
+        extra = [r for r in ("p1", "p2", "temperature") if r in recording and r not in recording.constants]
+        columns += [filled(recording[r]) for r in extra]
+    return np.column_stack(columns)
+
+
+def _of_one_sign(recording, channel, train):
+    driver, value = filled(recording[driver_of(recording, channel)]), filled(recording[channel])
+    weight = None
+    if channel == "flow" and "p1" in recording and "p2" in recording:
+        drop = np.sqrt(np.maximum(filled(recording["p1"] - recording["p2"]), 0.0))
+        weight = drop / max(drop.mean(), 1e-12)
+    forecast = foreseen_command(driver, value, recording.get("setpoint"))
+    return one_sign_prediction(driver, value, train, forecast=forecast, weight=weight)
+
+
+def _quarters(n):
+    return [slice(low, high) for low, high in pairwise(np.linspace(0, n, 5).astype(int))]

@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the forecasts allow a diagnosis to say."""
+
+from dataclasses import dataclass, replace
+
+from sklvalve.mismatch.events import simulated
+from sklvalve.mismatch.referee.comparison import compare, pooled, share_explained
+from sklvalve.mismatch.referee.forward import Forward, forward_in_time
+
+#: Share of healthy recordings in which the black box is clearly better: none of 30 (docs/method.md).
+BY_CHANCE = 1.0 / 31.0
+# a name that accounts for less of what can be forecast may be an imitation of what is missing
+_LEAST_SHARE = 0.5
+_BLOCK = {"flow": "valve", "opening": "actuator"}
+
+
+@dataclass(frozen=True, eq=False)
+class Referee:
+    """The comparison that a verdict was held against.
+
+    Parameters
+    ----------
+    compared : tuple of Compared
+    share : float or None
+        Of what can be forecast beyond the nominal simulation, what the correction accounts for [1].
+    reasons : tuple of str
+        What it changed, or adds to, in plain sentences.
+    """
+
+    compared: tuple
+    share: float | None
+    reasons: tuple = ()
+
+
+def refereed(workbench, judged):
+    """A judgement that the forecasts bear out, and the forecasts.
+
+    A correction that makes rows ahead worse is not applied, and what it was made of is not named. Where the
+    black box is clearly better than the simulation that a judgement ends with, something is missing, or,
+    where signals that drive the channel were not recorded, nothing can be said.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    judged : Judgement
+
+    Returns
+    -------
+    judged : Judgement
+        With its `referee`.
+    forward : Forward
+    """
+    unknown = judged.unknown if judged.kept else None
+    forward = forward_in_time(workbench, judged.nominal, simulated(judged.model), unknown)
+    compared = compare(workbench, forward)
+    reasons = []
+    if pooled(compared, "corrected") > pooled(compared, "nominal"):
+        judged, sentence = _taken_back(workbench, judged, compared)
+        reasons.append(sentence)
+        made = forward.predictions
+        forward = Forward(made | {"corrected": made["nominal"]}, forward.spans, forward.closed)
+        compared = compare(workbench, forward)
+    share = share_explained(compared) if judged.findings else None
+    clear = [each for each in compared if each.clearly_better]
+    if clear:
+        judged, sentence = _beaten(workbench, judged, max(clear, key=lambda each: each.ratio))
+        reasons.append(sentence)
+    elif judged.verdict == "no_mismatch" and compared:
+        reasons.append(_as_good(workbench, compared))
+    return replace(judged, referee=Referee(compared, share, tuple(reasons))), forward
+
+
+def _taken_back(workbench, judged, compared):
+    """A judgement without a correction that makes rows ahead worse."""
+    worst = max(compared, key=lambda each: each.losses["corrected"] - each.losses["nominal"])
+    before, after = (_in_units(workbench, worst, kind) for kind in ("nominal", "corrected"))
+    rises = f"the {worst.channel} error on rows ahead in time rises from {before} to {after}"
+    if not judged.findings:
+        return replace(judged, kept=False), (
+            f"What was learnt of the unexplained part is not added: with it {rises}."
+        )
+    kept = replace(
+        judged,
+        verdict="none_of_these" if judged.unknown is not None else "cannot_tell",
+        findings=[],
+        model=judged.nominal,
+        suspected=judged.model,
+        kept=False,
+    )
+    return kept, f"The best explanation is not named: with it {rises}."
+
+
+def _beaten(workbench, judged, worst):
+    """A judgement that a black box is clearly better than, and the sentence that says so."""
+    box, ours = (_in_units(workbench, worst, kind) for kind in ("black_box", "corrected"))
+    better = (
+        f"A black box predicts the {worst.channel} {worst.ratio:.1f} times better on rows ahead in time "
+        f"({box} against {ours})"
+    )
+    if judged.findings:
+        share = share_explained([worst])
+        touched = {c for f in judged.findings for c in workbench.channels_touched(f.member.effect)}
+        # what shows in another signal is no imitation of what is missing in this one
+        if worst.channel in touched and share is not None and share < _LEAST_SHARE:
+            return replace(judged, verdict="cannot_tell"), (
+                f"{better}, and what was found accounts for only {share:.0%} of what can be predicted."
+            )
+        return judged, f"{better}: something else is missing beside what was found."
+    if judged.verdict != "no_mismatch":
+        return judged, f"{better}."
+    if not worst.exogenous:
+        return replace(judged, verdict="cannot_tell", p_value=None), (
+            f"{better}. Without recorded pressures that may be the pressure drop as well as the valve: "
+            "record p1 and p2."
+        )
+    suspects = judged.suspects or (_BLOCK[worst.channel],)
+    p_value = min(judged.p_value, BY_CHANCE)
+    return replace(judged, verdict="cannot_tell", p_value=p_value, suspects=suspects), (
+        f"{better}, so something predictable is missing; no effect that was tried explains it."
+    )
+
+
+def _as_good(workbench, compared):
+    """The sentence that says how far nothing is missing, by the channel in which the black box does best."""
+    near = max(compared, key=lambda each: each.ratio)
+    box, ours = (_in_units(workbench, near, kind) for kind in ("black_box", "corrected"))
+    return (
+        f"On rows ahead in time the simulation misses the {near.channel} by {ours}, and a black box on the "
+        f"same signals by {box}."
+    )
+
+
+def _in_units(workbench, compared, kind):
+    recording, channel = workbench.recording, compared.channel
+    value = compared.rmse[kind] * abs(recording.per_si(channel))
+    unit = recording.unit(channel)
+    return f"{100.0 * value:.3g} %" if unit == "1" else f"{value:.3g} {unit}"

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A recording forecast from its own past: fitted to rows before an origin, held against those after it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from sklvalve.mismatch.origins import spans_of
+from sklvalve.mismatch.referee.black_box import black_box_prediction
+from sklvalve.mismatch.referee.feedback import ANSWERS_FROM, answers, driver_of
+from sklvalve.mismatch.refitting import lines_of, refitted
+from sklvalve.mismatch.slow_rest import learn_rest
+from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.simulation import learnt_rest
+
+# of the rows before an origin, an effect must have acted in so many to be known there
+_KNOWN_FROM = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Forward:
+    """Forecasts of a recording, each row by fits to rows before it.
+
+    Parameters
+    ----------
+    predictions : dict
+        ``nominal, corrected, black_box`` -> channel -> ndarray of shape (n,) [SI]; NaN before the
+        first origin.
+    spans : tuple of slice
+        Rows between one origin and the next.
+    closed : dict
+        Channel -> whether a controller answers it by what its black box reads.
+    """
+
+    predictions: dict
+    spans: tuple
+    closed: dict
+
+    @property
+    def held(self):
+        """Rows that are forecast, ndarray of bool of shape (n,)."""
+        first = next(iter(self.predictions["nominal"].values()))
+        rows = np.zeros(len(first), dtype=bool)
+        rows[self.spans[0].start :] = True
+        return rows
+
+
+def forward_in_time(workbench, nominal, model, unknown=None):
+    """Forecasts by the calibrated nominal, a hypothesis and the black box.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    nominal, model : Model
+        Fitted to all rows; refitted by one step to those before each origin.
+    unknown : Unknown, default=None
+        The residual that is learnt beside `model`.
+
+    Returns
+    -------
+    forward : Forward
+    """
+    n = len(workbench.recording)
+    spans = spans_of(n)
+    made = {"nominal": forecast(workbench, nominal, spans)}
+    same = model is nominal and unknown is None
+    made["corrected"] = made["nominal"] if same else forecast(workbench, model, spans, unknown)
+    for c in workbench.channels:
+        # a signal that nothing found changes is simulated as before
+        untouched = np.array_equal(model.predictions[c], nominal.predictions[c], equal_nan=True)
+        if untouched and (unknown is None or unknown.channel != c):
+            made["corrected"][c] = made["nominal"][c]
+    closed = {c: closed_loop(workbench, nominal, c) for c in workbench.channels}
+    made["black_box"] = {c: np.full(n, np.nan) for c in workbench.channels}
+    for span in spans:
+        past = np.arange(n) < span.start
+        for c in workbench.channels:
+            made["black_box"][c][span] = black_box_prediction(workbench.recording, c, past, closed=closed[c])[
+                span
+            ]
+    return Forward(made, spans, closed)
+
+
+def closed_loop(workbench, nominal, channel):
+    """Whether a controller answers a channel by what its black box reads.
+
+    A recorded opening, with the pressures, says itself what drives a flow; where the drop is unknown the
+    controller answers it by the opening.
+    """
+    recording = workbench.recording
+    driver = driver_of(recording, channel)
+    if driver == "opening" and not drop_is_unknown(recording):
+        return False
+    simulated = nominal.predictions[channel]
+    return answers(recording[driver], recording[channel], simulated) >= ANSWERS_FROM
+
+
+def forecast(workbench, model, spans, unknown=None):
+    """A hypothesis fitted to the rows before each of some spans, and simulated there.
+
+    An effect that begins too late for those rows to tell of it is left out.
+
+    Returns
+    -------
+    made : dict
+        Channel -> ndarray of shape (n,); NaN outside the spans [SI].
+    """
+    n = len(workbench.recording)
+    made = {c: np.full(n, np.nan) for c in workbench.channels}
+    fits = {}
+    for span in spans:
+        past = np.arange(n) < span.start
+        known = _known_at(model, span.start)
+        if known.members not in fits:
+            fits[known.members] = model if known is model else workbench.least_squares(known)
+        fitted = fits[known.members]
+        with workbench.every_row_alike(fitted, past):
+            lines = lines_of(workbench, fitted)
+        again = workbench.simulate(fitted.members, refitted(workbench, fitted, lines, past))
+        for c in workbench.channels:
+            made[c][span] = again.predictions[c][span]
+        part = None if unknown is None else learn_rest(workbench, again, unknown, past)
+        if part is not None:
+            made[unknown.channel][span] += learnt_rest(part, again.chain, again.values)[span]
+    return made
+
+
+def _known_at(model, origin):
+    """A hypothesis without the effects that begin too late for rows before an origin to tell of them."""
+    clock = model.chain.clock
+    last = clock[0] + (1.0 - _KNOWN_FROM) * (clock[max(origin - 1, 0)] - clock[0])
+    members = tuple(m for m in model.members if m.onset is None or m.onset <= last)
+    return model if len(members) == len(model.members) else replace(model, members=members)

@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fault or property, in words: what is to be mended, and what belongs into the sheet or the simulation."""
+
+from sklvalve.report.words import class_words, either, number
+
+_BEGINS = {"fault": "Likely fault:", "property": "The simulation lacks", "either": "The simulation lacks"}
+_IS = {"property": "a property of a sound valve", "either": "a property of a sound valve, or a fault"}
+#: Diagnoses made before the kind was known have none.
+UNKNOWN = "The simulation leaves out"
+# a class of several kinds is likely of the one that holds this share of its probability
+_LIKELY = 0.8
+# effect -> key of [actuator], parameter, and the value to be declared from it
+_DECLARED = {
+    "slew_limit": ("stroke_time", "speed", lambda speed: 1.0 / speed),
+    "dead_time": ("dead_time", "delay", lambda delay: delay),
+    "positioner_deadband": ("dead_band", "half_width", lambda half: 200.0 * half),
+}
+
+
+def kind_of(effect: dict) -> str:
+    """Kind of an entry of ``effects``; empty where an older diagnosis does not say it."""
+    return effect.get("kind") or ""
+
+
+def likely(effect: dict) -> str:
+    """Kind of what is likely: where members of a class differ, that of most of its probability."""
+    shares: dict[str, float] = {}
+    for member in effect["members"]:
+        kind = member.get("kind") or kind_of(effect)
+        # where no probability is known every member counts alike
+        probability = member.get("probability")
+        shares[kind] = shares.get(kind, 0.0) + (1.0 if probability is None else probability)
+    best = max(shares, key=shares.__getitem__)
+    return best if shares[best] >= _LIKELY * sum(shares.values()) else kind_of(effect)
+
+
+def begins(effect: dict) -> str:
+    """How a sentence on an effect begins."""
+    return _BEGINS.get(likely(effect), UNKNOWN)
+
+
+def is_what(effect: dict) -> str:
+    """What an effect is, in brackets; empty for a fault, of which the beginning tells."""
+    words = _IS.get(likely(effect))
+    return f" ({words})" if words else ""
+
+
+def faults_first(effects: list[dict]) -> list[dict]:
+    """Effects in the order in which they are reported: faults first, each kind in the order that it had."""
+    order = ("fault", "either", "property", "")
+    return sorted(effects, key=lambda effect: order.index(likely(effect)))
+
+
+def by_beginning(effects: list[dict]) -> list[tuple[str, list[tuple[int, dict]]]]:
+    """Numbered effects by how a sentence on them begins, faults first."""
+    order = ["Likely fault:", "The simulation lacks", UNKNOWN]
+    groups: dict[str, list[tuple[int, dict]]] = {}
+    for count, effect in enumerate(effects, start=1):
+        groups.setdefault(begins(effect), []).append((count, effect))
+    found = sorted(groups.items(), key=lambda item: order.index(item[0]))
+    if len(found) > 1 and [first for first, _ in found[:2]] == order[:2]:
+        found[1] = ("The simulation also lacks", found[1][1])
+    return found
+
+
+def to_be_declared(effects: list[dict]) -> str:
+    """What to do about properties: put them into the sheet; empty where there are none."""
+    lacking = [effect for effect in effects if likely(effect) in ("property", "either")]
+    if not lacking:
+        return ""
+    names = either([class_words(effect["members"]) for effect in lacking], "and")
+    keys = [words for words in map(_declaration, lacking) if words]
+    sheet = f", {either(keys, 'and')} in the [actuator] section of valve.toml," if keys else ""
+    told = f"Put {names} into the simulation{sheet} if the valve was built so."
+    if all(likely(effect) == "property" for effect in effects):
+        told += " No maintenance follows from it."
+    elif any(likely(effect) == "either" for effect in lacking):
+        told += " If it was not, look for the fault at the valve."
+    return told
+
+
+def _declaration(effect: dict) -> str:
+    """The line that declares an effect; empty where valve.toml has no key for it."""
+    key, parameter, declared = _DECLARED.get(effect["members"][0]["name"], ("", "", None))
+    value = ((effect.get("parameters") or {}).get(parameter) or {}).get("value")
+    return f"{key} = {number(declared(value), 2)}" if declared and value else ""

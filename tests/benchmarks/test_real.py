@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rules that judge real recordings, on made-up diagnoses; the page holds its results."""
+
+import pytest
+
+from benchmarks.real import tables
+from benchmarks.real.judging import errors_of, is_property, judged, referee
+
+STICKS = {"faults": ["stiction", "backlash"]}
+SOUND = {"sound": True}
+MOTOR = {"sound": True, "properties": ["slew_limit", "dead_time"]}
+
+
+def _named(*classes, probability=0.94, grade=None, kind=None):
+    more = {"probability": probability, "grade": grade, "kind": kind}
+    effects = [{"members": [{"name": n} for n in names.split("/")], **more} for names in classes]
+    return {"verdict": "named", "effects": effects}
+
+
+@pytest.mark.parametrize(
+    ("diagnosis", "label", "judgement", "sure"),
+    [
+        (_named("stiction/friction"), STICKS, "right", True),
+        (_named("friction"), STICKS, "wrong", True),
+        (_named("friction", probability=0.4), STICKS, "wrong", False),
+        (
+            _named("friction", probability=None, grade={"level": "strong", "reason": "-"}),
+            STICKS,
+            "wrong",
+            True,
+        ),
+        (
+            _named("friction", probability=None, grade={"level": "weak", "reason": "-"}),
+            STICKS,
+            "wrong",
+            False,
+        ),
+        (_named("slew_limit", "backlash"), STICKS, "right", True),
+        (_named("stiction"), SOUND, "wrong", True),
+        (_named("slew_limit"), MOTOR, "right", True),
+        (_named("slew_limit/stuck_valve"), MOTOR, "right", True),
+        (_named("slew_limit", "stiction"), MOTOR, "wrong", True),
+        (_named("line_loss"), SOUND, "unjudged", False),
+        (_named("stem_load", kind="property"), SOUND, "unjudged", False),
+        (_named("line_loss", kind="fault"), SOUND, "wrong", True),
+        ({"verdict": "no_mismatch"}, STICKS, "wrong", True),
+        ({"verdict": "no_mismatch"}, MOTOR, "wrong", True),
+        ({"verdict": "no_mismatch"}, SOUND, "right", True),
+        ({"verdict": "cannot_tell"}, STICKS, "abstained", False),
+        ({"verdict": "none_of_these"}, SOUND, "abstained", False),
+        (_named("stiction"), None, "unjudged", False),
+    ],
+)
+def test_answer_is_judged(diagnosis, label, judgement, sure):
+    assert judged(diagnosis, label) == (judgement, sure)
+
+
+def test_class_with_a_fault_is_no_property():
+    assert is_property(_named("slew_limit/dead_time")["effects"][0])
+    assert not is_property(_named("slew_limit/stuck_valve")["effects"][0])
+
+
+@pytest.mark.parametrize(
+    ("verdict", "rmse", "flags"),
+    [
+        ("no_mismatch", {"nominal": 1.0, "black_box": 0.5}, ["no_mismatch"]),
+        ("no_mismatch", {"nominal": 1.0, "black_box": 0.51, "corrected": 1.0}, []),
+        ("named", {"nominal": 1.0, "black_box": 0.1, "corrected": 1.1}, ["corrected"]),
+        ("named", {"nominal": None, "black_box": 0.1}, []),
+    ],
+)
+def test_referee_flags(verdict, rmse, flags):
+    assert referee({"verdict": verdict, "fit": {"flow": {"rmse": rmse}}}) == flags
+
+
+def test_errors_say_their_proof():
+    fit = {"opening": None, "flow": {"unit": "m3/h", "rmse": {"nominal": 2.0}}}
+    told = errors_of({"fit": fit, "proof": "later_rows"})
+    assert told["signal"] == "flow"
+    assert told["nominal"] == 2.0
+    assert told["proof"] == "later_rows"
+    assert told["unit"] == "m3/h"
+    assert told["black_box"] is None
+    assert told["corrected"] is None
+    assert errors_of({}) == {}
+
+
+def _row(name, judgement, **more):
+    row = {"recording": name, "kind": "loop", "rows": 9, "sampling_s": 1.0, "verdict": "-", "seconds": 1.0}
+    return row | {"judgement": judgement} | more
+
+
+def test_failures_come_first_and_are_counted():
+    rows = [_row("b", "right"), _row("c", "wrong"), _row("a", "wrong", sure=True), _row("d", "abstained")]
+    text = tables.table(rows)
+    assert "| loop | 1 | 2 | 1 | 1 | 0 | 0 | 0 |" in text
+    places = [text.index(f"| {name} | loop") for name in "acdb"]
+    assert places == sorted(places)
+
+
+def test_last_line_of_a_recording_holds_and_a_broken_one_is_left_out(tmp_path):
+    file = tmp_path / "results.jsonl"
+    file.write_text('{"recording": "a", "n": 1}\n{"recording": "a", "n": 2}\n{"rec', encoding="utf-8")
+    assert tables.read(file) == [{"recording": "a", "n": 2}]
+
+
+def test_page_holds_its_results():
+    page = tables.PAGE.read_text(encoding="utf-8")
+    if not tables.RESULTS.exists():
+        pytest.skip("benchmarks/real/results holds no results.jsonl yet")
+    assert page == tables.with_block(page, tables.read(tables.RESULTS)), (
+        "run python -m benchmarks.real --page"
+    )

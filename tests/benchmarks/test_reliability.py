@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Reliability of probabilities, and the fit by which they are calibrated."""
+
+import json
+
+import numpy as np
+import pytest
+
+from benchmarks.concealed.calibrate import Told, as_code, fitted_to, held_by_name, reported_anew, told_of
+from benchmarks.concealed.report.reliability import by_chance, main, reliability_report
+from sklvalve.mismatch.borne_out import Numbers
+from sklvalve.mismatch.probability import Grounds, probability_of
+
+
+def _told(n=1500, seed=0):
+    """Classes drawn with a good name, a bad one, and p-values that matter."""
+    rng = np.random.default_rng(seed)
+    truth = Numbers(1.5, 1.0, (0.5, -0.5, -1.0, 0.0), (0.0, 1.0), 0.5, {"good": (95, 100), "bad": (60, 100)})
+    made = []
+    for _ in range(n):
+        grounds = Grounds(
+            str(rng.choice(["good", "bad"])),
+            10.0 ** -rng.uniform(2.0, 6.0),
+            beside=bool(rng.random() < 0.2),
+            coarse=bool(rng.random() < 0.3),
+            few_signals=bool(rng.random() < 0.1),
+        )
+        right = bool(rng.random() < probability_of(grounds, truth))
+        first = bool(right and rng.random() < 0.7)
+        made.append(Told("first", grounds, (0.84, 0.16), (first, right and not first)))
+    return made
+
+
+def test_the_fit_finds_what_was_drawn():
+    told = _told()
+    numbers = fitted_to(told)
+    rarity, beside, coarse, vanish = numbers.of_grounds
+    assert rarity == pytest.approx(0.5, abs=0.15)
+    assert beside == pytest.approx(-0.5, abs=0.4)
+    assert coarse == pytest.approx(-1.0, abs=0.35)
+    assert vanish == pytest.approx(0.0, abs=1e-3)
+    # 0.84 to 0.16 is 7 to 3 by the power 0.5
+    assert numbers.temper == pytest.approx(0.5, abs=0.15)
+    fresh = _told(seed=1)
+    off = [probability_of(each.grounds, numbers) - each.right for each in fresh]
+    assert abs(np.mean(off)) < 0.05
+    held = held_by_name(told)
+    assert sum(many for _, many in held.values()) == len(told)
+    assert '"bad": (' in as_code(numbers)
+
+
+def _line(probability, true, nasty=(), grade=None, p=1e-5):
+    bias = {"bias": {"value": 1.0, "unit": "m3/h", "ci95": [-0.5, 2.5]}}
+    entry = {
+        "members": [{"name": "flow_meter_bias", "probability": probability}],
+        "probability": probability,
+        "parameters": bias,
+    } | ({} if grade is None else {"grade": {"level": grade, "reason": "So."}})
+    found = {"verdict": "named", "mismatch": {"p_value": p}, "effects": [entry], "data": []}
+    truth = {"effects": ["flow_meter_bias" if true else "clogging"], "nasty": list(nasty), "kind": "single"}
+    return {"record": f"r{probability}{true}{nasty}", "found": found, "truth": truth}
+
+
+def test_facts_are_read_from_a_line():
+    (told,) = told_of([{"run": "first", "lines": [_line(0.9, True, ["no_p2"])]}])
+    assert told.right
+    grounds = told.grounds
+    assert (grounds.leading, grounds.may_vanish, grounds.few_signals) == ("flow_meter_bias", True, True)
+    numbers = Numbers(0.0, 0.0, (0.0,) * 4, (0.0, 1.0), 0.5, {"clogging": (1, 2)})
+    line = _line(0.9, True)
+    assert reported_anew(line, numbers)["found"]["effects"][0]["probability"] == 0.5
+    assert line["found"]["effects"][0]["probability"] == 0.9
+
+
+def test_tables():
+    lines = [_line(0.9, True), _line(0.4, False, ["no_opening"], "weak"), _line(None, True, grade="strong")]
+    text = reliability_report(lines)
+    assert "### Classes\n" in text
+    assert "### Classes, opening or a pressure not recorded" in text
+    assert "| 0.9-0.95 | 1 | 0.900 | 100 % (2-100) |" in text
+    assert "2 of them; 2 bins filled between 0.3 and 0.95" in text
+    assert "| strong | no | 100 % (2-100) |" in text
+    assert "| weak | yes | 0 % (0-98) |" in text
+    assert reliability_report([]) == ""
+
+
+def test_error_of_true_probabilities():
+    # of one class at one half it is always one half off; of many it vanishes
+    assert by_chance([(0.5, True)]) == pytest.approx(0.5)
+    assert by_chance([(0.5, True)] * 4000) < 0.01
+
+
+def test_command(tmp_path, capsys):
+    path = tmp_path / "scores.jsonl"
+    path.write_text(json.dumps(_line(0.9, True)) + "\n")
+    assert main([str(path)]) == 0
+    assert "### Names" in capsys.readouterr().out
+    with pytest.raises(SystemExit):
+        main([str(tmp_path / "none.jsonl")])
