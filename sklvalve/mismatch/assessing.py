@@ -103,4 +103,4 @@ def _is_late(entry, recording):
 def _is_at_first(entry, recording):
     """Whether a finding acts in the first rows alone, where what was before the recording still shows."""
     spells = entry.get("spells") or []
-    return bool(spells) and spells[-1][1] <= _AT_FIRST * (recording.time[-1] - recording.time[0])
+    return bool(spells and spells[-1][1] <= _AT_FIRST * (recording.time[-1] - recording.time[0]))

@@ -4,6 +4,8 @@
 import json
 from html import escape
 
+import numpy as np
+
 
 class Diagnosis:
     """What was found in a recording; nothing changes it any more.
@@ -27,7 +29,7 @@ class Diagnosis:
     __slots__ = ("_text", "_traces")
 
     def __init__(self, content, traces=None):
-        self._text = json.dumps(content)
+        self._text = json.dumps(content, default=_plain)
         self._traces = {} if traces is None else traces
 
     @property
@@ -164,3 +166,10 @@ def _spoken(parameters):
     # a pure number has the unit 1, which is not told
     units = {name: "" if p["unit"] == "1" else p["unit"] for name, p in parameters.items()}
     return ", ".join(f"{name} {p['value']:.3g} {units[name]}".strip() for name, p in parameters.items())
+
+
+def _plain(value):
+    """The plain number of a NumPy scalar, which the json module does not know."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"a diagnosis holds plain data; got a {type(value).__name__}")
