@@ -5,13 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.mismatch.loop.alternatives import beside_a_bend
 from sklvalve.mismatch.loop.evidence import evidence_of, p_value
 from sklvalve.mismatch.loop.fit import Compared, fit_stems
 from sklvalve.mismatch.loop.operators import Candidates, candidates, reversals
 from sklvalve.mismatch.loop.process import QUICK, foreseen_command, responses
 from sklvalve.mismatch.loop.signals import LoopSignals
 
-MATTERS = 0.2  # of the command's movement; less is the play that every valve has
+MATTERS = 0.17  # of the command's movement; less is the play that every valve has
 LARGE = 0.3
 FAST = 0.35  # share of slow responses; of drawn flows three quarters have less, of levels few
 SMALLER = 8.0  # difference of log likelihood by which a band below MATTERS may fit better
@@ -87,7 +88,9 @@ def looked(loop):
     compared = fits[sense]
     simple = float(np.max(compared.likelihoods[eligible[0]]) - compared.likelihoods[0])
     fast = loop.is_flow or _slow_share(columns[compared.stem.stem], compared.stem.mixture) <= FAST
-    evidence = evidence_of(compared, simple, fast)
+    evidence = evidence_of(
+        compared, simple, _gain_beside_a_bend(compared, columns, tried, loop, sense), fast
+    )
     share = float(shares[compared.stem.stem])
     # bands that are never crossed count here: only a value that moves excludes them
     wide = shares >= LARGE
@@ -113,6 +116,15 @@ def looked(loop):
         small,
         fast,
     )
+
+
+def _gain_beside_a_bend(compared, columns, tried, loop, sense):
+    """How much better the stem fits than the command where the valve may be curved and its gain may drift."""
+    stem, command = (
+        beside_a_bend(columns, fit, tried.stem[fit.stem], loop, sense, compared.waves if fit.rhythm else None)
+        for fit in (compared.stem, compared.command)
+    )
+    return stem - command
 
 
 def _slow_share(columns, mixture):

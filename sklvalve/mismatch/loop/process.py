@@ -80,10 +80,14 @@ _INTEGRAL = 3.0  # standard errors of the integral action, below which there may
 #: Dead times [rows] and time constants [rows] of the responses. Rows are thinned to some 30 a period, so they
 #: span from at once to longer than a period whatever the sampling.
 _DEAD = (2, 4, 8)
-_FAST = (1.5, 4.0, 10.0, 25.0)
+_FAST = (1.5, 4.0, 10.0)
+#: Lags behind a dead time: two lags one behind the other begin as slowly as these, and no sum of single ones
+#: does. Without them a band stands in for the beginning.
+_BEHIND = ((4, 4.0), (4, 10.0), (8, 10.0))
+_LATE = (25.0,)
 _SLOW = (60.0, 150.0)
-#: Of the responses, how many are quick: at once, late, behind a dead time, with the first three lags.
-QUICK = 2 + len(_DEAD) + 3
+#: Of the responses, how many are quick: at once, late, behind a dead time, with the first three lags, or both.
+QUICK = 2 + len(_DEAD) + len(_FAST) + len(_BEHIND)
 _SUMMED = (0.0, 4.0, 25.0)
 
 
@@ -118,6 +122,8 @@ def responses(stem, ahead, any_kind):
 
     late = dead(1)
     columns = [ahead - level, late, *map(dead, _DEAD), *(lag(late, rows) for rows in _FAST)]
+    columns += [lag(dead(after), rows) for after, rows in _BEHIND]
+    columns += [lag(late, rows) for rows in _LATE]
     if any_kind:
         columns += [lag(late, rows) for rows in _SLOW]
         # the divisor only brings the columns to one size

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The p-value falls with the evidence and never claims more than is known."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from sklvalve.mismatch.loop.evidence import p_value
+from sklvalve.mismatch.loop.evidence import evidence_of, p_value
 
 
 @pytest.mark.parametrize("fast", [True, False])
@@ -13,3 +15,12 @@ def test_more_evidence_is_never_a_larger_p_value(fast):
     assert (np.diff(values) <= 0.0).all()
     assert values[0] == pytest.approx(1.0)
     assert values[-1] == pytest.approx(1e-4)
+
+
+def test_the_least_difference_counts_and_the_simpler_noise_only_where_the_value_is_slow():
+    fits = SimpleNamespace(
+        stem=SimpleNamespace(log_likelihood=50.0), command=SimpleNamespace(log_likelihood=20.0)
+    )
+    assert evidence_of(fits, 10.0, 40.0, fast=True) == 30.0
+    assert evidence_of(fits, 10.0, 40.0, fast=False) == 10.0
+    assert evidence_of(fits, 35.0, 5.0, fast=True) == 5.0

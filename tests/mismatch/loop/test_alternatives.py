@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A curved valve and a gain that drifts are given their part, and a band and a reversed gain are not."""
+
+import numpy as np
+import pytest
+
+from sklvalve.mismatch.loop.alternatives import beside_a_bend
+from sklvalve.mismatch.loop.fit import refined
+from sklvalve.mismatch.loop.operators import stick_slip
+from sklvalve.mismatch.loop.process import responses
+from sklvalve.mismatch.loop.signals import loop_signals
+from sklvalve.recording import Recording
+
+ROWS = 800
+
+
+def wander():
+    rng = np.random.default_rng(3)
+    swings = np.sin(np.arange(ROWS) / 17.0) + 0.7 * np.sin(np.arange(ROWS) / 41.0)
+    return 0.5 + 0.05 * swings + 0.001 * rng.standard_normal(ROWS)
+
+
+def gains(value, stem):
+    """Log likelihood of a stem without and with the bends, for a value [1] that it moves."""
+    command = wander()
+    noisy = value + 0.001 * np.random.default_rng(4).standard_normal(ROWS)
+    loop = loop_signals(Recording.from_frame({"time": np.arange(ROWS), "command": command, "flow": noisy}))
+    assert loop.every == 1
+    columns = responses(stem, stem, False)[None]
+    fit = refined(columns, 0, loop.value, loop.used, 1, (0.9, 0.0))
+    return fit.log_likelihood, beside_a_bend(columns, fit, stem, loop, 1)
+
+
+def after(stem):
+    return np.concatenate([stem[:1], stem[:-1]])
+
+
+def test_a_curve_and_a_drift_of_the_gain_are_given_their_part():
+    command = wander()
+    moved = command - command.mean()
+    for value in (3.0 * moved**2, 0.5 * moved * np.linspace(-1.0, 1.0, ROWS)):
+        plain, bent = gains(1.0 + after(moved + value), command)
+        assert bent > plain + 20.0
+
+
+def test_a_linear_process_gains_nothing():
+    command = wander()
+    plain, bent = gains(1.0 + after(command), command)
+    assert plain <= bent < plain + 5.0
+
+
+def test_a_band_is_not_taken_for_a_bend():
+    command = wander()
+    sticking = stick_slip(command, 0.06, 0.0)
+    value = 1.0 + after(sticking)
+    of_command, of_stem = gains(value, command)[1], gains(value, sticking)[1]
+    assert of_stem > of_command + 100.0
+
+
+def test_a_reversed_gain_is_not_allowed():
+    command = wander()
+    falling = 1.0 - after(command)
+    plain, bent = gains(falling, command)
+    assert bent == pytest.approx(plain)
