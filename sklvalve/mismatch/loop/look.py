@@ -86,11 +86,8 @@ def looked(loop):
     fits = {sense: fit_stems(columns, loop.value, loop.used, sense, eligible) for sense in loop.senses}
     sense = max(fits, key=lambda s: _likelihood(fits[s]))
     compared = fits[sense]
-    simple = float(np.max(compared.likelihoods[eligible[0]]) - compared.likelihoods[0])
     fast = loop.is_flow or _slow_share(columns[compared.stem.stem], compared.stem.mixture) <= FAST
-    evidence = evidence_of(
-        compared, simple, _gain_beside_a_bend(compared, columns, tried, loop, sense), fast
-    )
+    evidence = evidence_of(compared, _gain_beside_a_bend(compared, columns, tried, loop, sense))
     share = float(shares[compared.stem.stem])
     # bands that are never crossed count here: only a value that moves excludes them
     wide = shares >= LARGE

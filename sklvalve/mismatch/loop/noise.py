@@ -13,9 +13,9 @@ FILTERS = tuple(
     for follow in (0.0, 0.4, 0.7, 0.85, 0.95, 0.99)
     if keep == 1.0 or follow <= keep
 )
-_ORDERS = (0, 2, 4, 8, 14)
+_ORDERS = (0, 2, 4, 8, 14, 24, 40)
 #: Harmonics and width of the oscillations from outside that are tried, a regular one and one that drifts.
-RHYTHMS = ((1, 1), (3, 1), (5, 2), (3, 4))
+RHYTHMS = ((1, 1), (3, 1), (5, 2), (3, 4), (5, 4), (9, 1), (9, 3))
 _SWINGS = 8  # for each of its width: a band as wide as its own frequency is no rhythm but any slow course
 
 
