@@ -214,7 +214,7 @@ def _solve(answers, new, free, rows, sense):
     weights, _ = nonnegative(reduced @ reduced.T, reduced @ aim)
     mixture = sense * weights / sizes
     left = new - mixture @ answers
-    return mixture, left - np.linalg.lstsq(free[:, rows].T, left[rows], rcond=None)[0] @ free
+    return mixture, _levelled(left, free, rows)
 
 
 def refined(columns, place, value, used, sense, noise, waves=None):
@@ -244,20 +244,27 @@ def refined(columns, place, value, used, sense, noise, waves=None):
     extra = len(free) - 1
     mixture, left = _solve(answers, new, free, used, sense)
     found = _scored(place, mixture, noise, 0, left[used], extra)
-    for _ in range(_ROUNDS):
-        coefficients = autoregression(left[used])
-        if not len(coefficients):
-            break
-        after = np.concatenate([[1.0], -coefficients])
-        mixture, fresh = _solve(
-            *(lfilter(after, [1.0], rows, axis=-1) for rows in (answers, new, free)), used, sense
-        )
-        tried = _scored(place, mixture, noise, len(coefficients), fresh[used], extra)
-        if tried.log_likelihood > found.log_likelihood:
-            found = tried
-        left = new - mixture @ answers
-        left = left - np.linalg.lstsq(free[:, used].T, left[used], rcond=None)[0] @ free
+    # what repeats itself is sought in what a process leaves over, and in the value as if there were none:
+    # one of the two may lead no further where the other does
+    for residual in (left, _levelled(new, free, used)):
+        for _ in range(_ROUNDS):
+            coefficients = autoregression(residual[used])
+            if not len(coefficients):
+                break
+            after = np.concatenate([[1.0], -coefficients])
+            mixture, fresh = _solve(
+                *(lfilter(after, [1.0], rows, axis=-1) for rows in (answers, new, free)), used, sense
+            )
+            tried = _scored(place, mixture, noise, len(coefficients), fresh[used], extra)
+            if tried.log_likelihood > found.log_likelihood:
+                found = tried
+            residual = _levelled(new - mixture @ answers, free, used)
     return found
+
+
+def _levelled(values, free, used):
+    """Values without what the level and the waves explain of them."""
+    return values - np.linalg.lstsq(free[:, used].T, values[used], rcond=None)[0] @ free
 
 
 def _scored(place, mixture, noise, order, left, extra):

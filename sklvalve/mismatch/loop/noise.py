@@ -14,6 +14,7 @@ FILTERS = tuple(
     if keep == 1.0 or follow <= keep
 )
 _ORDERS = (0, 2, 4, 8, 14, 24, 40)
+_ROWS_EACH = 20  # to each coefficient and each wave, at least: more of them fit what will not come again
 #: Harmonics and width of the oscillations from outside that are tried, a regular one and one that drifts.
 RHYTHMS = ((1, 1), (3, 1), (5, 2), (3, 4), (5, 4), (9, 1), (9, 3))
 _SWINGS = 8  # for each of its width: a band as wide as its own frequency is no rhythm but any slow course
@@ -55,7 +56,7 @@ def autoregression(residual):
     -------
     coefficients : ndarray of shape (p,)
     """
-    most = min(_ORDERS[-1], len(residual) // 10)
+    most = min(_ORDERS[-1], len(residual) // _ROWS_EACH)
     before, now = lagged(residual, most)[most:], residual[most:]
     products, aims, power = before.T @ before, before.T @ now, now @ now
     # as small as rounding: a residual that repeats itself exactly
@@ -95,6 +96,9 @@ def rhythms(value):
         if width > 1 and peak < _SWINGS * width:
             continue
         turns = {h * peak + i for h in range(1, harmonics + 1) for i in range(-width, width + 1)}
-        angle = 2.0 * np.pi * np.outer(sorted(turn for turn in turns if 0 < turn < n // 2), time)
+        turns = sorted(turn for turn in turns if 0 < turn < n // 2)
+        if 2 * len(turns) * _ROWS_EACH > n:
+            continue
+        angle = 2.0 * np.pi * np.outer(turns, time)
         out.append(np.concatenate([np.cos(angle), np.sin(angle)]))
     return out

@@ -78,7 +78,7 @@ def _doubt(look):
         return "whether a larger command raises or lowers the value is uncertain"
     if _rows(look) < _FEWEST_ROWS:
         return f"a swing of the command has only {_rows(look):.0f} rows"
-    if max(look.small, look.evidence) >= _SMALL:
+    if look.evidence > 0.0 or look.small >= _SMALL:
         return "a smaller band explains it better"
     return "the value does not visibly follow in every part of the record"
 
@@ -88,12 +88,13 @@ def _excludes(look):
 
     Of 190 drawn loops that stick 27 had wide bands that explain the value worse by 10 nats, most of them with
     a sign of the response in doubt, with fewer than ten rows to a swing, or with a smaller band that fits.
+    Where any band that matters explains it better at all, nothing is excluded.
     """
-    smaller = max(look.small, look.evidence)
     return (
         look.large < -_EXCLUDED
+        and look.evidence <= 0.0
         and look.answer > _VISIBLE
-        and smaller < _SMALL
+        and look.small < _SMALL
         and len(look.loop.senses) == 1
         and look.turns >= FEWEST_TURNS
         and _rows(look) >= _FEWEST_ROWS
