@@ -244,21 +244,18 @@ def refined(columns, place, value, used, sense, noise, waves=None):
     extra = len(free) - 1
     mixture, left = _solve(answers, new, free, used, sense)
     found = _scored(place, mixture, noise, 0, left[used], extra)
-    # what repeats itself is sought in what a process leaves over, and in the value as if there were none:
-    # one of the two may lead no further where the other does
-    for residual in (left, _levelled(new, free, used)):
-        for _ in range(_ROUNDS):
-            coefficients = autoregression(residual[used])
-            if not len(coefficients):
-                break
-            after = np.concatenate([[1.0], -coefficients])
-            mixture, fresh = _solve(
-                *(lfilter(after, [1.0], rows, axis=-1) for rows in (answers, new, free)), used, sense
-            )
-            tried = _scored(place, mixture, noise, len(coefficients), fresh[used], extra)
-            if tried.log_likelihood > found.log_likelihood:
-                found = tried
-            residual = _levelled(new - mixture @ answers, free, used)
+    for _ in range(_ROUNDS):
+        coefficients = autoregression(left[used])
+        if not len(coefficients):
+            break
+        after = np.concatenate([[1.0], -coefficients])
+        mixture, fresh = _solve(
+            *(lfilter(after, [1.0], rows, axis=-1) for rows in (answers, new, free)), used, sense
+        )
+        tried = _scored(place, mixture, noise, len(coefficients), fresh[used], extra)
+        if tried.log_likelihood > found.log_likelihood:
+            found = tried
+        left = _levelled(new - mixture @ answers, free, used)
     return found
 
 

@@ -118,3 +118,14 @@ def test_weights_of_one_sign_are_those_of_a_reference_solver():
         reference, norm = nnls(design, aim)
         assert_allclose(weights, reference, atol=1e-6)
         assert gain == pytest.approx(aim @ aim - norm**2, abs=1e-6)
+
+
+def test_few_rows_bear_few_coefficients_and_few_waves():
+    rng = np.random.default_rng(5)
+    slow = np.sin(2 * np.pi * np.arange(2000) / 50.0)
+    for rows in (100, 400, 2000):
+        residual = np.convolve(rng.standard_normal(rows), np.ones(60), mode="same")
+        assert len(autoregression(residual)) <= rows // 20
+        assert all(len(waves) <= rows // 20 for waves in rhythms(slow[:rows]))
+    assert len(autoregression(residual)) > 14
+    assert max(len(waves) for waves in rhythms(slow)) > 50
