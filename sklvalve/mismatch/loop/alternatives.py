@@ -6,7 +6,6 @@ import numpy as np
 from sklvalve.mismatch.loop.fit import refined
 from sklvalve.mismatch.loop.process import responses
 
-
 _BENDS = 3  # degrees of freedom of the six gains below, beside that of the process itself
 
 

@@ -86,7 +86,7 @@ _FAST = (1.5, 4.0, 10.0)
 _BEHIND = ((4, 4.0), (4, 10.0), (8, 10.0))
 _LATE = (25.0,)
 _SLOW = (60.0, 150.0)
-#: Of the responses, how many are quick: at once, late, behind a dead time, with the first three lags, or both.
+#: Of the responses, how many are quick: at once, late, behind a dead time, with the first lags, or both.
 QUICK = 2 + len(_DEAD) + len(_FAST) + len(_BEHIND)
 _SUMMED = (0.0, 4.0, 25.0)
 
