@@ -4,12 +4,12 @@
 import csv
 import io
 import re
-import re
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
 from sklvalve.recording.errors import InputError
-from sklvalve.recording.historian.heading import Heading, find_heading, holds_values
+from sklvalve.recording.historian.heading import find_heading, holds_values
 from sklvalve.recording.historian.moments import looks_like_time
 from sklvalve.recording.historian.text import ExportText
 
