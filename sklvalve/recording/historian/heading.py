@@ -122,10 +122,9 @@ def _named(rows: Rows, time_column: str | None) -> int | None:
 
 def _first_row(rows: Rows, named: int | None) -> int | None:
     """First row of values under the names; without names the first of many in a row of one width."""
-    places = [place for place, (_, cells) in enumerate(rows[: _TOP + _UNDER]) if holds_values(cells)]
     if named is not None:
-        places = [place for place, (_, cells) in enumerate(rows) if place > named and holds_values(cells)]
-        return places[0] if places else None
+        return next((place for place in range(named + 1, len(rows)) if holds_values(rows[place][1])), None)
+    places = [place for place, (_, cells) in enumerate(rows[: _TOP + _UNDER]) if holds_values(cells)]
     for place in places:
         under = [cells for _, cells in rows[place : place + _UNDER]]
         alike = [cells for cells in under if holds_values(cells)]

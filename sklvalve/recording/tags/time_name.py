@@ -5,7 +5,7 @@ import re
 import unicodedata
 
 from sklvalve.recording.tags import words
-from sklvalve.recording.tags.unit_text import split_unit
+from sklvalve.recording.tags.unit_text import read_unit, split_unit
 
 _UNITS = {
     "s": "s", "sec": "s", "secs": "s", "second": "s", "seconds": "s", "sek": "s", "sekunden": "s",
@@ -36,6 +36,8 @@ def read_time_name(name: str) -> str | None:
     >>> read_time_name("FIC101.PV") is None
     True
     """
+    if read_unit(name) is not None:  # t/h
+        return None
     rest, unit = split_unit(name)
     small = unicodedata.normalize("NFKD", rest.casefold().translate({ord("ł"): "l"}))
     parts = re.findall(r"[a-z0-9]+", small.encode("ascii", "ignore").decode())
