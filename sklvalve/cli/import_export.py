@@ -6,6 +6,7 @@ from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
 from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.parser import column_name
 
 _EXAMPLES = """examples:
   sklvalve import export.csv --out recording.csv
@@ -31,7 +32,7 @@ def add_parser(commands) -> None:
     parser.add_argument("--out", required=True, metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
     parser.add_argument("--timezone", metavar="ZONE", help="of local times: Europe/Warsaw, or +01:00")
     parser.add_argument(
-        "--time-column", type=_name, metavar="NAME", help="column of the times (default: found out)"
+        "--time-column", type=column_name, metavar="NAME", help="column of the times (default: found out)"
     )
     parser.add_argument(
         "--skip-rows",
@@ -44,7 +45,7 @@ def add_parser(commands) -> None:
         "--header",
         type=_header,
         metavar="LINE",
-        help="line of the file, from 1, with the names of the columns; none if there is none (default: found out)",
+        help="line of the file, from 1, with the names of the columns, or none (default: found out)",
     )
     parser.add_argument(
         "--period", type=_positive, metavar="S", help="seconds between rows (default: from the stamps)"
@@ -160,12 +161,6 @@ def _numbered(out: Path, count: int) -> list[Path]:
     stem, suffix = _parted(out)
     digits = len(str(count))
     return [out.with_name(f"{stem}_{number:0{digits}d}{suffix}") for number in range(1, count + 1)]
-
-
-def _name(text: str) -> str:
-    if not text.strip():
-        raise ArgumentTypeError(f"expected the name of a column; got {text!r}")
-    return text
 
 
 def _lines(text: str) -> int:

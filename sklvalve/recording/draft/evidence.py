@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import spearmanr
 
 from sklvalve.recording.draft.columns import Column
 from sklvalve.recording.tags import is_documented
@@ -14,6 +13,8 @@ from sklvalve.recording.units import to_si
 # a correlation of ranks this strong leaves no doubt of the sense
 _CLEAR = 0.7
 _FEWEST = 20
+# a fraction of travel, overrange and all; above the second, numbers are percent beyond doubt
+_LARGEST_FRACTION, _DOUBTLESS = 1.1, 12.0
 # medians between which numbers without a unit are taken for one
 _KPA, _PA = 60.0, 2e4
 
@@ -34,10 +35,14 @@ def fraction_unit(column: Column) -> Told:
     named = column.unit.unit if column.unit else None
     if named in ("mm", "m"):
         return Told(named, "in the name")
+    if named not in (None, "%", "1"):
+        return Told(None, f"it is in {named}, by its name: a signal of what, or which share of travel?", False)
     if low < -30.0 or high > 130.0:
         return Told(None, f"{span} are neither percent nor a fraction: a raw count, another signal?", False)
-    if high > 1.5:
+    if high > _DOUBTLESS or (high > _LARGEST_FRACTION and named == "%"):
         return Told("%", f"{'in the name, and ' if named == '%' else ''}{span}")
+    if high > _LARGEST_FRACTION:
+        return Told("%", f"{span} are no fraction of travel: percent, or a voltage or current?", False)
     if high - low > 0.05 or named == "1":
         contrary = ", although the name says percent" if named == "%" else ""
         return Told("1", f"{span}{contrary}", named != "%")
@@ -60,7 +65,13 @@ def rank_correlation(one: NDArray[np.float64], other: NDArray[np.float64]) -> fl
     both = np.isfinite(one) & np.isfinite(other)
     if both.sum() < _FEWEST or not np.ptp(one[both]) > 0.0 or not np.ptp(other[both]) > 0.0:
         return None
-    return float(spearmanr(one[both], other[both]).statistic)
+    return float(np.corrcoef(_ranks(one[both]), _ranks(other[both]))[0, 1])
+
+
+def _ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ranks of values, the middle one of all places for those that are equal."""
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(count) - 0.5 * (count - 1.0))[place]
 
 
 def freed_flow(flow: Column, p1: Column | None, p2: Column | None) -> NDArray[np.float64]:

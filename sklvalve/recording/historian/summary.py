@@ -23,8 +23,7 @@ def summary(account: Mapping) -> str:
     notes = _assumed(account)
     if "runs" in account:
         parts += _runs(account)
-        noted = [note for run in account["runs"] for note in _noted(run)]
-        notes += list(dict.fromkeys(noted))
+        notes += _of_runs([_noted(run) for run in account["runs"]])
     else:
         parts += [_base(account["base"]), "", _table(account)]
         notes += _noted(account)
@@ -47,6 +46,18 @@ def _runs(account: Mapping) -> list[str]:
         called = f" ({run['recording']})" if "recording" in run else ""
         lines.append(f"Run {number}{called}, from line {run['line']}: {_base(run['base'])}")
     return lines
+
+
+def _of_runs(noted: list[list[str]]) -> list[str]:
+    """Notes of all runs, each with the numbers of those that it is about, where these are not all."""
+    where: dict[str, list[int]] = {}
+    for number, notes in enumerate(noted, start=1):
+        for note in notes:
+            where.setdefault(note, []).append(number)
+    return [
+        note if len(runs) == len(noted) else f"run {', '.join(map(str, runs))}: {note}"
+        for note, runs in where.items()
+    ]
 
 
 def _files(files: list[dict]) -> str:
