@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.draft.columns import Column
 from sklvalve.recording.tags import is_documented
-from sklvalve.recording.units import to_si
+from sklvalve.recording.units import quantity_of, to_si
 
 # a correlation of ranks this strong leaves no doubt of the sense
 _CLEAR = 0.7
@@ -86,9 +86,11 @@ def freed_flow(flow: Column, p1: Column | None, p2: Column | None) -> NDArray[np
 
 def pressure_unit(column: Column, largest: float, other: Column | None) -> Told:
     """Unit of a pressure: named, as the other pressure's, or by the size of the numbers."""
+    if _measures(column, "pressure"):
+        return Told(column.unit.unit, "in the name")  # type: ignore[union-attr]
     if column.unit is not None:
-        return Told(column.unit.unit, "in the name")
-    if other is not None and other.unit is not None:
+        return Told(None, f"it is in {column.unit.unit}, by its name: which pressure is that?", False)
+    if other is not None and _measures(other, "pressure"):
         return Told(other.unit.unit, f"as that of {other.name!r}: is it?", False)
     guess = "Pa" if largest >= _PA else "kPa" if largest >= _KPA else "bar"
     return Told(guess, f"no unit in the name; guessed from numbers around {largest:.4g}: correct it", False)
@@ -106,8 +108,14 @@ def gauge(column: Column, unit: str) -> Told:
 
 def temperature_unit(column: Column) -> Told:
     """Unit of a temperature: named, or by the size of the numbers."""
+    if _measures(column, "temperature"):
+        return Told(column.unit.unit, "in the name")  # type: ignore[union-attr]
     if column.unit is not None:
-        return Told(column.unit.unit, "in the name")
+        return Told(None, f"it is in {column.unit.unit}, by its name: which temperature is that?", False)
     middle = float(np.nanmedian(column.values))
     guess = "K" if 273.15 <= middle <= 400.0 else "degC"
     return Told(guess, f"no unit in the name; guessed from numbers around {middle:.4g}: correct it", False)
+
+
+def _measures(column: Column, quantity: str) -> bool:
+    return column.unit is not None and quantity_of(column.unit.unit) == quantity

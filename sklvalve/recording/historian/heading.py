@@ -59,9 +59,13 @@ def find_heading(file: Path, rows: Rows, *, header: int | None, time_column: str
     InputError
         If no row holds values, or the line that is asked for holds no names.
     """
-    asked = _asked(file, rows, header) if header else None
-    named = asked if asked is not None or header == 0 else _named(rows, time_column)
-    first = _first_row(rows, named)
+    if header is None:
+        named, column = _named(rows, time_column)
+    else:
+        named = _asked(file, rows, header) if header else None
+        names_of_time = [] if named is None else [_is_time(cell, time_column) for cell in rows[named][1]]
+        column = names_of_time.index(True) if True in names_of_time else None
+    first = _first_row(rows, named, column)
     if first is None:
         raise InputError(
             f"{file}: there is a header but no row with a time and a value under it; export again, or "
@@ -83,11 +87,13 @@ def find_heading(file: Path, rows: Rows, *, header: int | None, time_column: str
     return Heading(names, units, first, width, place, sure=named is not None)
 
 
-def holds_values(cells: list[str]) -> bool:
-    """Whether a line is a row of a time and values, or of values alone."""
+def holds_values(cells: list[str], column: int | None = None) -> bool:
+    """Whether a line is a row of a time, in the column where that is known, and values, or of values alone."""
     filled = [cell for cell in cells if cell]
     if len(filled) < 2 or any(_is_time(cell) for cell in filled):
         return False
+    if column is not None and column < len(cells) and looks_numeric(cells[column]):
+        return True
     return any(looks_like_time(cell) for cell in filled) or 2 * sum(map(looks_numeric, filled)) > len(filled)
 
 
@@ -101,8 +107,8 @@ def _asked(file: Path, rows: Rows, header: int) -> int:
     return place
 
 
-def _named(rows: Rows, time_column: str | None) -> int | None:
-    """First line with the name of a time, under which times stand."""
+def _named(rows: Rows, time_column: str | None) -> tuple[int | None, int | None]:
+    """First line with the name of a time, under which times stand, and the column of these."""
     for place, (_, cells) in enumerate(rows[:_TOP]):
         # a title may hold such a word as well, with a time beside it
         if any(looks_like_time(cell) or looks_like_clock(cell) for cell in cells):
@@ -116,14 +122,15 @@ def _named(rows: Rows, time_column: str | None) -> int | None:
             soon = any(column < len(row) and _may_be_time(row[column]) for _, row in under[:_BETWEEN])
             usual = sorted(sum(map(bool, row)) for row in hits)[len(hits) // 2] if hits else 0
             if soon and 2 * len(hits) >= len(under) and filled >= 2 and 2 * filled >= usual:
-                return place
-    return None
+                return place, column
+    return None, None
 
 
-def _first_row(rows: Rows, named: int | None) -> int | None:
+def _first_row(rows: Rows, named: int | None, column: int | None) -> int | None:
     """First row of values under the names; without names the first of many in a row of one width."""
     if named is not None:
-        return next((place for place in range(named + 1, len(rows)) if holds_values(rows[place][1])), None)
+        under = range(named + 1, len(rows))
+        return next((place for place in under if holds_values(rows[place][1], column)), None)
     places = [place for place, (_, cells) in enumerate(rows[: _TOP + _UNDER]) if holds_values(cells)]
     for place in places:
         under = [cells for _, cells in rows[place : place + _UNDER]]
