@@ -136,7 +136,8 @@ def _first_row(rows: Rows, named: int | None, column: int | None) -> int | None:
         under = [cells for _, cells in rows[place : place + _UNDER]]
         alike = [cells for cells in under if holds_values(cells)]
         usual = sorted(sum(map(bool, cells)) for cells in alike)[len(alike) // 2]
-        if 2 * len(alike) >= len(under) and 2 * sum(map(bool, under[0])) >= usual:
+        at_once = all(map(holds_values, under[:_BETWEEN]))
+        if at_once and 2 * len(alike) >= len(under) and 2 * sum(map(bool, under[0])) >= usual:
             return place
     return places[0] if places else None
 
