@@ -157,9 +157,15 @@ def _is_double(
 ) -> bool:
     """Whether what follows on one clock begins with rows that were there, as where two exports overlap."""
     places = {int(tick): place for place, tick in enumerate(ticks[:k])}
-    both = [(places[int(tick)], k + n) for n, tick in enumerate(ticks[k:]) if int(tick) in places]
-    same = sum(all(cells[rows[one]] == cells[rows[other]] for cells in columns) for one, other in both)
-    return 2 * same > len(both)
+    after = np.flatnonzero(ticks[k:] > ticks[:k].max())
+    shared = range(k, int(k + after[0]) if len(after) else len(ticks))
+    same = 0
+    for place in shared:
+        there = places.get(int(ticks[place]))
+        if there is not None:
+            same += all(cells[rows[there]] == cells[rows[place]] for cells in columns)
+    # at rest two runs may well hold a row in common
+    return 2 * same > len(shared)
 
 
 def _more_starts(
