@@ -55,9 +55,7 @@ def run(args: Namespace) -> int:
     from sklvalve.recording.reader import read_columns
 
     out = _target(args)
-    told = read_recording_columns(
-        read_columns(args.recording).columns, args.recording, args.time_column
-    )
+    told = read_recording_columns(read_columns(args.recording).columns, args.recording, args.time_column)
     _require_tag(args.tag, told)
     answers = Answers(tag=args.tag)
     # what is asked stands on standard output, where --json leaves room for nothing else

@@ -36,7 +36,9 @@ def fraction_unit(column: Column) -> Told:
     if named in ("mm", "m"):
         return Told(named, "in the name")
     if named not in (None, "%", "1"):
-        return Told(None, f"it is in {named}, by its name: a signal of what, or which share of travel?", False)
+        return Told(
+            None, f"it is in {named}, by its name: a signal of what, or which share of travel?", False
+        )
     if low < -30.0 or high > 130.0:
         return Told(None, f"{span} are neither percent nor a fraction: a raw count, another signal?", False)
     if high > _DOUBTLESS or (high > _LARGEST_FRACTION and named == "%"):
@@ -86,12 +88,14 @@ def freed_flow(flow: Column, p1: Column | None, p2: Column | None) -> NDArray[np
 
 def pressure_unit(column: Column, largest: float, other: Column | None) -> Told:
     """Unit of a pressure: named, as the other pressure's, or by the size of the numbers."""
-    if _measures(column, "pressure"):
-        return Told(column.unit.unit, "in the name")  # type: ignore[union-attr]
+    named = _named_unit(column, "pressure")
+    if named is not None:
+        return Told(named, "in the name")
     if column.unit is not None:
         return Told(None, f"it is in {column.unit.unit}, by its name: which pressure is that?", False)
-    if other is not None and _measures(other, "pressure"):
-        return Told(other.unit.unit, f"as that of {other.name!r}: is it?", False)
+    beside = None if other is None else _named_unit(other, "pressure")
+    if other is not None and beside is not None:
+        return Told(beside, f"as that of {other.name!r}: is it?", False)
     guess = "Pa" if largest >= _PA else "kPa" if largest >= _KPA else "bar"
     return Told(guess, f"no unit in the name; guessed from numbers around {largest:.4g}: correct it", False)
 
@@ -108,8 +112,9 @@ def gauge(column: Column, unit: str) -> Told:
 
 def temperature_unit(column: Column) -> Told:
     """Unit of a temperature: named, or by the size of the numbers."""
-    if _measures(column, "temperature"):
-        return Told(column.unit.unit, "in the name")  # type: ignore[union-attr]
+    named = _named_unit(column, "temperature")
+    if named is not None:
+        return Told(named, "in the name")
     if column.unit is not None:
         return Told(None, f"it is in {column.unit.unit}, by its name: which temperature is that?", False)
     middle = float(np.nanmedian(column.values))
@@ -117,5 +122,7 @@ def temperature_unit(column: Column) -> Told:
     return Told(guess, f"no unit in the name; guessed from numbers around {middle:.4g}: correct it", False)
 
 
-def _measures(column: Column, quantity: str) -> bool:
-    return column.unit is not None and quantity_of(column.unit.unit) == quantity
+def _named_unit(column: Column, quantity: str) -> str | None:
+    """Unit in the name of a column, where it is one of this quantity."""
+    unit = column.unit.unit if column.unit is not None else None
+    return unit if unit is not None and quantity_of(unit) == quantity else None

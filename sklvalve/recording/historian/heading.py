@@ -88,7 +88,7 @@ def find_heading(file: Path, rows: Rows, *, header: int | None, time_column: str
 
 
 def holds_values(cells: list[str], column: int | None = None) -> bool:
-    """Whether a line is a row of a time, in the column where that is known, and values, or of values alone."""
+    """Whether a line is a row of a time, in its column where that is known, and values, or of values."""
     filled = [cell for cell in cells if cell]
     if len(filled) < 2 or any(_is_time(cell) for cell in filled):
         return False
@@ -129,14 +129,14 @@ def _named(rows: Rows, time_column: str | None) -> tuple[int | None, int | None]
 def _first_row(rows: Rows, named: int | None, column: int | None) -> int | None:
     """First row of values under the names; without names the first of many in a row of one width."""
     if named is not None:
-        under = range(named + 1, len(rows))
-        return next((place for place in under if holds_values(rows[place][1], column)), None)
+        below = range(named + 1, len(rows))
+        return next((place for place in below if holds_values(rows[place][1], column)), None)
     places = [place for place, (_, cells) in enumerate(rows[: _TOP + _UNDER]) if holds_values(cells)]
     for place in places:
         under = [cells for _, cells in rows[place : place + _UNDER]]
         alike = [cells for cells in under if holds_values(cells)]
         usual = sorted(sum(map(bool, cells)) for cells in alike)[len(alike) // 2]
-        at_once = all(map(holds_values, under[:_BETWEEN]))
+        at_once = all(holds_values(cells) for cells in under[:_BETWEEN])
         if at_once and 2 * len(alike) >= len(under) and 2 * sum(map(bool, under[0])) >= usual:
             return place
     return places[0] if places else None

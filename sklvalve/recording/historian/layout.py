@@ -93,7 +93,8 @@ def read_layout(table: Table, time_column: str | None = None) -> Layout:
     """
     plain = [_plain(name) for name in table.names]
     headed = any(plain)
-    times = _time_columns(table) if time_column is None else [(_asked(table, time_column),)]
+    times: list[tuple[int, ...]] = [] if time_column is None else [(_asked(table, time_column),)]
+    times = times or _time_columns(table)
     if not times:
         known = f" (columns: {', '.join(table.names)})" if headed else ""
         raise InputError(

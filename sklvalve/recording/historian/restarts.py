@@ -102,7 +102,7 @@ def restarts(ticks: NDArray[np.int64], *, local: bool) -> list[int]:
     usual = float(np.median(steps[steps > 0]))
     back = np.flatnonzero(steps < 0) + 1
     if local:
-        back = np.array([k for k in back if not _set_back(forward, k, back)], dtype=np.intp)
+        back = np.array([k for k in back if not _set_back(forward, int(k), back)], dtype=np.intp)
     starts: list[int] = []
     begin, latest = 0, forward[0] if len(forward) else 0
     passed = 0
@@ -122,9 +122,7 @@ def restarts(ticks: NDArray[np.int64], *, local: bool) -> list[int]:
     return starts
 
 
-def _is_run(
-    ticks: NDArray[np.int64], begin: int, k: int, end: int, latest: int, usual: float
-) -> bool:
+def _is_run(ticks: NDArray[np.int64], begin: int, k: int, end: int, latest: int, usual: float) -> bool:
     """Whether the rows from `k` on are another run; those up to `end` are not later than what came before."""
     behind = end - k
     whole = end == len(ticks)

@@ -74,8 +74,8 @@ def read_name(name: str, unit: str = "") -> NameReading:
     """
     rest, inside = split_unit(name)
     if is_documented(name):
-        role = words.DAMADICS[rest.casefold()]
-        return NameReading(role, True, "a name of the DAMADICS benchmark", _loop(rest))
+        documented = words.DAMADICS[rest.casefold()]
+        return NameReading(documented, True, "a name of the DAMADICS benchmark", _loop(rest))
     rest = without_path(rest)
     loop = _loop(rest)
     tokens = _tokens(rest)

@@ -24,15 +24,17 @@ ENDINGS = (
     "CV", "X", ".OUT", " temperature", " level", ".TI", ".AUTO", " speed",
 )  # fmt: skip
 UNITS = (
-    "", " [%]", " [1]", " [degF]", " (°C)", " [K]", " [bar]", " [kPa(g)]", " psig", " [m3/h]", " [t/h]", "_gpm",
-    " [mm]", " [m]", " [Nm3/h]", " [mA]", " [s]", " [cmH2O]", " deg F",
+    "", " [%]", " [1]", " [degF]", " (°C)", " [K]", " [bar]", " [kPa(g)]", " psig", " [m3/h]", " [t/h]",
+    "_gpm", " [mm]", " [m]", " [Nm3/h]", " [mA]", " [s]", " [cmH2O]", " deg F",
 )  # fmt: skip
 
 
 @st.composite
 def _values(draw):
     """Values of a column: a course, or a rest, anywhere from a trifle to far beyond a plant; some missing."""
-    middle = draw(st.sampled_from([0.0, 0.4, 1.28, 12.0, 50.0, 67.0, 300.0, 8e5, -40.0, 27648.0, 1e13, -1e-4]))
+    middle = draw(
+        st.sampled_from([0.0, 0.4, 1.28, 12.0, 50.0, 67.0, 300.0, 8e5, -40.0, 27648.0, 1e13, -1e-4])
+    )
     span = draw(st.sampled_from([0.0, 0.05, 0.3, 1.0, 40.0, 5000.0]))
     values = middle + span * COURSE * draw(st.sampled_from([1.0, -1.0]))
     if draw(st.booleans()):

@@ -31,7 +31,7 @@ PREAMBLES = {
         UNITED,
     ),
     "descriptions, units and a line": (
-        "Plant A\n\n" + NAMES + "Date and time,controller output,flow,mode\n-,%,m3/h,-\n----,----,----,----\n",
+        "Plant A\n\n" + NAMES + "Date and time,output,flow,mode\n-,%,m3/h,-\n----,----,----,----\n",
         UNITED,
     ),
     "comments": ("# exported by hand\n# rows: 60\n#\n" + NAMES, PLAIN),
@@ -128,7 +128,7 @@ def test_no_line_of_names_as_asked(made):
     ("settings", "words"),
     [
         ({"skip_rows": 1000}, "--skip-rows 1000: .*export.csv has 61 lines; leave out fewer"),
-        ({"header": 99}, "--header 99: line 99 of .*export.csv is blank, skipped or not there; give the line"),
+        ({"header": 99}, "--header 99: line 99 of .*export.csv is blank, skipped or not there"),
         ({"header": 2, "skip_rows": 5}, "--header 2: the names must stand below the 5 lines"),
         ({"header": 61}, "there is a header but no row with a time and a value under it"),
     ],

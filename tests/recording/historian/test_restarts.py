@@ -119,9 +119,7 @@ def test_runs_in_long_format(made, turn_by_turn):
     rows = []
     for tag in ("FIC1.PV", "FIC1.OP"):
         for run in range(2):
-            rows += [
-                (run, 5 * k, f"{tag};{5 * k};{value + run:.2f};Good") for k, value in enumerate(VALUES)
-            ]
+            rows += [(run, 5 * k, f"{tag};{5 * k};{value + run:.2f};Good") for k, value in enumerate(VALUES)]
     if turn_by_turn:
         rows.sort(key=lambda row: row[:2])
     text = "\n".join(["Tag;Time;Value;Quality", *(row for *_, row in rows)])
