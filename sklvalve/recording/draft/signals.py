@@ -94,7 +94,7 @@ def write_open_pressure(sheet: Sheet, column: Column) -> None:
     question = f"does {column.shown} stand before the valve (p1) or behind it (p2)?"
     sheet.section("recording.p1", open_question=question)
     sheet.known("column", column.name, column.reading.why)
-    sheet.known("unit", unit.value, unit.why)
+    sheet.known("unit", unit.value or "kPa", unit.why)
     sheet.open("gauge", True, "is it above the atmosphere?")
 
 

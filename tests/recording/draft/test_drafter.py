@@ -87,6 +87,22 @@ def test_a_command_around_1_3_is_no_fraction(name):
     assert any("are no fraction of travel" in item for item in draft.to_fill_in)
 
 
+def test_ranks_as_scipy_has_them():
+    from scipy.stats import spearmanr
+
+    from sklvalve.recording.draft.evidence import rank_correlation
+
+    rng = np.random.default_rng(5)
+    one, other = rng.integers(0, 9, 200).astype(float), rng.normal(size=200)
+    other += 0.3 * one
+    gone = other.copy()
+    gone[::7] = np.nan
+    known = np.isfinite(gone)
+    assert rank_correlation(one, other) == pytest.approx(spearmanr(one, other).statistic, abs=1e-12)
+    assert rank_correlation(one, gone) == pytest.approx(spearmanr(one[known], gone[known]).statistic)
+    assert rank_correlation(one, np.ones(200)) is None
+
+
 @pytest.mark.parametrize(("top", "unit"), [(1.05, "1"), (1.2, "%")])
 def test_overrange_of_a_fraction(top, unit):
     _, valve = _drafted(_columns(OP=top * TRAVEL / TRAVEL.max(), F=TRAVEL))
