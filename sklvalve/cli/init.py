@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.known import SHEET
+from sklvalve.cli.parser import column_name
 
 if TYPE_CHECKING:
     from sklvalve.recording.draft import Draft, RecordingColumns
@@ -35,6 +36,9 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--tag", metavar="TAG", help="of the valve; needed where the recording holds several valves"
     )
+    parser.add_argument(
+        "--time-column", type=column_name, metavar="NAME", help="column of the times (default: found out)"
+    )
     parser.add_argument("--yes", action="store_true", help="ask nothing, take what is likeliest")
     parser.add_argument(
         "--force", action="store_true", help="replace a draft, or a valve.toml, that is there"
@@ -51,7 +55,7 @@ def run(args: Namespace) -> int:
     from sklvalve.recording.reader import read_columns
 
     out = _target(args)
-    told = read_recording_columns(read_columns(args.recording).columns, args.recording)
+    told = read_recording_columns(read_columns(args.recording).columns, args.recording, args.time_column)
     _require_tag(args.tag, told)
     answers = Answers(tag=args.tag)
     # what is asked stands on standard output, where --json leaves room for nothing else
@@ -101,8 +105,8 @@ def _refusal(draft: "Draft", recording: str, out: Path) -> str | None:
     """Why the recording could not be diagnosed with this draft; None where it could."""
     import tomllib
 
-    from sklvalve.mismatch.loop import is_loop
     from sklvalve.recording import InputError, Valve, read_recording, require_diagnosable
+    from sklvalve.recording.diagnosable import is_loop
 
     try:
         read = read_recording(recording, Valve.from_dict(tomllib.loads(draft.text), source=str(out)))

@@ -48,3 +48,10 @@ def folder(text: str) -> str:
     if not text.strip():
         raise ArgumentTypeError(f"expected the name of a folder, . for the current one; got {text!r}")
     return text
+
+
+def column_name(text: str) -> str:
+    """Name of a column; an empty one, as from a variable never set, names none."""
+    if not text.strip():
+        raise ArgumentTypeError(f"expected the name of a column; got {text!r}")
+    return text

@@ -44,10 +44,7 @@ class Staging:
             base = next(path for path in (self.folder, *self.folder.absolute().parents) if path.exists())
             if not base.is_dir():
                 raise InputError(f"{self.called} {self.folder}: {base} is a file; name a folder")
-            for name in self.names:
-                target = self.folder / name
-                if (target.exists() or target.is_symlink()) and not target.is_file():
-                    raise InputError(f"{target}: this is no plain file and cannot be replaced; name another")
+            self._require_plain(self.names)
             self._made = Path(tempfile.mkdtemp(prefix=".sklvalve-", dir=base))
         except OSError as error:
             raise self._unwritable(error) from None
@@ -60,6 +57,13 @@ class Staging:
             shutil.rmtree(self._made, ignore_errors=True)
         if isinstance(error, OSError) and not isinstance(error, BrokenPipeError):
             raise self._unwritable(error) from None
+
+    def instead(self, old: str, names: Iterable[str]) -> None:
+        """Make files of these names in the place of one; an earlier result of that name goes with it."""
+        several = tuple(names)
+        self._require_plain(several)
+        self.names = tuple(name for name in self.names if name != old) + several
+        self.drop(old)
 
     def path(self, name: str) -> Path:
         """Where to write a result for now."""
@@ -81,6 +85,12 @@ class Staging:
             for target in self._dropped:
                 target.unlink(missing_ok=True)
         return written
+
+    def _require_plain(self, names: Iterable[str]) -> None:
+        for name in names:
+            target = self.folder / name
+            if (target.exists() or target.is_symlink()) and not target.is_file():
+                raise InputError(f"{target}: this is no plain file and cannot be replaced; name another")
 
     def _unwritable(self, error: OSError) -> InputError:
         reason = error.strerror or str(error)

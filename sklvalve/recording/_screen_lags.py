@@ -5,9 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.fft import irfft, next_fast_len, rfft
-from scipy.linalg import LinAlgError, solve, toeplitz
-from scipy.signal import lfilter
 
 Values = NDArray[np.float64]
 
@@ -80,14 +77,20 @@ class Sums:
 
     def solved(self) -> Values | None:
         """Answers over all lags, cause by cause; None where they cannot be told."""
+        # SciPy at first use: what drafts a valve.toml reads recordings without it
+        from scipy.linalg import solve
+
         try:
             return solve(self.normal + np.diag(_RIDGE * np.diag(self.normal)), self.right, assume_a="pos")
-        except LinAlgError:
+        except np.linalg.LinAlgError:
             return None
 
 
 def sums_of(answer: Values, causes: list[Values], usable: NDArray[np.bool_], longest: int) -> Sums | None:
     """Sums of products over lags from -longest to longest; None for too few rows, or where nothing moves."""
+    from scipy.fft import irfft, next_fast_len, rfft
+    from scipy.linalg import toeplitz
+
     width = 2 * longest + 1
     if usable.sum() < 2 * width * len(causes):
         return None
@@ -136,6 +139,8 @@ def _lag(response: Values, longest: int, told: float) -> Lag:
 
 def quick(values: Values) -> Values:
     """What a signal does within some twenty rows."""
+    from scipy.signal import lfilter
+
     return lfilter([1.0, -1.0], [1.0, -_POLE], values - values[0])
 
 

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_toeplitz
-from scipy.signal import lfilter
 
 from sklvalve.recording._screen_lags import Sums, Values, quick, rising_curve, slow, sums_of
 
@@ -82,6 +80,9 @@ def _evidence(
     answer: Values, causes: list[Values], usable: NDArray[np.bool_], longest: int, course: Values
 ) -> Values:
     """Gain in log likelihood by the last cause at each lag, all lags of the others fitted beside it."""
+    # SciPy at first use: what drafts a valve.toml reads recordings without it
+    from scipy.signal import lfilter
+
     width = 2 * longest + 1
     none = np.zeros(width)
     sums = sums_of(answer, causes, usable, longest)
@@ -95,7 +96,7 @@ def _evidence(
         return none
     try:
         normal, right, power = _beside(sums, width)
-    except LinAlgError:
+    except np.linalg.LinAlgError:
         return none
     gain = none.copy()
     for place in range(width):
@@ -110,6 +111,8 @@ def _evidence(
 
 def _beside(sums: Sums, width: int) -> tuple[Values, Values, float]:
     """Normal equations of the last cause, after all that the others explain."""
+    from scipy.linalg import cho_factor, cho_solve
+
     others = len(sums.right) - width
     normal = sums.normal + 1e-3 * np.diag(np.diag(sums.normal))
     if not others:
@@ -131,6 +134,8 @@ def _left(answer: Values, causes: list[Values], response: Values, longest: int) 
 
 def _whitener(noise: Values, usable: NDArray[np.bool_]) -> Values:
     """Filter that makes such noise white, by its autoregression; outliers cut."""
+    from scipy.linalg import solve_toeplitz
+
     noise = np.where(usable, noise, 0.0)
     noise = np.clip(noise, -6.0 * noise.std(), 6.0 * noise.std())
     rows = len(noise)

@@ -69,6 +69,25 @@ def require_diagnosable(recording: Recording) -> None:
                 break
 
 
+def is_loop(recording: Recording) -> bool:
+    """Whether a recording is a loop known by command and value only.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    loop : bool
+        True with a command and a flow or another process value, and neither opening, nor pressures at the
+        valve, nor a simulation's columns.
+    """
+    more = {"opening", "p1", "p2", "actuator_pressure", "simulated_flow", "simulated_opening"}
+    held = set(recording.signals)
+    loop = "command" in held and ("process_value" in held or "flow" in held)
+    return loop and not held & more
+
+
 def require_rows(recording: Recording, more: str = "") -> None:
     """Refuse a recording that is too short to be diagnosed, whatever it holds.
 

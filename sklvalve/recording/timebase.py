@@ -159,12 +159,11 @@ def _require_rising(base: TimeBase, where: str) -> None:
     before, after = _shown(base.stamps[row - 1]), _shown(base.stamps[row])
     if step[bad[0]] == 0.0:
         raise InputError(f"{where}, row {row + 1}: time {after} stands twice; keep one row for each time")
-    more = ""
+    # where runs stand one behind the other, sorted rows would mix them
+    mend = "sort the rows by time, or part runs put one behind the other by sklvalve import"
     if isinstance(base.stamps[0], str) and step[bad[0]] >= -3600.0:
-        more = ", or write the offset from UTC if the clocks were changed"
-    raise InputError(
-        f"{where}, row {row + 1}: time {after} comes after {before}; sort the rows by time{more}"
-    )
+        mend = "sort the rows by time, or write the offset from UTC if the clocks were changed"
+    raise InputError(f"{where}, row {row + 1}: time {after} comes after {before}; {mend}")
 
 
 def _shown(stamp: object) -> str:

@@ -102,6 +102,37 @@ def test_uncertain_values_are_kept_when_asked(folder, capsys):
         assert account["base"]["rows"] == 200 - missing
 
 
+def test_runs_one_behind_the_other_become_recordings(folder, capsys):
+    rows = [[f"{10 * (row % 50)}" for row in range(200)], [VALUES, 3.0 * VALUES]]
+    (folder / "export.csv").write_text(wide_text(["FIC1.PV [m3/h]", "FIC1.OP [%]"], *rows))
+    (folder / "recording.csv").write_text("of an earlier import")
+    assert main(["import", "export.csv", "--out", "recording.csv"]) == 0
+    shown = capsys.readouterr().out
+    for words in (
+        "The clock starts again 3 times: 4 runs, each a recording of its own.",
+        "Run 2 (recording_2.csv), from line 52: 50 rows from 0.0 to 490.0, every 10 s",
+        "Written: recording_1.csv to recording_4.csv, recording.import.json",
+        "Next: sklvalve init recording_1.csv",
+    ):
+        assert words in shown
+    names = [f"recording_{number}.csv" for number in range(1, 5)]
+    assert sorted(os.listdir(".")) == sorted(["export.csv", "recording.import.json", *names])
+    account = json.loads((folder / "recording.import.json").read_text())
+    assert [run["recording"] for run in account["runs"]] == names
+    assert main(["init", names[0], "--yes"]) == 0
+    for number, name in enumerate(names):
+        recording = read_recording(folder / name, folder / "valve.toml")
+        np.testing.assert_allclose(recording["flow"], VALUES[50 * number :][:50] / 3600.0)
+
+
+def test_what_is_asked_of_the_lines_and_the_times(folder):
+    text = wide_text(["stamp", "FIC1.PV"], iso(TIMES), [10.0 * np.arange(200), VALUES])
+    (folder / "export.csv").write_text("A title\n\n" + text)
+    asked = ["--skip-rows", "2", "--header", "3", "--time-column", "stamp"]
+    assert main(["import", "export.csv", "--out", "recording.csv", *asked]) == 0
+    assert (folder / "recording.csv").read_text().splitlines()[1] == f"0,{VALUES[0]:g}"
+
+
 def test_interruption_leaves_nothing(folder, monkeypatch, capsys):
     def interrupted(path, stamps, columns):
         path.write_text("half")

@@ -89,6 +89,32 @@ EXPORTS = {
     ),
     "period nought": (WIDE, ["--period", "0"], "expected a number above 0; got '0'"),
     "period of words": (WIDE, ["--period", "10s"], "expected a number above 0; got '10s'"),
+    "no time column of that name": (
+        WIDE,
+        ["--time-column", "tme"],
+        "--time-column tme: export.csv has no such column; did you mean 'time'?",
+    ),
+    "time column without a name": (WIDE, ["--time-column", ""], "expected the name of a column; got ''"),
+    "time column of values": (
+        WIDE,
+        ["--time-column", "FIC1.PV", "--timezone", "UTC"],
+        "are seconds from a start, which no zone changes; leave it out",
+    ),
+    "lines left out below nought": (
+        WIDE,
+        ["--skip-rows", "-1"],
+        "expected a number of lines, 0 or more; got '-1'",
+    ),
+    "lines left out of words": (WIDE, ["--skip-rows", "two"], "expected a number of lines, 0 or more; got"),
+    "all lines left out": (WIDE, ["--skip-rows", "61"], "--skip-rows 61: export.csv has 61 lines; leave out"),
+    "names above the first line": (WIDE, ["--header", "0"], "expected the number of a line, 1 or more, or"),
+    "names in no line": (WIDE, ["--header", "first"], "expected the number of a line, 1 or more, or none"),
+    "names below the end": (WIDE, ["--header", "99"], "--header 99: line 99 of export.csv is blank, skipped"),
+    "names in a line left out": (
+        WIDE,
+        ["--header", "2", "--skip-rows", "3"],
+        "--header 2: the names must stand below the 3 lines that are left out",
+    ),
     "gap nought": (WIDE, ["--gap", "nan"], "expected a number above 0"),
     "workbook out": (WIDE, ["--out", "recording.xlsx"], "name the recording .csv, .csv.gz or .parquet"),
     "out is the export": (WIDE, ["--out", "./export.csv"], "this is the export itself"),
@@ -127,6 +153,25 @@ def test_files_that_do_not_belong_together(folder, capsys, other, words):
     (folder / "export.csv").write_text(WIDE.replace("FIC1.PV", "FIC1.PV [m3/h]"))
     (folder / "other.csv").write_text(other)
     refused(["import", "export.csv", "other.csv", "--out", "r.csv"], words, capsys)
+
+
+def test_runs_whose_files_cannot_be_written(folder, capsys):
+    (folder / "export.csv").write_text(wide_text(["F"], [str(row % 30) for row in range(60)], [VALUES]))
+    (folder / "r_2.csv").mkdir()
+    refused(["import", "export.csv", "--out", "r.csv"], "r_2.csv: this is no plain file", capsys)
+    (folder / "r_2.csv").rmdir()
+    (folder / "export.csv").rename(folder / "r_1.csv")
+    refused(["import", "r_1.csv", "--out", "r.csv"], "--out r_1.csv: this is the export itself", capsys)
+
+
+def test_runs_in_one_of_two_files(folder, capsys):
+    (folder / "a.csv").write_text(wide_text(["F"], [str(row % 30) for row in range(60)], [VALUES]))
+    (folder / "b.csv").write_text(wide_text(["G"], [str(row) for row in range(60)], [VALUES]))
+    refused(
+        ["import", "a.csv", "b.csv", "--out", "r.csv"],
+        "a.csv, line 32: the clock starts again, so this file holds 2 runs; import it by itself",
+        capsys,
+    )
 
 
 def test_seconds_that_begin_anew(folder, capsys):

@@ -4,6 +4,7 @@
 import io
 import os
 import shlex
+import subprocess
 import sys
 
 import numpy as np
@@ -64,6 +65,25 @@ def test_what_is_missing_for_a_diagnosis_is_said(draft, capsys):
     assert shown.splitlines()[-1].startswith("Then: sklvalve diagnose recording.csv")
 
 
+def test_column_of_the_times_as_asked(draft):
+    _recording(draft, OP=TRAVEL, PV=0.3 * TRAVEL, clock=10.0 * np.arange(200.0))
+    assert main([*INIT, "--time-column", "clock"]) == 0
+    assert read_valve("valve.toml").time == "clock"
+
+
+def test_nothing_heavy_is_loaded(draft):
+    """What takes longest to load, statistics and all that diagnoses, is not needed for a draft."""
+    _recording(draft, OP=TRAVEL, PV=0.3 * TRAVEL, **{"P1 [bar]": np.full(200, 8.0)})
+    heavy = ("scipy.stats", "scipy.signal", "scipy.optimize", "sklearn", "numba", "sklvalve.mismatch")
+    code = (
+        "import sys; from sklvalve.cli import main; status = main(['init', 'recording.csv', '--yes']);"
+        f"print('loaded:', [name for name in {heavy} if name in sys.modules]); sys.exit(status)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.splitlines()[-1] == "loaded: []"
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -73,6 +93,8 @@ def test_what_is_missing_for_a_diagnosis_is_said(draft, capsys):
         ([*INIT, "--out", "valve.json"], "the draft is TOML; name the file .toml"),
         ([*INIT, "--tag", "FIC9"], "--tag FIC9: no column of recording.csv has it in its name"),
         ([*INIT, "--out", "recording.csv/v.toml"], "is a file"),
+        ([*INIT, "--time-column", "clok"], "--time-column clok: recording.csv has no such column"),
+        ([*INIT, "--time-column", " "], "expected the name of a column; got ' '"),
     ],
 )
 def test_bad_arguments(draft, capsys, arguments, words):

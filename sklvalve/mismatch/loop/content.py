@@ -5,25 +5,6 @@ import sklvalve
 from sklvalve.recording.signal import ROLES
 
 
-def is_loop(recording):
-    """Whether a recording is a loop known by command and value only.
-
-    Parameters
-    ----------
-    recording : Recording
-
-    Returns
-    -------
-    loop : bool
-        True with a command and a flow or another process value, and neither opening, nor pressures at the
-        valve, nor a simulation's columns.
-    """
-    more = {"opening", "p1", "p2", "actuator_pressure", "simulated_flow", "simulated_opening"}
-    held = set(recording.signals)
-    loop = "command" in held and ("process_value" in held or "flow" in held)
-    return loop and not held & more
-
-
 def loop_content(finding, recording, *, data=(), random_state=0):
     """Plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``.
 

@@ -8,8 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.recording.columns import to_numbers
-from sklvalve.recording.errors import InputError
-from sklvalve.recording.tags import NameReading, UnitReading, read_name, read_unit, split_unit, words
+from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.tags import (
+    NameReading,
+    UnitReading,
+    read_name,
+    read_time_name,
+    read_unit,
+    split_unit,
+)
 from sklvalve.recording.timebase import read_time
 
 
@@ -58,7 +65,9 @@ class RecordingColumns:
         return next(column for column in self.columns if column.name == name)
 
 
-def read_recording_columns(columns: Mapping[str, NDArray], source: str) -> RecordingColumns:
+def read_recording_columns(
+    columns: Mapping[str, NDArray], source: str, time_column: str | None = None
+) -> RecordingColumns:
     """Tell the time column from the signals.
 
     Parameters
@@ -67,6 +76,8 @@ def read_recording_columns(columns: Mapping[str, NDArray], source: str) -> Recor
         As read from a file.
     source : str
         For messages.
+    time_column : str or None, default=None
+        Name of the column of the times; None finds it.
 
     Returns
     -------
@@ -75,9 +86,9 @@ def read_recording_columns(columns: Mapping[str, NDArray], source: str) -> Recor
     Raises
     ------
     InputError
-        If no column holds rising times, or none numbers.
+        If no column holds rising times, or not the one that is named, or none numbers.
     """
-    time = _time_column(columns, source)
+    time = _time_column(columns, source) if time_column is None else _asked(columns, source, time_column)
     numbers, others = [], []
     for name, cells in columns.items():
         if name == time or not name:
@@ -96,16 +107,35 @@ def read_recording_columns(columns: Mapping[str, NDArray], source: str) -> Recor
     return RecordingColumns(source, time, tuple(numbers), tuple(others))
 
 
+def _asked(columns: Mapping[str, NDArray], source: str, name: str) -> str:
+    """The column that is named as that of the times."""
+    found = next((each for each in columns if each.casefold() == name.strip().casefold()), None)
+    if found is None:
+        raise InputError(f"--time-column {name}: {source} has no such column; {hint(name, columns)}")
+    read_time(columns[found], f"{source}: column {found!r} (time)")
+    return found
+
+
 def _time_column(columns: Mapping[str, NDArray], source: str) -> str:
-    named = [name for name in columns if split_unit(name)[0].casefold() in {*words.TIME, "t_s"}]
+    units = {name: read_time_name(name) for name in columns}
+    # T may be a temperature, and data the dates: whatever is named most plainly goes first
+    named = sorted(
+        (name for name, unit in units.items() if unit is not None),
+        key=lambda name: not name.casefold().startswith(("time", "date")),
+    )
     first = next(iter(columns))
     refusals = []
     for name in dict.fromkeys([*named, first]):
         try:
-            read_time(columns[name], f"{source}: column {name!r} (time)")
+            base = read_time(columns[name], f"{source}: column {name!r} (time)")
         except InputError as error:
             refusals.append(error)
             continue
+        if units[name] not in (None, "", "s") and base.stamps.dtype.kind in "fiu":
+            raise InputError(
+                f"{source}: column {name!r} does not count seconds, by its name, and a recording does; make "
+                "it one by sklvalve import"
+            )
         return name
     if named:
         raise refusals[0]

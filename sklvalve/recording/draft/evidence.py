@@ -5,15 +5,16 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import spearmanr
 
 from sklvalve.recording.draft.columns import Column
 from sklvalve.recording.tags import is_documented
-from sklvalve.recording.units import to_si
+from sklvalve.recording.units import quantity_of, to_si
 
 # a correlation of ranks this strong leaves no doubt of the sense
 _CLEAR = 0.7
 _FEWEST = 20
+# a fraction of travel, overrange and all; above the second, numbers are percent beyond doubt
+_LARGEST_FRACTION, _DOUBTLESS = 1.1, 12.0
 # medians between which numbers without a unit are taken for one
 _KPA, _PA = 60.0, 2e4
 
@@ -34,10 +35,16 @@ def fraction_unit(column: Column) -> Told:
     named = column.unit.unit if column.unit else None
     if named in ("mm", "m"):
         return Told(named, "in the name")
+    if named not in (None, "%", "1"):
+        return Told(
+            None, f"it is in {named}, by its name: a signal of what, or which share of travel?", False
+        )
     if low < -30.0 or high > 130.0:
         return Told(None, f"{span} are neither percent nor a fraction: a raw count, another signal?", False)
-    if high > 1.5:
+    if high > _DOUBTLESS or (high > _LARGEST_FRACTION and named == "%"):
         return Told("%", f"{'in the name, and ' if named == '%' else ''}{span}")
+    if high > _LARGEST_FRACTION:
+        return Told("%", f"{span} are no fraction of travel: percent, or a voltage or current?", False)
     if high - low > 0.05 or named == "1":
         contrary = ", although the name says percent" if named == "%" else ""
         return Told("1", f"{span}{contrary}", named != "%")
@@ -60,7 +67,13 @@ def rank_correlation(one: NDArray[np.float64], other: NDArray[np.float64]) -> fl
     both = np.isfinite(one) & np.isfinite(other)
     if both.sum() < _FEWEST or not np.ptp(one[both]) > 0.0 or not np.ptp(other[both]) > 0.0:
         return None
-    return float(spearmanr(one[both], other[both]).statistic)
+    return float(np.corrcoef(_ranks(one[both]), _ranks(other[both]))[0, 1])
+
+
+def _ranks(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ranks of values, the middle one of all places for those that are equal."""
+    _, place, count = np.unique(values, return_inverse=True, return_counts=True)
+    return (np.cumsum(count) - 0.5 * (count - 1.0))[place]
 
 
 def freed_flow(flow: Column, p1: Column | None, p2: Column | None) -> NDArray[np.float64]:
@@ -75,10 +88,14 @@ def freed_flow(flow: Column, p1: Column | None, p2: Column | None) -> NDArray[np
 
 def pressure_unit(column: Column, largest: float, other: Column | None) -> Told:
     """Unit of a pressure: named, as the other pressure's, or by the size of the numbers."""
+    named = _named_unit(column, "pressure")
+    if named is not None:
+        return Told(named, "in the name")
     if column.unit is not None:
-        return Told(column.unit.unit, "in the name")
-    if other is not None and other.unit is not None:
-        return Told(other.unit.unit, f"as that of {other.name!r}: is it?", False)
+        return Told(None, f"it is in {column.unit.unit}, by its name: which pressure is that?", False)
+    beside = None if other is None else _named_unit(other, "pressure")
+    if other is not None and beside is not None:
+        return Told(beside, f"as that of {other.name!r}: is it?", False)
     guess = "Pa" if largest >= _PA else "kPa" if largest >= _KPA else "bar"
     return Told(guess, f"no unit in the name; guessed from numbers around {largest:.4g}: correct it", False)
 
@@ -95,8 +112,17 @@ def gauge(column: Column, unit: str) -> Told:
 
 def temperature_unit(column: Column) -> Told:
     """Unit of a temperature: named, or by the size of the numbers."""
+    named = _named_unit(column, "temperature")
+    if named is not None:
+        return Told(named, "in the name")
     if column.unit is not None:
-        return Told(column.unit.unit, "in the name")
+        return Told(None, f"it is in {column.unit.unit}, by its name: which temperature is that?", False)
     middle = float(np.nanmedian(column.values))
     guess = "K" if 273.15 <= middle <= 400.0 else "degC"
     return Told(guess, f"no unit in the name; guessed from numbers around {middle:.4g}: correct it", False)
+
+
+def _named_unit(column: Column, quantity: str) -> str | None:
+    """Unit in the name of a column, where it is one of this quantity."""
+    unit = column.unit.unit if column.unit is not None else None
+    return unit if unit is not None and quantity_of(unit) == quantity else None

@@ -5,13 +5,16 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from sklvalve.recording._assembly import assemble
 from sklvalve.recording.draft import evidence
 from sklvalve.recording.draft.columns import Column
 from sklvalve.recording.draft.evidence import Told
 from sklvalve.recording.draft.roles import Assignment
 from sklvalve.recording.draft.sheet import Sheet
+from sklvalve.recording.errors import InputError
 from sklvalve.recording.signal import OPENING_ROLES, ROLES
 from sklvalve.recording.units import UNITS, quantity_of, to_si
+from sklvalve.recording.valve import Valve
 
 _FLOW_ROLES = ("flow", "simulated_flow")
 _FLOW_UNIT = "m3/h"
@@ -59,11 +62,21 @@ def write_signals(
     """
     senses = _senses(roles)
     backwards = _pressures_backwards(roles, drafted, gauges)
+    accepted: dict[str, dict[str, object]] = {}
     for role, assignment in roles.items():
         unit = drafted[role]
         question = _question(role, unit, travel) or (backwards if role in ("p1", "p2") else "")
-        sheet.section(f"recording.{role}", open_question=question)
         column = assignment.column.name
+        if not question:
+            section: dict[str, object] = {"column": column, "unit": unit.value}
+            if role in OPENING_ROLES and senses[role].value is not None:
+                section["sense"] = senses[role].value
+            if role in gauges and gauges[role].value is not None:
+                section["gauge"] = gauges[role].value == "true"
+            question = _refusal(roles, {**accepted, role: section}, travel)
+            if not question:
+                accepted[role] = section
+        sheet.section(f"recording.{role}", open_question=question)
         doubt = "" if assignment.sure else f"[recording.{role}] column {column!r}: {assignment.why}"
         sheet.known("column", column, assignment.why, check=doubt)
         shown = unit.value or "%"
@@ -81,7 +94,7 @@ def write_open_pressure(sheet: Sheet, column: Column) -> None:
     question = f"does {column.shown} stand before the valve (p1) or behind it (p2)?"
     sheet.section("recording.p1", open_question=question)
     sheet.known("column", column.name, column.reading.why)
-    sheet.known("unit", unit.value, unit.why)
+    sheet.known("unit", unit.value or "kPa", unit.why)
     sheet.open("gauge", True, "is it above the atmosphere?")
 
 
@@ -129,6 +142,20 @@ def _question(role: str, unit: Told, travel: float | None) -> str:
     return ""
 
 
+def _refusal(roles: Roles, sections: Mapping[str, Mapping[str, object]], travel: float | None) -> str:
+    """What the reader says against the last of some sections; empty where it takes them all."""
+    columns: dict[str, object] = {roles[role].column.name: roles[role].column.values for role in sections}
+    time = "time" + "_" * max(map(len, columns))  # no column is called so
+    rows = len(next(iter(roles.values())).column.values)
+    sheet = {"recording": {"time": time, **sections}}
+    try:
+        valve = Valve.from_dict(sheet if travel is None else sheet | {"valve": {"travel": travel}})
+        assemble(columns | {time: np.arange(float(rows))}, valve, "")
+    except InputError as error:
+        return str(error).removeprefix(": ")
+    return ""
+
+
 def _senses(roles: Roles) -> dict[str, Told]:
     """Sense of each opening: of a position by the flow, of a command by the position or else by the flow."""
     known: dict[str, Told] = {}
@@ -150,7 +177,7 @@ def _senses(roles: Roles) -> dict[str, Told]:
 
 
 def _pressures_backwards(roles: Roles, units: Mapping[str, Told], gauges: Mapping[str, Told]) -> str:
-    if not {"p1", "p2"} <= roles.keys():
+    if not {"p1", "p2"} <= gauges.keys():  # one of them is missing, or in no unit of a pressure
         return ""
     si = []
     for role in ("p1", "p2"):

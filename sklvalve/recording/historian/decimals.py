@@ -112,6 +112,14 @@ def read_numbers(cells: list[str], mark: str) -> tuple[NDArray[np.float64], dict
     return numbers, texts
 
 
+def unit_behind(cells: Iterable[str]) -> str:
+    """Unit that stands behind the numbers of a column, as written; empty where most have none."""
+    filled = [cell for cell in cells if cell]
+    units = [match[2].strip() for cell in filled if (match := _WITH_UNIT.fullmatch(cell))]
+    usual = max(set(units), key=units.count, default="")
+    return usual if 2 * units.count(usual) > len(filled) and read_unit(usual) else ""
+
+
 def _number(cell: str, mark: str) -> float | None:
     if not cell:
         return None

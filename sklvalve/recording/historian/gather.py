@@ -21,7 +21,11 @@ _FEW_LEVELS = 10
 
 
 def gather_points(
-    files: Sequence[tuple[Table, Layout]], marks: Sequence[str], timeline: Timeline, keep_uncertain: bool
+    files: Sequence[tuple[Table, Layout]],
+    marks: Sequence[str],
+    timeline: Timeline,
+    keep_uncertain: bool,
+    rows_of_run: Sequence[NDArray[np.bool_]] | None = None,
 ) -> dict[str, Points]:
     """Points by tag, joined over the files.
 
@@ -33,6 +37,8 @@ def gather_points(
     timeline : Timeline
     keep_uncertain : bool
         Whether values of uncertain quality count.
+    rows_of_run : sequence of ndarray of shape (n,), bool, or None
+        For each clock of the only file the rows of the run that is wanted; None takes all rows.
 
     Returns
     -------
@@ -55,6 +61,8 @@ def gather_points(
                 )
             homes.setdefault(series.tag, []).append(table.file)
             timed = timeline.timed(number, series)
+            if rows_of_run is not None:
+                timed = timed[rows_of_run[series.clock][series.rows[timed]]]
             rows = series.rows[timed]
             # the columns of a wide table are one stream, whose clock changes are told once
             key = series.clock, rows.tobytes()
@@ -93,6 +101,22 @@ def why_left_out(points: Points) -> str:
     if points.bad:
         return f"holds no good value ({', '.join(text for text, _ in points.bad.most_common(3))})"
     return "holds nothing"
+
+
+def pooled(runs: Sequence[dict[str, Points]]) -> dict[str, Points]:
+    """Tags that hold numbers in any of the runs, each with the values of all, whatever their times."""
+    together: dict[str, list[Points]] = {}
+    for run in runs:
+        for tag, points in run.items():
+            together.setdefault(tag, []).append(points)
+    return {
+        tag: replace(
+            parts[0],
+            times=np.concatenate([part.times for part in parts]),
+            values=np.concatenate([part.values for part in parts]),
+        )
+        for tag, parts in together.items()
+    }
 
 
 def methods(

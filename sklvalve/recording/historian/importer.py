@@ -10,60 +10,21 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.historian import account as told
-from sklvalve.recording.historian.align import Aligned, Pace, align, base_of, choose_period, pace_of, silences
 from sklvalve.recording.historian.clean import Points
 from sklvalve.recording.historian.decimals import Mark, decimal_mark
-from sklvalve.recording.historian.gather import gather_points, methods, usable, why_left_out
+from sklvalve.recording.historian.gather import gather_points, methods, pooled, usable, why_left_out
 from sklvalve.recording.historian.layout import Layout, read_layout
-from sklvalve.recording.historian.moments import SECOND
+from sklvalve.recording.historian.one_base import common_period, on_one_base, rows_to_keep
+from sklvalve.recording.historian.restarts import runs_of_rows
+from sklvalve.recording.historian.settings import ImportSettings
 from sklvalve.recording.historian.table import Table, read_table
 from sklvalve.recording.historian.text import read_text
 from sklvalve.recording.historian.timeline import Timeline
 from sklvalve.recording.tags import read_unit
 
-_MOST_ROWS = 5_000_000
-# periods [s]: times are kept to microseconds, and none of a plant is further from the next than years
-_SHORTEST, _LONGEST = 1e-6, 1e9
-# rows without any value that are kept in between; a recording may lack rows, but need not in every short gap
-_LONGEST_EMPTY = 100
 # shares of the time that are gone by when files are tables, their decimal mark and their times are known, and
 # the points of each tag are joined, and laid on one base (long and wide exports of 16 and 33 MB)
 _READ, _MARKED, _TIMED, _GATHERED, _ALIGNED = 0.35, 0.5, 0.8, 0.85, 0.95
-
-
-@dataclass(frozen=True)
-class ImportSettings:
-    """How an export is to be read, where it does not tell itself.
-
-    Parameters
-    ----------
-    zone : str or None
-        Time zone of local times, by name or offset from UTC.
-    period : float or None
-        Period of the recording [s]; None chooses it from the stamps.
-    gap : float
-        Longest stretch without a report that is bridged, in a tag's usual steps.
-    day_first : bool or None
-        Whether 03/04/2024 is the third of April; None finds out.
-    decimal : {".", ","} or None
-        Decimal mark; None finds it.
-    encoding : str or None
-        Encoding of the files; None finds it.
-    keep_uncertain : bool
-        Whether values of uncertain quality count.
-    hold, linear : tuple of str
-        Tags that hold their last value, or run straight, between reports, whatever their names say.
-    """
-
-    zone: str | None = None
-    period: float | None = None
-    gap: float = 5.0
-    day_first: bool | None = None
-    decimal: str | None = None
-    encoding: str | None = None
-    keep_uncertain: bool = False
-    hold: tuple[str, ...] = ()
-    linear: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -85,9 +46,21 @@ class Imported:
     account: dict
 
 
+@dataclass(frozen=True)
+class ImportedRuns:
+    """The recordings that stand in one export, in its order, and the account of them all.
+
+    Where there is one, `account` is that of the recording; where there are several, it holds what they have
+    in common, and a list `runs` with the first line of each in the file, and what was done to it.
+    """
+
+    runs: tuple[Imported, ...]
+    account: dict
+
+
 def import_export(
     paths: Sequence[str | PathLike[str]],
-    settings: ImportSettings = ImportSettings(),
+    settings: ImportSettings | None = None,
     callback: Callable[[str, float], None] | None = None,
 ) -> Imported:
     """Make the files of a historian's export one clean recording.
@@ -96,7 +69,7 @@ def import_export(
     ----------
     paths : sequence of str or path-like
         Text files, in long format (tag, time, value, quality) or wide (a column for each tag).
-    settings : ImportSettings
+    settings : ImportSettings or None, default=None
     callback : callable or None, default=None
         Called as ``callback(stage, done)`` with a plain word and the share done.
 
@@ -107,7 +80,8 @@ def import_export(
     Raises
     ------
     InputError
-        With one sentence that names file, line, what was expected and the mend.
+        With one sentence that names file, line, what was expected and the mend; also where the clock starts
+        again, because then there are several recordings: `import_runs`.
 
     Examples
     --------
@@ -125,103 +99,131 @@ def import_export(
     >>> made.account["tags"]["FIC1.PV"]["bad"]
     {'quality Bad': 1}
     """
-    say = callback or _silent
+    made = import_runs(paths, settings, callback)
+    if len(made.runs) > 1:
+        again = made.account["runs"][1]["line"]
+        raise InputError(
+            f"{paths[0]}, line {again}: the clock starts again, so these are {len(made.runs)} recordings; "
+            "take them by import_runs, or export each to a file of its own"
+        )
+    return made.runs[0]
+
+
+def import_runs(
+    paths: Sequence[str | PathLike[str]],
+    settings: ImportSettings | None = None,
+    callback: Callable[[str, float], None] | None = None,
+) -> ImportedRuns:
+    """Make the files of a historian's export clean recordings: one, or one for each run that stands in it.
+
+    Parameters
+    ----------
+    paths, settings, callback
+        As in `import_export`.
+
+    Returns
+    -------
+    made : ImportedRuns
+        All its recordings have the same columns and the same period.
+
+    Raises
+    ------
+    InputError
+        As in `import_export`; and where the clock starts again in one of several files.
+    """
+    settings, say = settings or ImportSettings(), callback or _silent
     reads = [read_text(path, settings.encoding) for path in paths]
     files = []
     for number, read in enumerate(reads):
         say(f"reading {read.file.name}", _READ * number / len(reads))
-        table = read_table(read)
-        files.append((table, read_layout(table)))
+        table = read_table(
+            read, skip_rows=settings.skip_rows, header=settings.header, time_column=settings.time_column
+        )
+        files.append((table, read_layout(table, settings.time_column)))
     say("reading the numbers", _READ)
     marks = [_mark(table, layout, settings.decimal) for table, layout in files]
     say("reading the times", _MARKED)
     timeline = Timeline(files, settings.zone, settings.day_first)
     say("joining the reports of each tag", _TIMED)
-    tags = gather_points(files, [mark.mark for mark in marks], timeline, settings.keep_uncertain)
-    kept = usable(tags, str(reads[0].file))
-    held = methods(kept, settings.hold, settings.linear)
+    source = str(reads[0].file)
+    lines, runs, empty = _gather_runs(files, [mark.mark for mark in marks], timeline, settings, source)
+    kept = [usable(tags, source) for tags in runs]
+    held = methods(pooled(kept), settings.hold, settings.linear)
     say("laying all tags on one time base", _GATHERED)
-    base, period, silence, aligned = _on_one_base(kept, held, settings, str(reads[0].file))
-
+    step = common_period(kept, settings, source)
+    laid = [on_one_base(each, held, step, settings, source) for each in kept]
     say("writing", _ALIGNED)
-    some = _rows_to_keep(np.any([np.isfinite(each.values) for each in aligned.values()], axis=0))
-    stamps = timeline.stamps(base[some])
-    account = {
+    common = {
         "schema": told.SCHEMA,
         "files": [
             told.of_file(read, *file, mark) for read, file, mark in zip(reads, files, marks, strict=True)
         ],
         "times": told.of_times(timeline),
-        "base": told.of_base(base, some, stamps, period, settings.period is not None, settings.gap, silence),
-        "tags": {tag: told.of_tag(kept[tag], each, held[tag][1]) for tag, each in aligned.items()},
-        "left_out": {tag: why_left_out(points) for tag, points in tags.items() if tag not in kept},
     }
-    return Imported(stamps, {_column(kept[tag]): each.values[some] for tag, each in aligned.items()}, account)
+    columns = {tag: _column(points) for each in reversed(kept) for tag, points in each.items()}
+    columns = {tag: columns[tag] for tag in held}
+    made: list[tuple[int, Imported]] = []
+    for line, tags, good, (base, silence, aligned) in zip(lines, runs, kept, laid, strict=True):
+        some = rows_to_keep(np.any([np.isfinite(each.values) for each in aligned.values()], axis=0))
+        stamps = timeline.stamps(base[some])
+        asked = settings.period is not None
+        own = {
+            "base": told.of_base(base, some, stamps, step, asked, settings.gap, silence),
+            "tags": {tag: told.of_tag(good[tag], each, held[tag][1]) for tag, each in aligned.items()},
+            "left_out": {tag: why_left_out(points) for tag, points in tags.items() if tag not in good},
+        }
+        nothing = np.full(int(some.sum()), np.nan)
+        values = {
+            name: aligned[tag].values[some] if tag in aligned else nothing for tag, name in columns.items()
+        }
+        made.append((line, Imported(stamps, values, own)))
+    if len(made) == 1:
+        only = made[0][1]
+        whole = Imported(only.stamps, only.columns, common | only.account)
+        return ImportedRuns((whole,), whole.account)
+    runs_told = [{"line": line} | each.account for line, each in made]
+    account = common | {"runs": runs_told, "runs_left_out": empty}
+    return ImportedRuns(tuple(each for _, each in made), account)
+
+
+def _gather_runs(
+    files: Sequence[tuple[Table, Layout]],
+    marks: Sequence[str],
+    timeline: Timeline,
+    settings: ImportSettings,
+    source: str,
+) -> tuple[list[int], list[dict[str, Points]], int]:
+    """First line and points by tag of each run; how many runs hold no values at two times, and are none."""
+    labels = [runs_of_rows(*file, timeline, number) for number, file in enumerate(files)]
+    counts = [max(int(each.max(initial=0)) for each in found) + 1 for found in labels]
+    if len(files) > 1 and max(counts) > 1:
+        number = int(np.argmax(counts))
+        table, again = files[number][0], int(np.flatnonzero(labels[number][0] == 1)[0])
+        raise InputError(
+            f"{table.place(again)}: the clock starts again, so this file holds {counts[number]} runs; import "
+            "it by itself"
+        )
+    if counts[0] == 1:
+        tags = gather_points(files, marks, timeline, settings.keep_uncertain)
+        return [files[0][0].lines[0]], [tags], 0
+    lines, runs = [], []
+    for run in range(counts[0]):
+        rows = [each == run for each in labels[0]]
+        tags = gather_points(files, marks, timeline, settings.keep_uncertain, rows)
+        good = [points.times[np.isfinite(points.values)] for points in tags.values()]
+        if any(len(np.unique(times)) > 1 for times in good):
+            lines.append(files[0][0].lines[int(np.flatnonzero(rows[0])[0])])
+            runs.append(tags)
+    if not runs:
+        raise InputError(
+            f"{source}: the clock starts again {counts[0] - 1} times, and no run holds values at two "
+            "different times; export longer runs"
+        )
+    return lines, runs, counts[0] - len(runs)
 
 
 def _silent(stage: str, done: float) -> None:
     """Where nobody listens."""
-
-
-def _on_one_base(
-    kept: dict[str, Points], held: dict[str, tuple[bool, str]], settings: ImportSettings, source: str
-) -> tuple[NDArray[np.int64], int, float, dict[str, Aligned]]:
-    """Base, its period, the longest usual silence of all tags [us], and all tags on it."""
-    paces = {tag: pace for tag, points in kept.items() if (pace := pace_of(points))}
-    if not paces:
-        raise InputError(
-            f"{source}: no tag has values at two different times, so there is no course; export a longer "
-            "time range"
-        )
-    all_points = list(kept.values())
-    wanted = settings.period or choose_period(list(paces.values())) / SECOND
-    _require_bearable(all_points, wanted, source)
-    period = round(SECOND * wanted)
-    base = base_of(all_points, period)
-    typical = float(np.median([pace.step for pace in paces.values()]))
-    quiet, silence = silences(all_points, settings.gap)
-    aligned = {
-        tag: align(
-            points,
-            paces.get(tag, Pace(typical, scanned=False)),
-            base,
-            hold=held[tag][0],
-            multiple=settings.gap,
-            quiet=quiet,
-        )
-        for tag, points in kept.items()
-    }
-    if not any(np.isfinite(each.values).any() for each in aligned.values()):
-        raise InputError(
-            f"{source}: no row of a base of {period / SECOND:g} s holds a value; give a shorter --period, or "
-            "a larger --gap"
-        )
-    return base, period, silence, aligned
-
-
-def _rows_to_keep(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """All rows but those before and after all values, and those of long stretches without any."""
-    kept = some.copy()
-    places = np.flatnonzero(some)
-    steps = np.diff(places)
-    for gap in np.flatnonzero((steps > 1) & (steps <= _LONGEST_EMPTY)):
-        kept[places[gap] : places[gap + 1]] = True
-    return kept
-
-
-def _require_bearable(all_points: list[Points], period: float, source: str) -> None:
-    """Refuse a period [s] of too many rows, and one that no time can be told to or no count can hold."""
-    times = np.concatenate([points.times[[0, -1]] for points in all_points])
-    rows = float(times.max() - times.min()) / SECOND / period + 1.0
-    if rows > _MOST_ROWS:
-        raise InputError(
-            f"{source}: from first to last time there are {rows:.7g} rows of {period:g} s, more than "
-            f"{_MOST_ROWS}; give a longer --period, or export a shorter time range"
-        )
-    if not _SHORTEST <= period <= _LONGEST:
-        raise InputError(
-            f"{source}: expected a --period from {_SHORTEST:g} to {_LONGEST:g} s; got {period:g} s"
-        )
 
 
 def _column(points: Points) -> str:

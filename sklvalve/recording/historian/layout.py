@@ -8,11 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import InputError
-from sklvalve.recording.historian.decimals import looks_numeric
+from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.historian.decimals import looks_numeric, unit_behind
 from sklvalve.recording.historian.moments import looks_like_clock, looks_like_time
+from sklvalve.recording.historian.quality import speaks_of_quality
 from sklvalve.recording.historian.table import Table
-from sklvalve.recording.tags import bare, split_unit, words
+from sklvalve.recording.tags import bare, read_time_name, split_unit, words
 
 _TAG = words.word_set(
     """tag tagname tagid name pointname point pointid item itemid signal signalname variable varname
@@ -25,6 +26,10 @@ _VALUE = words.word_set(
 _QUALITY = words.word_set(
     """quality qual qualitat qualitaet status state opcquality good isgood valid questionable jakosc
     qualite calidad estado statut statuscode qualitycode zustand"""
+)
+# of these a quality is called, and nothing else; a status may be that of a pump
+_QUALITY_ALONE = words.word_set(
+    "quality qual qualitat qualitaet opcquality jakosc qualite calidad statuscode qualitycode isgood"
 )
 _UNIT = words.word_set("unit units uom eu engunits engineeringunits einheit jednostka unite unidad")
 _SAMPLE = 50
@@ -67,12 +72,14 @@ class Layout:
     series: list[Series]
 
 
-def read_layout(table: Table) -> Layout:
+def read_layout(table: Table, time_column: str | None = None) -> Layout:
     """Tell times, tags, values and qualities of a table apart.
 
     Parameters
     ----------
     table : Table
+    time_column : str or None, default=None
+        Name of the column of the times; None finds it.
 
     Returns
     -------
@@ -81,16 +88,18 @@ def read_layout(table: Table) -> Layout:
     Raises
     ------
     InputError
-        If no column holds times, or none values, or the columns have no names in wide format.
+        If no column holds times, or none values, there is no column of the name given, or the columns have
+        no names in wide format.
     """
     plain = [_plain(name) for name in table.names]
     headed = any(plain)
-    times = _time_columns(table, plain)
+    times: list[tuple[int, ...]] = [] if time_column is None else [(_asked(table, time_column),)]
+    times = times or _time_columns(table)
     if not times:
         known = f" (columns: {', '.join(table.names)})" if headed else ""
         raise InputError(
-            f"{table.file}: no column holds times{known}; export with time stamps, best like "
-            "2024-06-28 14:35:00, in a column named time"
+            f"{table.file}: no column holds times{known}; name it by --time-column, or export with time "
+            "stamps, best like 2024-06-28 14:35:00"
         )
     if not headed:
         return _long(table, times, *_unnamed_long(table, times))
@@ -102,8 +111,22 @@ def read_layout(table: Table) -> Layout:
             f"{', '.join(table.names)}); name the column of the values so"
         )
     if tag is not None and value is not None and tag not in times:
-        return _long(table, times, tag, value, _find(plain, _QUALITY), _find(plain, _UNIT))
+        quality = _find(plain, _QUALITY)
+        if quality is not None and not speaks_of_quality(table.columns[quality], table.names[quality]):
+            quality = None
+        return _long(table, times, tag, value, quality, _find(plain, _UNIT))
     return _wide(table, times, plain)
+
+
+def _asked(table: Table, name: str) -> int:
+    """Place of the column that is asked for by its name, with or without the unit in it."""
+    for names in (table.names, [split_unit(each)[0] for each in table.names]):
+        for place, each in enumerate(names):
+            if each and each.casefold() == name.strip().casefold():
+                return place
+    known = [each for each in table.names if each]
+    near = hint(name, known) if known else "its columns have no names"
+    raise InputError(f"--time-column {name}: {table.file} has no such column; {near}")
 
 
 def _plain(name: str) -> str:
@@ -116,7 +139,7 @@ def _find(plain: list[str], known: frozenset[str]) -> int | None:
     return next((place for place, name in enumerate(plain) if name in known), None)
 
 
-def _time_columns(table: Table, plain: list[str]) -> list[tuple[int, ...]]:
+def _time_columns(table: Table) -> list[tuple[int, ...]]:
     """Columns of whole moments; a date and the time of day beside it count as one."""
     found: list[tuple[int, ...]] = []
     kinds = [_kind(column) for column in table.columns]
@@ -126,7 +149,7 @@ def _time_columns(table: Table, plain: list[str]) -> list[tuple[int, ...]]:
             beside = place + 1 < len(kinds) and kinds[place + 1] == "clock"
             found.append((place, place + 1) if bare and beside else (place,))
     if not found:
-        named = [place for place, name in enumerate(plain) if name in words.TIME]
+        named = [place for place, name in enumerate(table.names) if read_time_name(name) is not None]
         counted = [place for place in named if kinds[place] == "number"]
         # a column that is named for the time is one, whatever stands in it: its cells get their own message
         found = [(place,) for place in (counted or named)[:1]]
@@ -162,8 +185,7 @@ def _clock(table: Table, columns: tuple[int, ...]) -> Clock:
         beside = table.columns[columns[1]]
         cells = [f"{day} {clock}".strip() for day, clock in zip(cells, beside, strict=True)]
     name = table.names[columns[0]]
-    bracket = split_unit(name)[1] or bare(table.units[columns[0]])
-    return Clock(cells, bracket or ("s" if re.search(r"[_ ]s$", name) else ""), name)
+    return Clock(cells, read_time_name(name) or split_unit(name)[1] or bare(table.units[columns[0]]), name)
 
 
 def _long(
@@ -180,14 +202,15 @@ def _long(
     series = []
     for name, rows in rows_of.items():
         text, inside = split_unit(name)
+        values = [table.columns[value][row] for row in rows]
         given = table.columns[unit][rows[0]] if unit is not None else ""
         series.append(
             Series(
                 tag=text,
-                unit=given or inside,
+                unit=given or inside or unit_behind(values[:_SAMPLE]),
                 clock=0,
                 rows=np.array(rows, dtype=np.intp),
-                values=[table.columns[value][row] for row in rows],
+                values=values,
                 quality=None if quality is None else [table.columns[quality][row] for row in rows],
                 quality_name="" if quality is None else table.names[quality],
                 stated=True,
@@ -201,19 +224,22 @@ def _wide(table: Table, times: list[tuple[int, ...]], plain: list[str]) -> Layou
     series: list[Series] = []
     rows = np.arange(len(table.lines))
     for place, name in enumerate(table.names):
-        if place in taken or not name or _is_quality(name):
+        if place in taken or not name:
             continue
-        beside = place + 1
-        has_quality = beside < len(table.names) and beside not in taken and _is_quality(table.names[beside])
+        taken.add(place)
         # times to its left, as trend exports have them, else the first
         clock = max((k for k, columns in enumerate(times) if columns[0] < place), default=0)
         tag, unit = split_unit(name)
         if plain[place] in _VALUE or _value_of(tag):
             tag = _value_of(tag) or table.file.name.split(".")[0]
+        beside = place + 1
+        has_quality = beside < len(table.names) and beside not in taken and _is_quality(table, beside, tag)
+        if has_quality:
+            taken.add(beside)
         series.append(
             Series(
                 tag=tag,
-                unit=unit or bare(table.units[place]),
+                unit=unit or bare(table.units[place]) or unit_behind(table.columns[place][:_SAMPLE]),
                 clock=clock,
                 rows=rows,
                 values=table.columns[place],
@@ -229,9 +255,23 @@ def _wide(table: Table, times: list[tuple[int, ...]], plain: list[str]) -> Layou
     return Layout("wide", [_clock(table, columns) for columns in times], series)
 
 
-def _is_quality(name: str) -> bool:
-    ending = re.split(r"[\s._/-]+", name.strip())[-1]
-    return _plain(ending) in _QUALITY or _plain(name) in _QUALITY
+def _is_quality(table: Table, place: int, tag: str) -> bool:
+    """Whether a column tells how good the values of the tag on its left are.
+
+    A tag of the plant may end so too: the status of a pump says nothing of the flow beside it. So a column
+    with more in its name than such a word belongs to the tag only where it repeats the tag's name, or, called
+    a quality, the beginning of it; and what stands in it must be what historians say of a value.
+    """
+    name = table.names[place].strip()
+    parts = re.split(r"[\s._/|-]+", name)
+    ending = next((len(parts) - k for k in (2, 1) if _plain("".join(parts[-k:])) in _QUALITY), None)
+    if ending is None or not speaks_of_quality(table.columns[place], name):
+        return False
+    alone = _plain("".join(parts[ending:])) in _QUALITY_ALONE
+    if not alone and {*table.columns[place]} <= {"0", "1", "0.0", "1.0", ""}:
+        return False  # of a status that is 0 and 1 nobody knows which is good, or whether it is of the tag
+    before, own = _plain("".join(parts[:ending])), _plain(tag)
+    return not before or before == own or (alone and own.startswith(before))
 
 
 def _value_of(tag: str) -> str:

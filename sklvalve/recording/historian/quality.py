@@ -65,6 +65,37 @@ def judge(cells: list[str], name: str) -> dict[str, str]:
     }
 
 
+def speaks_of_quality(cells: list[str], name: str) -> bool:
+    """Whether cells beside values can say how good these are.
+
+    Parameters
+    ----------
+    cells : list of str
+    name : str
+        Of their column.
+
+    Returns
+    -------
+    speaks : bool
+        False where a text stands among them that no historian uses for a quality, or where they would call
+        most of the values bad by numbers alone: then they are the states of something.
+    """
+    counted = Counter(cell for cell in cells if cell)
+    if not counted:
+        return False
+    texts = {text for text in counted if _code(text) is None}
+    if not all(_is_known(text) for text in texts):
+        return False
+    meaning = judge(list(counted.elements()), name)
+    good = sum(count for text, count in counted.items() if meaning[text] == GOOD)
+    return bool(texts) or 2 * good > counted.total()
+
+
+def _is_known(text: str) -> bool:
+    known = _GOOD.fullmatch(text) or _UNCERTAIN.fullmatch(text) or _BAD.fullmatch(text)
+    return bool(known) or text.casefold() in ("true", "false")
+
+
 def _of_text(text: str, name: str) -> str:
     if _UNCERTAIN.fullmatch(text):
         return UNCERTAIN

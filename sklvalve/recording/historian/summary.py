@@ -19,11 +19,45 @@ def summary(account: Mapping) -> str:
     text : str
         Lines of at most about 110 letters.
     """
-    parts = [_files(account["files"]), *_times(account["times"]), _base(account["base"]), "", _table(account)]
-    notes = [*_assumed(account), *_noted(account)]
+    parts = [_files(account["files"]), *_times(account["times"])]
+    notes = _assumed(account)
+    if "runs" in account:
+        parts += _runs(account)
+        notes += _of_runs([_noted(run) for run in account["runs"]])
+    else:
+        parts += [_base(account["base"]), "", _table(account)]
+        notes += _noted(account)
     if notes:
         parts += ["", *(f"- {note}" for note in notes)]
     return "\n".join(parts)
+
+
+def _runs(account: Mapping) -> list[str]:
+    """That the clock starts again, and what became of each run."""
+    runs, empty = account["runs"], account["runs_left_out"]
+    again = len(runs) + empty - 1
+    lines = [
+        f"The clock starts again {again} time{'s' if again > 1 else ''}: {len(runs)} "
+        f"run{'s' if len(runs) > 1 else ''}, each a recording of its own."
+    ]
+    if empty:
+        lines.append(f"{empty} more without values at two times {'are' if empty > 1 else 'is'} left out.")
+    for number, run in enumerate(runs, start=1):
+        called = f" ({run['recording']})" if "recording" in run else ""
+        lines.append(f"Run {number}{called}, from line {run['line']}: {_base(run['base'])}")
+    return lines
+
+
+def _of_runs(noted: list[list[str]]) -> list[str]:
+    """Notes of all runs, each with the numbers of those that it is about, where these are not all."""
+    where: dict[str, list[int]] = {}
+    for number, notes in enumerate(noted, start=1):
+        for note in notes:
+            where.setdefault(note, []).append(number)
+    return [
+        note if len(runs) == len(noted) else f"run {', '.join(map(str, runs))}: {note}"
+        for note, runs in where.items()
+    ]
 
 
 def _files(files: list[dict]) -> str:

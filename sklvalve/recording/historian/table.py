@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sklvalve.recording.errors import InputError
-from sklvalve.recording.historian.decimals import looks_numeric
+from sklvalve.recording.historian.heading import find_heading, holds_values
 from sklvalve.recording.historian.moments import looks_like_time
 from sklvalve.recording.historian.text import ExportText
-from sklvalve.recording.tags import read_unit, words
 
 _SAMPLE = 400
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
@@ -51,12 +50,20 @@ class Table:
         return f"{self.file}, line {self.lines[row]}"
 
 
-def read_table(read: ExportText) -> Table:
+def read_table(
+    read: ExportText, *, skip_rows: int = 0, header: int | None = None, time_column: str | None = None
+) -> Table:
     """Find the table in the text of an export.
 
     Parameters
     ----------
     read : ExportText
+    skip_rows : int, default=0
+        Lines at the beginning of the file that are no part of it.
+    header : int or None, default=None
+        Line of the file, counted from 1, in which the names stand; 0 where there are none; None finds it.
+    time_column : str or None, default=None
+        Name of the column of the times, by which the line of the names is known too.
 
     Returns
     -------
@@ -65,23 +72,26 @@ def read_table(read: ExportText) -> Table:
     Raises
     ------
     InputError
-        If no separator divides the lines into columns, a row holds more cells than there are names, or no row
-        holds values.
+        If no separator divides the lines into columns, a row holds more cells than there are names, no row
+        holds values, or `skip_rows` and `header` leave nothing.
     """
-    separator, text = _separator(read)
-    rows = _cells(read.file, text, separator)
-    width = Counter(len(cells) for _, cells in rows[:_SAMPLE]).most_common(1)[0][0]
-    first = next((place for place, (_, cells) in enumerate(rows) if _holds_values(cells)), None)
-    if first is None:
+    separator, text = _separator(read, skip_rows)
+    rows = [(line, cells) for line, cells in _cells(read.file, text, separator) if line > skip_rows]
+    heading = find_heading(read.file, rows, header=header, time_column=time_column)
+    first, names = heading.first, heading.names
+    filled = len(rows[first][1]) - next((k for k, cell in enumerate(reversed(rows[first][1])) if cell), 0)
+    if heading.sure and len(names) < filled:
         raise InputError(
-            f"{read.file}: there is a header but no row with a time and a value under it; export again, or "
-            "name a longer time range"
+            f"{read.file}, line {rows[first][0]}: {_too_many(rows[first][1], len(names), separator)}"
         )
-    _require_all_named(read.file, rows[: first + 1], separator)
-    names, units, above = _header(rows[:first], max(width, len(rows[first][1])))
-    width = max(width, len(names))
+    width = max(heading.width, len(names))
+    # files put one behind the other repeat what stands above their rows
+    above = {tuple(cells) for _, cells in rows[:first]}
     kept, lines, skipped = [], [], 0
     for line, cells in rows[first:]:
+        if tuple(cells) in above and not holds_values(cells):
+            skipped += 1
+            continue
         while len(cells) > width and not cells[-1]:
             cells.pop()
         if len(cells) > width:
@@ -97,20 +107,27 @@ def read_table(read: ExportText) -> Table:
         file=read.file,
         separator=separator,
         names=(names + pad)[:width],
-        units=(units + pad)[:width],
+        units=(heading.units + pad)[:width],
         columns=[list(column) for column in zip(*kept, strict=True)],
         lines=lines,
-        above=above,
+        above=heading.above,
         skipped=skipped,
     )
 
 
-def _separator(read: ExportText) -> tuple[str, str]:
+def _separator(read: ExportText, skip_rows: int) -> tuple[str, str]:
     """Separator, and the text without a first line that only names it."""
     told = re.match(r"\ufeff?\"?sep=(.)\"?\r?\n", read.text)
     if told:
         return told[1], "\n" + read.text[told.end() :]
-    sample = [line for line in read.text.splitlines()[: 2 * _SAMPLE] if line.strip()][:_SAMPLE]
+    lines = read.text.splitlines()
+    if skip_rows >= len(lines):
+        raise InputError(
+            f"--skip-rows {skip_rows}: {read.file} has {len(lines)} lines; leave out fewer, or the option"
+        )
+    sample = [line for line in lines[skip_rows : skip_rows + 2 * _SAMPLE] if line.strip()][:_SAMPLE]
+    if not sample:
+        raise InputError(f"--skip-rows {skip_rows}: {read.file} holds only blank lines below; skip fewer")
     for mark in SEPARATORS:
         counts = Counter(len(cells) for cells in csv.reader(sample, delimiter=mark))
         counts.pop(1, None)
@@ -136,44 +153,6 @@ def _cells(file: Path, text: str, separator: str) -> list[tuple[int, list[str]]]
             f"{file}, line {reader.line_num}: this is no line of a table ({error}); export it again"
         ) from None
     return rows
-
-
-def _holds_values(cells: list[str]) -> bool:
-    filled = [cell for cell in cells if cell]
-    if len(filled) < 2 or any(cell.casefold() in words.TIME for cell in filled):
-        return False
-    return any(looks_like_time(cell) for cell in filled) or 2 * sum(map(looks_numeric, filled)) > len(filled)
-
-
-def _require_all_named(file: Path, rows: list[tuple[int, list[str]]], separator: str) -> None:
-    """The first row of values must not be wider than the line of names above it."""
-    *above, (line, cells) = rows
-    filled = len(cells) - next((k for k, cell in enumerate(reversed(cells)) if cell), 0)
-    named = [names for _, names in above if len(names) > 1 and any(_is_time_word(name) for name in names)]
-    if named and len(named[-1]) < filled:
-        raise InputError(f"{file}, line {line}: {_too_many(cells, len(named[-1]), separator)}")
-
-
-def _header(rows: list[tuple[int, list[str]]], width: int) -> tuple[list[str], list[str], int]:
-    """Names and units out of the lines above the values; what stands above the names is a heading."""
-    wide = [place for place, (_, cells) in enumerate(rows) if len(cells) >= max(2, width - 1)]
-    if not wide:
-        return [], [], len(rows)
-    named = [place for place in wide if any(_is_time_word(cell) for cell in rows[place][1])]
-    place = named[-1] if named else wide[0]
-    names = rows[place][1]
-    while len(names) > width and not names[-1]:
-        names.pop()
-    units: list[str] = []
-    for _, cells in rows[place + 1 :]:
-        filled = [cell for cell in cells if cell and not _is_time_word(cell)]
-        if filled and 2 * sum(read_unit(cell) is not None for cell in filled) >= len(filled):
-            units = cells
-    return names, units, place
-
-
-def _is_time_word(cell: str) -> bool:
-    return re.sub(r"\W+", "", re.sub(r"[\[(].*", "", cell)).casefold() in words.TIME
 
 
 def _too_many(cells: list[str], width: int, separator: str) -> str:

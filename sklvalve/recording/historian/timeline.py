@@ -85,6 +85,11 @@ class Timeline:
             )
         return np.flatnonzero(timed)
 
+    def read_ticks(self, number: int, clock: int) -> NDArray[np.int64]:
+        """Times of file `number` as they are written [us], in UTC only where they say so; 0 where none is."""
+        moments = self._moments[number, clock]
+        return moments.ticks if moments.offsets is None else moments.ticks - moments.offsets
+
     def times(self, number: int, clock: int, rows: NDArray[np.intp]) -> NDArray[np.int64]:
         """Moments of one stream of rows of file `number` [us], in UTC where it is known.
 

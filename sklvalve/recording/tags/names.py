@@ -19,6 +19,19 @@ _BY_QUANTITY = {
     "volume flow": "flow",
     "mass flow": "flow",
 }
+_PATH_MARKS = re.compile(r"[\\/|:!;=.]+")
+# what stands before a number in the tag of an instrument, or alone where it can only be a controller
+_INSTRUMENT = re.compile(r"\s*\d*(?P<code>[A-Za-z]{2,4})(?=[-_ ]?\d|(?<=[ICic])(?![A-Za-z]))")
+_SHORT_INSTRUMENT = re.compile(r"\s*\d*(?P<code>[A-Za-z])(?=[-_]?\d)")
+_CODES = (
+    words.FLOW_LETTERS
+    | words.PRESSURE_LETTERS
+    | words.TEMPERATURE_LETTERS
+    | words.LEVEL_LETTERS
+    | words.CONTROLLER_LETTERS
+    | words.VALVE_LETTERS
+    | words.OPENING_ENDINGS
+)
 
 
 class NameReading(NamedTuple):
@@ -56,11 +69,15 @@ def read_name(name: str, unit: str = "") -> NameReading:
     ('flow', 'p1', 'command')
     >>> read_name("PT-7 [bar]")[:2]
     ('pressure', False)
+    >>> read_name(r"\\\\SRV\\PLANT\\FIC-101.PV")[:2], read_name("FIC-101.MODE").role
+    (('flow', True), None)
     """
     rest, inside = split_unit(name)
-    loop = _loop(rest)
     if is_documented(name):
-        return NameReading(words.DAMADICS[rest.casefold()], True, "a name of the DAMADICS benchmark", loop)
+        documented = words.DAMADICS[rest.casefold()]
+        return NameReading(documented, True, "a name of the DAMADICS benchmark", _loop(rest))
+    rest = without_path(rest)
+    loop = _loop(rest)
     tokens = _tokens(rest)
     if re.fullmatch(r"[A-Za-z]\d", loop):  # its digit tells no side of the valve
         tokens = [token for token in tokens if token != loop[1]]
@@ -75,6 +92,26 @@ def read_name(name: str, unit: str = "") -> NameReading:
 def is_documented(name: str) -> bool:
     """Whether a column has a name of the DAMADICS benchmark, whose commands and positions count closing."""
     return split_unit(name)[0].casefold() in words.DAMADICS
+
+
+def without_path(name: str) -> str:
+    """Name without the servers, plants and areas before it, in which words mean no signal.
+
+    Examples
+    --------
+    >>> from sklvalve.recording.tags.names import without_path
+    >>> without_path("Plant/Pressure reduction/FIC101.PV"), without_path("LIC7/MV"), without_path("a/b/Flow")
+    ('FIC101.PV', 'LIC7/MV', 'Flow')
+    """
+    starts = [0, *(mark.end() for mark in _PATH_MARKS.finditer(name))]
+    for form in (_INSTRUMENT, _SHORT_INSTRUMENT):
+        for start in reversed(starts):
+            match = form.match(name, start)
+            if match and match["code"].casefold() in _CODES:
+                return name[start:].strip()
+    if "\\" in name or name.count("/") > 1:
+        return re.split(r"[\\/]", name.rstrip("\\/"))[-1].strip() or name
+    return name
 
 
 def _tokens(name: str) -> list[str]:
@@ -101,15 +138,25 @@ def _role(tokens: list[str], measures: str | None) -> tuple[str | None, bool, st
     first, last = (letters[0], letters[-1]) if letters else ("", "")
     if held & words.DIFFERENTIAL:
         return None, False, "a pressure difference, which has no role: give the pressures themselves"
+    if last in words.STATE_ENDINGS or held & words.STATE_WORDS:
+        return None, False, "a state or a setting of the loop, which is no signal"
     if held & words.SIMULATED:
         flow = held & (words.FLOW_WORDS | words.FLOW_LETTERS) or (measures or "").endswith("flow")
         return ("simulated_flow" if flow else "simulated_opening"), False, "a simulation, by its name"
+    if {"set", "point"} <= held or held & words.SETPOINT_WORDS:
+        if held & words.OPENING_WORDS:
+            return "command", True, "a set-point of the position"
+        return "setpoint", True, "a set-point, by its name"
+    if "signal" in held and held & {"control", "valve"}:
+        return "command", True, "a control signal, by its name"
+    controller = next((token for token in letters if token in words.CONTROLLER_LETTERS), None)
+    if controller and _is_value(last, held):
+        return _controlled(controller, False, measures)
     if held & words.PRESSURE_WORDS or _side_by_word(held) == "pressure":
         return _pressure(held, sure=True)
-    if measures == "pressure" and last not in words.SETPOINT_ENDINGS:
+    if measures == "pressure" and last not in words.SETPOINT_ENDINGS | words.COMMAND_ENDINGS:
         return _pressure(held, sure=False)
     for known, role in (
-        (words.SETPOINT_WORDS, "setpoint"),
         (words.COMMAND_WORDS, "command"),
         (words.OPENING_WORDS, "opening"),
         (words.FLOW_WORDS, "flow"),
@@ -127,9 +174,10 @@ def _by_letters(
 ) -> tuple[str | None, bool, str]:
     """Letters of a tag, as instrument engineers write them: what is measured, then what of it."""
     alone = len(letters) == 1
-    if last in words.SETPOINT_ENDINGS:
+    if last in words.SETPOINT_ENDINGS and (last != "w" or alone or first in words.CONTROLLER_LETTERS):
+        # W is the set-point of a controller, and a watt elsewhere
         return "setpoint", True, f"the ending {last.upper()}"
-    if last in words.VALUE_ENDINGS or held & words.VALUE_WORDS:
+    if _is_value(last, held):
         # PT101.PV is what a transmitter measures, FIC101.PV what a loop controls
         if alone or first in words.CONTROLLER_LETTERS or _by_first(first, held, measures)[0] is None:
             return _controlled(first, alone, measures)
@@ -141,6 +189,12 @@ def _by_letters(
     if last in words.OPENING_ENDINGS:
         return "opening", True, f"the letters {last.upper()}"
     return _by_first(first, held, measures)
+
+
+def _is_value(last: str, held: set[str]) -> bool:
+    """Whether a name speaks of the measured value of a loop."""
+    spelt = "process" in held and held & {"value", "variable"}
+    return last in words.VALUE_ENDINGS or bool(held & words.VALUE_WORDS or spelt)
 
 
 def _by_first(first: str, held: set[str], measures: str | None) -> tuple[str | None, bool, str]:
@@ -168,7 +222,9 @@ def _controlled(first: str, alone: bool, measures: str | None) -> tuple[str | No
         return "flow", True, "the value of a flow loop"
     if alone and measures is None:
         return "flow", False, "PV, taken for the flow that the valve controls"
-    return "process_value", not alone, "the value of a loop that controls no flow"
+    if first not in words.CONTROLLER_LETTERS:
+        return "process_value", not alone, "the value of a loop whose name tells no flow"
+    return "process_value", True, "the value of a loop that controls no flow"
 
 
 def _side_by_word(held: set[str]) -> str | None:
@@ -178,7 +234,7 @@ def _side_by_word(held: set[str]) -> str | None:
 def _pressure(held: set[str], sure: bool) -> tuple[str, bool, str]:
     if held & words.ACTUATOR:
         return "actuator_pressure", True, "a pressure in the actuator, by its name"
-    if held & words.AIR:
+    if held & words.AIR and not held & words.DUCT:
         return "supply_pressure", False, "the actuator's air supply, by its name"
     for role, side in _SIDES.items():
         found = held & side

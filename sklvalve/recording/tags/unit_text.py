@@ -41,6 +41,7 @@ _SPOILT = str.maketrans({"³": "3", "²": "2", "℃": "degc", "℉": "degf", "º
 _OVER_ATMOSPHERE = ("(g)", "-g", "_g", "gauge", "gage", "ü", "g")
 _ABSOLUTE = ("(a)", "(abs)", "-a", "_a", "abs", "a")
 _BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\])>}]*(?:\([^)]*\))?)\s*[\])>}]\s*$")
+_DEGREES = re.compile(r"(.*?[^\s_.])[\s_.]+(deg(?:rees?)?[\s_.]+[cfk])", re.IGNORECASE)
 # endings of column names that are units beyond doubt; a single letter, or "min", may mean anything
 _SAFE_ENDING = frozenset(
     text for text in _UNIT_OF if text == "%" or (len(text) > 1 and text not in ("min", "sec", "mm", "pu"))
@@ -72,7 +73,7 @@ def read_unit(text: str) -> UnitReading | None:
     >>> read_unit("m³/h").unit, read_unit("bar(g)"), read_unit("furlong")
     ('m3/h', UnitReading(unit='bar', gauge=True), None)
     """
-    plain = bare(text).translate(_SPOILT).casefold().replace("°", "deg").replace(" ", "")
+    plain = _plain(bare(text))
     if plain in _UNIT_OF:
         return UnitReading(_UNIT_OF[plain])
     for endings, gauge in ((_OVER_ATMOSPHERE, True), (_ABSOLUTE, False)):
@@ -81,6 +82,12 @@ def read_unit(text: str) -> UnitReading | None:
             if unit is not None and quantity_of(unit) == "pressure":
                 return UnitReading(unit, gauge)
     return None
+
+
+def _plain(text: str) -> str:
+    """A unit in small letters, without blanks; a degree in one spelling."""
+    small = text.translate(_SPOILT).casefold().replace("°", "deg")
+    return re.sub(r"^(?:degrees?|deg)[\s._]*(?=[cfk]|$)", "deg", small).replace(" ", "")
 
 
 def bare(text: str) -> str:
@@ -111,6 +118,9 @@ def split_unit(name: str) -> tuple[str, str]:
     bracket = _BRACKETS.match(name)
     if bracket and bracket[1] and (read_unit(bracket[2]) or name.rstrip().endswith("]")):
         return bracket[1].strip(), bracket[2].strip()
+    degrees = _DEGREES.fullmatch(name.strip())
+    if degrees:
+        return degrees[1], degrees[2]
     parts = re.split(r"[\s_.]+(?=[^\s_.]+$)", name.strip())
     if len(parts) == 2 and parts[0] and _ending(parts[1]):
         return parts[0], parts[1]
@@ -118,5 +128,5 @@ def split_unit(name: str) -> tuple[str, str]:
 
 
 def _ending(text: str) -> bool:
-    plain = text.translate(_SPOILT).casefold().replace("°", "deg")
+    plain = _plain(text)
     return plain in _SAFE_ENDING or (len(plain) > 3 and read_unit(text) is not None)

@@ -25,6 +25,13 @@ SETPOINT_ENDINGS = word_set("sp spt rsp lsp sv w")
 SETPOINT_WORDS = word_set(
     """setpoint sollwert fuehrungsgroesse zadana zadany nastawa consigne consigna setvalue"""
 )
+# modes, limits and settings that a loop has beside its signals
+STATE_ENDINGS = word_set(
+    """mode modus betriebsart tryb auto man manual status state stat alarm alm fault trip enable enabled
+    quality qual kp ki kd kc gain hilim lolim hlim llim totalizer totaliser"""
+)
+STATE_WORDS = word_set("mode modus betriebsart alarm")
+
 VALUE_ENDINGS = word_set("pv me meas measurement")
 VALUE_WORDS = word_set("istwert regelgroesse mierzona mesure medida processvalue")
 
@@ -51,6 +58,8 @@ DOWNSTREAM = word_set(
 )
 DIFFERENTIAL = word_set("dp pd pdi pdt pdit delta differential differenz differenzdruck roznica deltap")
 ACTUATOR = word_set("actuator diaphragm antrieb membran silownik actionneur actuador")
+# air that is moved, not the air that moves an actuator
+DUCT = word_set("duct static fan room zone outdoor return mixed")
 AIR = word_set("air zuluft luft powietrze powietrza aire")
 SIMULATED = word_set("sim simulated simulation model modell modelled symulacja symul simule simulado")
 

@@ -80,6 +80,70 @@ def test_fractions_called_percent_are_taken_as_they_are():
     assert any("although the name says percent" in item for item in draft.to_fill_in)
 
 
+@pytest.mark.parametrize("name", ["OP", "OP [1]"])
+def test_a_command_around_1_3_is_no_fraction(name):
+    draft, valve = _drafted(_columns(**{name: 1.28 + 0.05 * np.sin(np.arange(N) / 15.0), "F": TRAVEL}))
+    assert valve.roles["command"].unit == "%"
+    assert any("are no fraction of travel" in item for item in draft.to_fill_in)
+
+
+def test_ranks_as_scipy_has_them():
+    from scipy.stats import spearmanr
+
+    from sklvalve.recording.draft.evidence import rank_correlation
+
+    rng = np.random.default_rng(5)
+    one, other = rng.integers(0, 9, 200).astype(float), rng.normal(size=200)
+    other += 0.3 * one
+    gone = other.copy()
+    gone[::7] = np.nan
+    known = np.isfinite(gone)
+    assert rank_correlation(one, other) == pytest.approx(spearmanr(one, other).statistic, abs=1e-12)
+    assert rank_correlation(one, gone) == pytest.approx(spearmanr(one[known], gone[known]).statistic)
+    assert rank_correlation(one, np.ones(200)) is None
+
+
+@pytest.mark.parametrize(("top", "unit"), [(1.05, "1"), (1.2, "%")])
+def test_overrange_of_a_fraction(top, unit):
+    _, valve = _drafted(_columns(OP=top * TRAVEL / TRAVEL.max(), F=TRAVEL))
+    assert valve.roles["command"].unit == unit
+
+
+def test_a_command_in_a_unit_of_pressure_is_a_question():
+    draft, valve = _drafted(_columns(**{"OP [bar]": 0.2 + TRAVEL / 125.0, "F": TRAVEL}))
+    assert "command" not in valve.roles
+    assert any("it is in bar, by its name" in item for item in draft.to_fill_in)
+
+
+def test_signals_of_an_air_handler():
+    _, valve = _drafted(
+        _columns(
+            **{
+                "AHU: Heating Coil Valve Control Signal": TRAVEL / 100.0,
+                "AHU: Supply Air Temperature [degF]": 67.0 + 0.1 * TRAVEL,
+                "AHU: Supply Air Temperature Set Point [degF]": np.full(N, 67.0),
+            }
+        )
+    )
+    assert _places(valve)["command"] == "AHU: Heating Coil Valve Control Signal"
+    assert valve.roles["temperature"].unit == "degF"
+    assert valve.roles["temperature"].to_si([67.0])[0] == pytest.approx(292.594, abs=1e-3)
+
+
+def test_a_tag_of_modes_and_a_wattage_play_no_role():
+    columns = _columns(**{"FIC1.OP": TRAVEL, "FIC1.PV": TRAVEL, "FIC1.MODE": TRAVEL, "power_w": TRAVEL})
+    _, valve = _drafted(columns)
+    assert _places(valve) == {"command": "FIC1.OP", "flow": "FIC1.PV"}
+
+
+def test_what_the_reader_would_refuse_is_a_question():
+    columns = _columns(OP=TRAVEL, F=TRAVEL, TT7=np.full(N, -900.0), **{"P1 [%]": TRAVEL})
+    draft, valve = _drafted(columns)
+    assert set(valve.roles) == {"command", "flow"}
+    assert any("lie below absolute zero" in item for item in draft.to_fill_in)
+    assert any("it is in %, by its name" in item for item in draft.to_fill_in)
+
+
 def test_raw_counts_are_left_open():
     draft, valve = _drafted(_columns(ZT1=276.48 * TRAVEL, OP=TRAVEL, F=TRAVEL))
     assert "opening" not in valve.roles
@@ -177,7 +241,16 @@ def test_time_column():
     columns = _columns(OP=TRAVEL, F=TRAVEL)
     times = columns.pop("time")
     assert _drafted(columns | {"t_s": times})[1].time == "t_s"
+    assert _drafted(columns | {"time_s": times})[1].time == "time_s"
     assert _drafted({"stamp": times} | columns)[1].time == "stamp"
+    told = read_recording_columns(columns | {"a": times, "time": times}, "recording.csv", "A")
+    assert (told.time, "time" in [column.name for column in told.columns]) == ("a", True)
+    with pytest.raises(InputError, match=r"--time-column b: recording.csv has no such column"):
+        read_recording_columns(columns | {"time": times}, "recording.csv", "b")
+    with pytest.raises(InputError, match="'time_min' does not count seconds, by its name"):
+        _drafted(columns | {"time_min": times})
+    with pytest.raises(InputError, match="part runs put one behind the other by sklvalve import"):
+        _drafted(columns | {"time_s": np.tile(times[: N // 2], 2)})
     with pytest.raises(
         InputError, match="no column is named time, and the first, 'OP', holds no rising times"
     ):

@@ -168,7 +168,7 @@ def test_units_in_brackets_in_a_row_and_in_a_column(made):
     united = long_text(["F"], iso(TIMES), VALUES, header="tag;time;value;units", quality="t/h")
     assert list(made(united).columns) == ["F [t/h]"]
     behind = wide_text(["F"], iso(TIMES), [[f"{value:.2f} kPa" for value in VALUES]])
-    np.testing.assert_allclose(made(behind).columns["F"], VALUES)
+    np.testing.assert_allclose(made(behind).columns["F [kPa]"], VALUES)
 
 
 def test_lines_that_are_no_rows_are_skipped_and_told(made):

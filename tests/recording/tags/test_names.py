@@ -176,3 +176,74 @@ def test_brackets_go():
         "bar(g)",
         "",
     ]
+
+
+PATHS = ["\\\\SRV\\PLANT\\", "Plant/Area/", "Plant/Pressure reduction/", "ns=2;s=Unit 7.", "Area1."]
+
+
+@pytest.mark.parametrize("path", PATHS)
+@pytest.mark.parametrize(
+    ("tag", "role"),
+    [
+        ("FIC-101.PV", "flow"),
+        ("FIC101/PV", "flow"),
+        ("FIC101.OP", "command"),
+        ("FIC101.SP", "setpoint"),
+        ("TIC-101.PV", "process_value"),
+        ("TIC7.PV [degF]", "process_value"),
+        ("TT101", "temperature"),
+        ("FIC101.MODE", None),
+    ],
+)
+def test_a_path_before_a_tag_says_nothing(path, tag, role):
+    reading = read_name(path + tag)
+    assert reading.role == role
+    assert reading.loop == read_name(tag).loop
+    assert reading.sure == (role is not None)
+
+
+@pytest.mark.parametrize(
+    ("name", "role"),
+    [
+        ("MODE", None),
+        ("FIC101.MODE", None),
+        ("LC_7.Mode", None),
+        ("FIC101.AUTO", None),
+        ("FIC101 Status", None),
+        ("PUMP7_Status", None),
+        ("power_w", None),
+        ("power_W", None),
+        ("motor power [W]", None),
+        ("LC7.W", "setpoint"),
+        ("w", "setpoint"),
+        ("Heating Coil Valve Control Signal", "command"),
+        ("AHU: Cooling Coil Valve Control Signal", "command"),
+        ("Valve signal", "command"),
+        ("AHU: Supply Air Temperature Heating Set Point", "setpoint"),
+        ("Duct pressure set point [bar]", "setpoint"),
+        ("setpoint_position_%", "command"),
+        ("feedback_position_%", "opening"),
+        ("AHU: Supply Air Duct Static Pressure", "pressure"),
+        ("TIC101.PV [degF]", "process_value"),
+        ("PIC101.PV [bar]", "process_value"),
+        ("Reactor temperature TIC101.PV", "process_value"),
+        ("TIC-101 Process Value", "process_value"),
+        ("FIC-101 Process Variable", "flow"),
+        ("FIC101.OP [bar]", "command"),
+    ],
+)
+def test_role_of_what_was_taken_for_another(name, role):
+    assert read_name(name).role == role
+
+
+@pytest.mark.parametrize(
+    "text", ["degF", "deg F", "deg_F", "Deg. F", "°F", "degrees F", "degree F", "Fahrenheit", "(deg F)", "F"]
+)
+def test_fahrenheit(text):
+    assert read_unit(text).unit == "degF"
+
+
+@pytest.mark.parametrize("name", ["TI7 (deg F)", "TI7 deg F", "TI7_deg_F", "TI7.degF", "TI7 [°F]", "TI7 °F"])
+def test_fahrenheit_in_a_name(name):
+    rest, unit = split_unit(name)
+    assert (rest, read_unit(unit).unit) == ("TI7", "degF")
