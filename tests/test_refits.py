@@ -24,7 +24,9 @@ from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation import ValveSimulation
 
-FOLDER = str(Path(sklvalve.__file__).parent)
+FOLDER = Path(sklvalve.__file__).parent
+# between the end of a block and the release of its lock a trace can raise, and a signal cannot
+LOCKS = FOLDER / "lssvm" / "threads.py"
 # places at which each refit is interrupted, spread evenly over the lines that it runs
 PLACES = 40
 
@@ -102,24 +104,35 @@ def _two_blocks(data=(X, Y)):
 
 def _lssvm_cases():
     for solver in SOLVERS:
-        yield solver, _of_tables(
-            lambda solver=solver: LSSVMRegressor(solver=solver, n_landmarks=30, random_state=0, n_jobs=1),
-            wrong=[_late_refusal(solver)],
+        yield (
+            solver,
+            _of_tables(
+                lambda solver=solver: LSSVMRegressor(solver=solver, n_landmarks=30, random_state=0, n_jobs=1),
+                wrong=[_late_refusal(solver)],
+            ),
         )
     for kernel in ("linear", "poly", "laplacian", lambda a, b: float(np.exp(-np.abs(a - b).sum()))):
         yield getattr(kernel, "__name__", kernel), _of_tables(lambda kernel=kernel: LSSVMRegressor(kernel))
-    yield "robust and uncertain", Case(
-        lambda: LSSVMRegressor(robust_passes=2, uncertainty=True, random_state=0).fit(X, Y),
-        lambda model: np.stack([*model.predict(QUERIES, return_std=True), *model.predict_interval(QUERIES)]),
-        (lambda model: model.fit(X, Y[:-1]), lambda model: model.fit(WITH_GAP, Y)),
-        lambda model: model.fit(*OTHER),
+    yield (
+        "robust and uncertain",
+        Case(
+            lambda: LSSVMRegressor(robust_passes=2, uncertainty=True, random_state=0).fit(X, Y),
+            lambda model: np.stack(
+                [*model.predict(QUERIES, return_std=True), *model.predict_interval(QUERIES)]
+            ),
+            (lambda model: model.fit(X, Y[:-1]), lambda model: model.fit(WITH_GAP, Y)),
+            lambda model: model.fit(*OTHER),
+        ),
     )
-    yield "precomputed", _of_tables(
-        lambda: LSSVMRegressor("precomputed"),
-        data=(X @ X.T, Y),
-        other=(OTHER[0] @ OTHER[0].T, OTHER[1]),
-        wrong=[(np.ones((90, 80)), Y)],
-        remembered=lambda model: model.predict(QUERIES @ X.T),
+    yield (
+        "precomputed",
+        _of_tables(
+            lambda: LSSVMRegressor("precomputed"),
+            data=(X @ X.T, Y),
+            other=(OTHER[0] @ OTHER[0].T, OTHER[1]),
+            wrong=[(np.ones((90, 80)), Y)],
+            remembered=lambda model: model.predict(QUERIES @ X.T),
+        ),
     )
     blocks = Case(
         lambda: LSSVMRegressor(n_landmarks=30, random_state=0).fit_blocks(_two_blocks()),
@@ -128,31 +141,40 @@ def _lssvm_cases():
         _in_blocks(_two_blocks(OTHER)),
     )
     yield "fit_blocks", blocks
-    yield "rows added", Case(
-        lambda: LSSVMRegressor(n_landmarks=30, random_state=0).partial_fit(X, Y),
-        blocks.remembered,
-        (
+    yield (
+        "rows added",
+        Case(
+            lambda: LSSVMRegressor(n_landmarks=30, random_state=0).partial_fit(X, Y),
+            blocks.remembered,
+            (
+                lambda model: model.partial_fit(*OTHER),
+                lambda model: model.partial_fit(WITH_GAP, Y),
+                lambda model: model.partial_fit(X, np.column_stack([Y, Y])),
+                lambda model: model.partial_fit(1e300 * X, Y),
+            ),
+            lambda model: model.partial_fit(X[:20] + 0.5, Y[:20]),
+        ),
+    )
+    yield (
+        "rows added to a fit",
+        Case(
+            lambda: LSSVMRegressor(n_landmarks=30, random_state=0).fit(X, Y),
+            blocks.remembered,
+            (lambda model: model.partial_fit(X, Y[:-1]), lambda model: model.partial_fit(1e300 * X, Y)),
             lambda model: model.partial_fit(*OTHER),
-            lambda model: model.partial_fit(WITH_GAP, Y),
-            lambda model: model.partial_fit(X, np.column_stack([Y, Y])),
-            lambda model: model.partial_fit(1e300 * X, Y),
         ),
-        lambda model: model.partial_fit(X[:20] + 0.5, Y[:20]),
     )
-    yield "rows added to a fit", Case(
-        lambda: LSSVMRegressor(n_landmarks=30, random_state=0).fit(X, Y),
-        blocks.remembered,
-        (lambda model: model.partial_fit(X, Y[:-1]), lambda model: model.partial_fit(1e300 * X, Y)),
-        lambda model: model.partial_fit(*OTHER),
-    )
-    yield "a known solution", Case(
-        lambda: LSSVMRegressor().fit(X, Y),
-        blocks.remembered,
-        (
-            lambda model: model.with_solution(OTHER[0], OTHER[1][:-1], 0.0),
-            lambda model: model.with_solution(OTHER[0], OTHER[1], "none"),
+    yield (
+        "a known solution",
+        Case(
+            lambda: LSSVMRegressor().fit(X, Y),
+            blocks.remembered,
+            (
+                lambda model: model.with_solution(OTHER[0], OTHER[1][:-1], 0.0),
+                lambda model: model.with_solution(OTHER[0], OTHER[1], "none"),
+            ),
+            lambda model: model.with_solution(*OTHER, 1.0),
         ),
-        lambda model: model.with_solution(*OTHER, 1.0),
     )
 
 
@@ -162,7 +184,11 @@ def _hybrid_cases():
     log = lambda: SeriesHybridRegressor(link="log", regressor_columns=[0])  # noqa: E731
     yield SeriesHybridRegressor, "log", _of_tables(log, **series | {"wrong": [(VALVE[0], -VALVE[1])]})
     own = {"wrong": [(X, np.full(len(Y), 1e308))]}
-    yield ParallelHybridRegressor, "regressor", _of_tables(lambda: ParallelHybridRegressor(LinearRegression()), **own)
+    yield (
+        ParallelHybridRegressor,
+        "regressor",
+        _of_tables(lambda: ParallelHybridRegressor(LinearRegression()), **own),
+    )
     yield ParallelHybridRegressor, "mechanism", _of_tables(ParallelHybridRegressor, **series)
 
 
@@ -199,8 +225,8 @@ def _simulation_case():
         (
             lambda model: model.fit(np.ones((9, 3))),
             lambda model: model.fit(_without(other, "flow", "opening")),
-            lambda model: model.fit(_without(other, "p1", "p2")),
             lambda model: model.fit(other.slice(0, 1)),
+            lambda model: model.set_params(effects=("no effect",)).fit(other),
         ),
         lambda model: model.fit(_without(other, "opening")),
     )
@@ -220,7 +246,7 @@ def _finder_case():
     def to_a_loop(model):
         model.fit({"time": other.time, "command": other["command"], "flow": np.full(len(other), np.nan)})
 
-    stages = ("reading", "calibrating", "comparing explanations", "forecasting rows ahead",
+    stages = ("reading", "calibrating", "looking for the unknown", "forecasting rows ahead",
               "proving on held-out rows", "done")  # fmt: skip
     return Case(
         lambda: MissingPhysicsFinder(max_effects=0, n_jobs=1).fit(recording),
@@ -233,7 +259,7 @@ def _finder_case():
             lambda model: model.fit(np.ones((9, 3))),
             lambda model: model.fit(other.slice(0, 20)),
             lambda model: model.fit(_without(other, "flow", "opening")),
-            lambda model: model.fit(other, until=10**9),
+            lambda model: model.fit(other, until=5),
             to_a_loop,
             *map(stopped, stages),
         ),
@@ -244,10 +270,18 @@ def _finder_case():
 def _cases():
     for name, case in _lssvm_cases():
         yield LSSVMRegressor, name, case
-    yield LSSVMRegressorCV, "one left out", _of_tables(
-        lambda: LSSVMRegressorCV(uncertainty=True), wrong=[(OTHER[0][:1], OTHER[1][:1])]
+    yield (
+        LSSVMRegressorCV,
+        "one left out",
+        _of_tables(
+            lambda: LSSVMRegressorCV(uncertainty=True, random_state=0), wrong=[(OTHER[0][:1], OTHER[1][:1])]
+        ),
     )
-    yield LSSVMRegressorCV, "blocks", _of_tables(lambda: LSSVMRegressorCV("laplacian", cv=3, gammas=[0.1, 0.4]))
+    yield (
+        LSSVMRegressorCV,
+        "blocks",
+        _of_tables(lambda: LSSVMRegressorCV("laplacian", cv=3, gammas=[0.1, 0.4], random_state=0)),
+    )
     yield from _hybrid_cases()
     yield ValveMechanismTransformer, "liquid", _transformer_case()
     yield ValveSimulation, "recording", _simulation_case()
@@ -281,7 +315,8 @@ class _Interruption:
 
     def _call(self, frame, event, argument):
         del event, argument
-        return self._line if frame.f_code.co_filename.startswith(FOLDER) else None
+        file = frame.f_code.co_filename
+        return self._line if file.startswith(str(FOLDER)) and file != str(LOCKS) else None
 
     def _line(self, frame, event, argument):
         del frame, argument
@@ -313,7 +348,7 @@ def test_a_refused_refit_changes_nothing(case):
     state, remembered = _state(model), case.remembered(model)
     parameters = model.get_params(deep=False)
     for number, refused in enumerate(case.refused):
-        with pytest.raises((ValueError, TypeError, KeyboardInterrupt)):
+        with pytest.raises((ValueError, TypeError, AttributeError, KeyboardInterrupt)):
             refused(model)
         model.set_params(**parameters)
         assert _equal(state, _state(model)), f"refused refit {number}"
@@ -324,6 +359,8 @@ def test_a_refused_refit_changes_nothing(case):
 @pytest.mark.parametrize("case", [case for case in CASES if case.values[0].refit is not None])
 def test_an_interrupted_refit_changes_nothing_until_it_is_whole(case):
     whole = case.fitted()
+    # what is loaded or compiled at the first time does not count
+    case.refit(whole)
     with _Interruption() as counted:
         case.refit(whole)
     model = case.fitted()
@@ -346,7 +383,12 @@ def test_an_interrupted_refit_changes_nothing_until_it_is_whole(case):
 def test_a_first_fit_that_is_refused_leaves_an_estimator_unfitted():
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        for model in (LSSVMRegressor(), LSSVMRegressorCV(), SeriesHybridRegressor(), ParallelHybridRegressor()):
+        for model in (
+            LSSVMRegressor(),
+            LSSVMRegressorCV(),
+            SeriesHybridRegressor(),
+            ParallelHybridRegressor(),
+        ):
             with pytest.raises(ValueError):
                 model.fit(WITH_GAP, Y)
             assert not _state(model)

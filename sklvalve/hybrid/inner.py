@@ -104,7 +104,7 @@ def usable_rows(values, meaning, remedy):
         warnings.warn(
             f"{meaning} in {len(rows)} of {len(values)} rows; left out: {missing}.",
             ValidityWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
     return rows
 

@@ -23,6 +23,7 @@ from sklvalve.hybrid.inner import (
     take_rows,
     usable_rows,
 )
+from sklvalve.refits import whole_or_nothing
 
 
 def _mechanism_has(*methods):
@@ -114,6 +115,7 @@ class ParallelHybridRegressor(RegressorMixin, BaseEstimator):
         return fit_router(self, mechanism_or_default(self.mechanism), regressor_or_default(self.regressor))
 
     @_fit_context(prefer_skip_nested_validation=False)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None, **fit_params):
         """Fit the mechanism, then the regressor on what it leaves over.
 

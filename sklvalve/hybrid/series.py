@@ -25,6 +25,7 @@ from sklvalve.hybrid.inner import (
     weight_keywords,
 )
 from sklvalve.hybrid.outputs import OutputsMixin
+from sklvalve.refits import whole_or_nothing
 
 
 class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
@@ -153,6 +154,7 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         return fit_router(self, mechanism_or_default(self.mechanism), regressor_or_default(self.regressor))
 
     @_fit_context(prefer_skip_nested_validation=False)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None, **fit_params):
         """Invert the mechanism and learn its parameter.
 
@@ -213,7 +215,7 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
                     "are not weighted by sensitivity; call set_fit_request(sample_weight=True) on it, or on "
                     "the steps of a pipeline, or set sensitivity_weights=False.",
                     UserWarning,
-                    stacklevel=2,
+                    stacklevel=4,
                 )
             keywords.update(weights)
         target = np.log(parameter) if self.link == "log" else parameter

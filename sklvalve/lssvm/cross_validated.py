@@ -14,6 +14,7 @@ from sklvalve.lssvm.left_out import score_of
 from sklvalve.lssvm.regressor import LSSVMRegressor
 from sklvalve.lssvm.rows import middle_of, unit_of
 from sklvalve.lssvm.search import Search
+from sklvalve.refits import whole_or_nothing
 
 # parameters of the final fit that are no choice
 _PASSED_ON = (
@@ -141,6 +142,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.uncertainty = uncertainty
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None):
         """Choose C and gamma, and fit to all rows.
 

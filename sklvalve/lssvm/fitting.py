@@ -32,6 +32,7 @@ from sklvalve.lssvm.rows import (
 )
 from sklvalve.lssvm.solvers import raise_unless_finite
 from sklvalve.lssvm.spread import fit_spread
+from sklvalve.refits import whole_or_nothing
 
 # the approximation's own error is far above this, whatever the tolerance of an exact solution
 _NYSTROM_TOLERANCE = 100.0
@@ -48,6 +49,7 @@ _OF_THE_FUNCTION = ("kernel", "gamma", "degree", "coef0", "kernel_params", "bias
 class Fitting:
     """The ways of `fit`, `fit_blocks` and `partial_fit` of :class:`~sklvalve.lssvm.LSSVMRegressor`."""
 
+    @whole_or_nothing
     def with_solution(self, X_fit, dual_coef, intercept):
         """Take a solution that is known already, from plain data for example, in place of a fit.
 
@@ -143,7 +145,7 @@ class Fitting:
                 f"The {len(seen['landmarks'])} landmarks leave {lacking:.1e} of the kernel of the new rows "
                 "unspanned; raise n_landmarks and begin anew with rows of all kinds, or use fit.",
                 UserWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
         alpha, b, residual = solution_of(seen, C=self.C, bias=self.bias)
         self._store(move.unit * alpha, move.unit * b + move.shift, seen["landmarks"], single)
@@ -220,7 +222,7 @@ class Fitting:
                 f"The heaviest row weighs {found.uneven:.1e} times the middle one: on landmarks light ones "
                 "are met less well than residual_ says; use an exact solver.",
                 UserWarning,
-                stacklevel=5,
+                stacklevel=6,
             )
         self._store(move.unit * found.alpha, move.unit * found.b + move.shift, found.landmarks, single)
         self.solver_, self.n_iter_, self.residual_ = "nystrom", found.n_iter + 1, found.residual

@@ -15,6 +15,7 @@ from sklvalve.lssvm.choice import SOLVERS
 from sklvalve.lssvm.distributed import is_dask
 from sklvalve.lssvm.fitting import Fitting
 from sklvalve.lssvm.predicting import Predicting
+from sklvalve.refits import whole_or_nothing
 
 
 def _has_rows(estimator):
@@ -208,6 +209,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         return tags
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None):
         """Fit the model.
 
@@ -243,6 +245,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
 
     @available_if(_has_rows)
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit_blocks(self, blocks):
         """Fit to rows that come in blocks and never all at once, by the solver "nystrom".
 
@@ -265,6 +268,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
 
     @available_if(_has_rows)
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def partial_fit(self, X, y, sample_weight=None):
         """Add rows to what was learnt; the rows themselves are not kept.
 

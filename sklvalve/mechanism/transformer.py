@@ -15,6 +15,7 @@ from sklvalve.mechanism._mechanism import MechanismMixin
 from sklvalve.mechanism._parameters import CONSTRAINTS, OF_GAS, OF_LIQUID, ROLES
 from sklvalve.mechanism.features import DEFAULT_FEATURES, FEATURES, check_names, compute_features
 from sklvalve.mechanism.fluid import fluid_from
+from sklvalve.refits import whole_or_nothing
 
 
 class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator):
@@ -206,6 +207,7 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         return dict(FEATURES)
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y=None):
         """Bind the roles to the columns; nothing is estimated.
 

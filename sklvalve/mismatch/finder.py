@@ -36,6 +36,7 @@ from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
 from sklvalve.mismatch.withholding import withheld
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
+from sklvalve.refits import whole_or_nothing
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.side_by_side import with_threads
 
@@ -137,6 +138,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self.callback = callback
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y=None, *, until=None):
         """Diagnose a recording.
 

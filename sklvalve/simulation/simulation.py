@@ -9,6 +9,7 @@ from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
 from sklvalve.recording import InputError, Recording, Valve
+from sklvalve.refits import whole_or_nothing
 from sklvalve.simulation.calibration import (
     channels_of,
     choose_trim,
@@ -70,6 +71,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         self.effects = effects
         self.onsets = onsets
 
+    @whole_or_nothing
     def fit(self, X, y=None):
         """Calibrate on a recording.
 
@@ -89,12 +91,18 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             If the recording lacks what a simulation is judged by.
         """
         recording = as_recording(X, y, self.valve)
+        if len(recording) < 2:
+            raise InputError(
+                f"a calibration needs at least 2 rows, got {len(recording)}: give a longer recording"
+            )
         tolerance = self.tolerance or Tolerance()
         channels = channels_of(recording)
         self.valve_ = self.valve or recording.valve
         self.trim_ = choose_trim(recording, self.valve_, tolerance)
         self.choking_ = "choked_flow" in self.valve_.physics
         self.correction_ = self.given_ = self.seen_ = None
+        # those of a fit before would ask this recording for what that one held
+        self.values_ = {}
         chain = self.chain_of(recording)
         parameters = []
         if "command" in recording:
