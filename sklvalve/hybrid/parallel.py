@@ -10,7 +10,9 @@ from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.hybrid.inner import (
+    InnerModelsMixin,
     checked_table,
     clone_model,
     fit_keywords,
@@ -23,14 +25,13 @@ from sklvalve.hybrid.inner import (
     take_rows,
     usable_rows,
 )
-from sklvalve.refits import whole_or_nothing
 
 
 def _mechanism_has(*methods):
     return lambda self: all(hasattr(mechanism_or_default(self.mechanism), method) for method in methods)
 
 
-class ParallelHybridRegressor(RegressorMixin, BaseEstimator):
+class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
     r"""Physics plus a regressor that learns the residual.
 
     Predicts :math:`\hat y = g(x) + r(x)`: `fit` computes the mechanism's prediction g and lets the regressor

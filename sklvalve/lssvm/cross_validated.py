@@ -10,11 +10,11 @@ from sklearn.model_selection import check_cv
 from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.lssvm.left_out import score_of
 from sklvalve.lssvm.regressor import LSSVMRegressor
 from sklvalve.lssvm.rows import middle_of, unit_of
 from sklvalve.lssvm.search import Search
-from sklvalve.refits import whole_or_nothing
 
 # parameters of the final fit that are no choice
 _PASSED_ON = (

@@ -7,6 +7,7 @@ import numpy as np
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.lssvm.choice import Machine, memory_to_use, solver_for
 from sklvalve.lssvm.distributed import DaskPasses, moments_of_parts, parts_of
 from sklvalve.lssvm.kernels import WITH_GAMMA, kernel_length
@@ -33,7 +34,6 @@ from sklvalve.lssvm.rows import (
 from sklvalve.lssvm.scale import gamma_of_scale, moments
 from sklvalve.lssvm.solvers import raise_unless_finite
 from sklvalve.lssvm.spread import fit_spread
-from sklvalve.refits import whole_or_nothing
 
 # the approximation's own error is far above this, whatever the tolerance of an exact solution
 _NYSTROM_TOLERANCE = 100.0
@@ -94,7 +94,7 @@ class Fitting:
         targets, single, counts = as_columns(y), y.ndim == 1, weight
         self._fit_weighted(X, targets, counts, single)
         for _ in range(self.robust_passes):
-            trusted = self._trusted(X, targets, counts)
+            trusted = self._trusted(X, targets, counts, weight)
             counts = weight * trusted
             self._fit_weighted(X, targets, counts, single)
             self.robust_weight_ = trusted
@@ -263,13 +263,13 @@ class Fitting:
         raise_unless_finite(b)
         self.intercept_ = float(b[0]) if single else b
 
-    def _trusted(self, X, targets, weight):
-        known, trusted = weight > 0.0, np.ones(len(weight))
+    def _trusted(self, X, targets, counts, weight):
+        known, trusted = counts > 0.0, np.ones(len(counts))
         if self.kernel != "precomputed":
             errors = targets[known] - self._function(self._coordinates()(X[known]))
         else:
-            errors = self._alpha()[known] / (self.C * weight[known])[:, None]
-        trusted[known] = trust(errors)
+            errors = self._alpha()[known] / (self.C * counts[known])[:, None]
+        trusted[known] = trust(errors, weight[known])
         return trusted
 
     def _learn_spread(self, blocks, single):

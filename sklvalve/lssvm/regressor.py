@@ -10,12 +10,12 @@ from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.lssvm import device
 from sklvalve.lssvm.choice import SOLVERS
 from sklvalve.lssvm.distributed import is_dask
 from sklvalve.lssvm.fitting import Fitting
 from sklvalve.lssvm.predicting import Predicting
-from sklvalve.refits import whole_or_nothing
 
 
 def _may_come(*without):

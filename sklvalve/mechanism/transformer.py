@@ -8,6 +8,7 @@ import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin, _fit_context
 from sklearn.utils.validation import _check_feature_names_in, check_is_fitted, validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.mechanism._binding import column_of
 from sklvalve.mechanism._gas_rows import GasRows
 from sklvalve.mechanism._liquid_rows import LiquidRows
@@ -15,7 +16,6 @@ from sklvalve.mechanism._mechanism import MechanismMixin
 from sklvalve.mechanism._parameters import CONSTRAINTS, OF_GAS, OF_LIQUID, ROLES
 from sklvalve.mechanism.features import DEFAULT_FEATURES, FEATURES, check_names, compute_features
 from sklvalve.mechanism.fluid import fluid_from
-from sklvalve.refits import whole_or_nothing
 
 
 class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator):

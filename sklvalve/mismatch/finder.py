@@ -9,6 +9,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import HasMethods, Interval
 from threadpoolctl import threadpool_limits
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.mismatch.behind import judged_behind
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
@@ -36,7 +37,6 @@ from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
 from sklvalve.mismatch.withholding import withheld
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
-from sklvalve.refits import whole_or_nothing
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.side_by_side import with_threads
 

@@ -8,8 +8,8 @@ import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.recording import InputError, Recording, Valve
-from sklvalve.refits import whole_or_nothing
 from sklvalve.simulation.calibration import (
     channels_of,
     choose_trim,

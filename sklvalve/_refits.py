@@ -3,8 +3,6 @@
 
 from functools import wraps
 
-__all__ = ["whole_or_nothing"]
-
 
 def whole_or_nothing(fit):
     """Let a method that fits work on a copy of its estimator, and give the estimator the result at the end.
