@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted
 
 from sklvalve._refits import whole_or_nothing
@@ -213,6 +214,43 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         if "flow" not in made:
             raise InputError("a flow needs an opening or a command beside the pressures")
         return made["flow"]
+
+    def score(self, X, y=None, sample_weight=None):
+        r"""Share :math:`R^2` of the variance of the recorded flow that the simulated one explains.
+
+        Parameters
+        ----------
+        X : Recording, or DataFrame with role names as columns, in SI
+        y : array-like of shape (n,), default=None
+            Flow [m3/s, or kg/s]; None takes the recorded one.
+        sample_weight : array-like of shape (n,), default=None
+
+        Returns
+        -------
+        score : float
+            1 is perfect. Rows without a recorded or a simulated flow are left out.
+
+        Raises
+        ------
+        InputError
+            If there is no flow to compare with, or it is known in fewer than two rows.
+        """
+        if y is None:
+            recording = as_recording(X, valve=self.valve)
+            if "flow" not in recording:
+                raise InputError("a score needs a recorded flow; give a recording that holds one, or y")
+            y = recording["flow"]
+        y, made = np.asarray(y, dtype=float), self.predict(X)
+        if y.shape != made.shape:
+            raise InputError(f"y must hold one flow for each of {len(made)} rows, got shape {y.shape}")
+        known = np.isfinite(y) & np.isfinite(made)
+        if np.count_nonzero(known) < 2:
+            raise InputError(
+                "a score needs a recorded and a simulated flow in at least two rows; there are "
+                f"{np.count_nonzero(known)}"
+            )
+        weight = None if sample_weight is None else np.asarray(sample_weight, dtype=float)[known]
+        return float(r2_score(y[known], made[known], sample_weight=weight))
 
     def forward(self, X, parameter):
         """Flow with the capacity multiplied by `parameter` [1], row by row."""
