@@ -308,7 +308,8 @@ def as_recording(X, y=None, valve=None):
     if "time" not in columns:
         index = None
         with suppress(TypeError, ValueError):
-            index = np.asarray(X.index, dtype=float) if getattr(X.index, "name", None) == "time" else None
+            of_frame = getattr(X, "index", None)
+            index = np.asarray(of_frame, dtype=float) if getattr(of_frame, "name", None) == "time" else None
         columns["time"] = np.arange(n, dtype=float) if index is None else index
     # the signals are in SI already, so the sheet's own columns and units do not count
     bare = Recording.from_frame(columns, None)
