@@ -3,8 +3,9 @@
 
 `ValveSimulation` and `MissingPhysicsFinder` need signals by name and more rows than a check has. An adapter
 is the class itself with one step before it: it validates the matrix as scikit-learn asks, and makes a
-recording of it. The first column becomes the opening, which is also the command; y, where there is one, the flow; both
-pressures are constant. All else is the class's own: parameters, copies, fitted state, what is predicted.
+recording of it. The first column becomes the opening, which is also the command; y, where there is one, the
+flow; both pressures are constant. All else is the class's own: parameters, copies, fitted state, what is
+predicted.
 """
 
 import numpy as np

@@ -380,3 +380,22 @@ def test_blocks_that_change_between_passes_are_refused():
     with pytest.raises(ValueError, match="Block 0 holds other numbers"):
         model.fit_blocks(lambda: [(X, Y, np.full(60, next(weight)))])
     assert model.fit_blocks(weighed).predict(X[:1]).shape == (1,)
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "laplacian"])
+def test_robust_passes_count_a_weight_as_repeated_rows(kernel):
+    A, b = rows(60, 3)
+    b[::9] += 4.0
+    counts = np.random.default_rng(1).integers(0, 4, 60)
+    times = np.repeat(np.arange(60), counts)
+    weighed = LSSVMRegressor(kernel, robust_passes=3).fit(A, b, counts)
+    repeated = LSSVMRegressor(kernel, robust_passes=3).fit(A[times], b[times])
+    assert_allclose(weighed.predict(ASKED), repeated.predict(ASKED), rtol=0, atol=1e-9)
+    assert_allclose(weighed.robust_weight_[times], repeated.robust_weight_, rtol=0, atol=1e-9)
+
+
+def test_a_warning_of_rows_added_points_to_the_caller():
+    model = LSSVMRegressor(n_landmarks=40, random_state=0).partial_fit(X, Y)
+    with pytest.warns(UserWarning, match="unspanned") as caught:
+        model.partial_fit(np.vstack([X + 5.0, X + 10.0]), np.r_[Y, Y])
+    assert caught[0].filename == __file__

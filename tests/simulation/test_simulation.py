@@ -195,3 +195,10 @@ def test_a_refit_asks_for_nothing_that_only_the_fit_before_had(simulation, recor
     given = ValveSimulation().fit(frame | {"simulated_flow": simulation.predict(recording)})
     assert "given_gain" in given.values_
     assert "given_gain" not in given.fit(frame).values_
+
+
+def test_signals_in_a_dict_need_no_time(recording):
+    """As of a data frame whose index is none, the rows are then seconds."""
+    signals = dict(recording.slice(0, 200).signals)
+    timed = ValveSimulation().fit({"time": np.arange(200.0)} | signals)
+    assert ValveSimulation().fit(signals).values_ == timed.values_
