@@ -10,7 +10,7 @@ import numpy as np
 from sklearn.metrics import make_scorer
 from sklearn.utils import check_array, check_consistent_length
 
-__all__ = ["err_max", "mape", "neg_err_max_scorer", "neg_mape_scorer", "neg_rmse_scorer", "rmse"]
+__all__ = ["SCORERS", "err_max", "mape", "neg_err_max_scorer", "neg_mape_scorer", "neg_rmse_scorer", "rmse"]
 
 # A flow meter's relative error has no meaning in the lowest part of its range.
 DEFAULT_CUT_OFF = 0.01
@@ -201,3 +201,7 @@ neg_mape_scorer = make_scorer(mape, greater_is_better=False)
 
 neg_err_max_scorer = make_scorer(err_max, greater_is_better=False)
 """`err_max` with the sign turned, as ``scoring`` of scikit-learn's model selection: larger is better."""
+
+SCORERS = {"neg_rmse": neg_rmse_scorer, "neg_mape": neg_mape_scorer, "neg_err_max": neg_err_max_scorer}
+"""The scorers by name, for ``cross_validate(..., scoring=SCORERS)`` or ``GridSearchCV(..., scoring=SCORERS,
+refit="neg_rmse")``. scikit-learn takes a name by itself for its own scorers only."""

@@ -12,8 +12,8 @@ import pytest
 import sklvalve
 
 PAGE = Path(__file__).parents[1] / "docs" / "api.rst"
-PUBLIC = ["sklvalve", *(f"sklvalve.{m.name}" for m in pkgutil.iter_modules(sklvalve.__path__))]
-PUBLIC.remove("sklvalve.__main__")
+MODULES = [module.name for module in pkgutil.iter_modules(sklvalve.__path__)]
+PUBLIC = ["sklvalve", *(f"sklvalve.{name}" for name in MODULES if not name.startswith("_"))]
 
 
 def _listed(text):

@@ -8,9 +8,17 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from sklearn.linear_model import LinearRegression
 from sklearn.metrics import mean_absolute_percentage_error, root_mean_squared_error
-from sklearn.model_selection import cross_val_score
+from sklearn.model_selection import GridSearchCV, cross_val_score, cross_validate
 
-from sklvalve.metrics import err_max, mape, neg_err_max_scorer, neg_mape_scorer, neg_rmse_scorer, rmse
+from sklvalve.metrics import (
+    SCORERS,
+    err_max,
+    mape,
+    neg_err_max_scorer,
+    neg_mape_scorer,
+    neg_rmse_scorer,
+    rmse,
+)
 
 numbers = st.floats(-1e6, 1e6, allow_subnormal=False)
 
@@ -122,3 +130,17 @@ def test_scorers_are_negative_and_pickle(scorer, metric):
     assert scorer(model, X, y) == -metric(y, model.predict(X))
     assert pickle.loads(pickle.dumps(scorer))(model, X, y) == scorer(model, X, y)
     assert (cross_val_score(model, X, y, scoring=scorer, cv=3) < 0).all()
+
+
+def test_all_scorers_go_by_name_into_a_search():
+    X = np.linspace(1.0, 2.0, 40)[:, None]
+    y = 3.0 * X[:, 0] + np.tile([0.01, -0.01], 20)
+    found = cross_validate(LinearRegression(), X, y, scoring=SCORERS, cv=4)
+    assert {name.removeprefix("test_") for name in found if name.startswith("test_")} == set(SCORERS)
+    for name, scorer in SCORERS.items():
+        np.testing.assert_array_equal(
+            found[f"test_{name}"], cross_val_score(LinearRegression(), X, y, scoring=scorer, cv=4)
+        )
+    grid = {"fit_intercept": [False, True]}
+    search = GridSearchCV(LinearRegression(), grid, scoring=SCORERS, refit="neg_mape", cv=4).fit(X, y)
+    assert search.best_score_ == search.cv_results_["mean_test_neg_mape"].max()

@@ -42,6 +42,45 @@ def regressor_or_default(regressor):
     return make_pipeline(*steps)
 
 
+class InnerModelsMixin:
+    """`set_params` of an estimator whose `mechanism` and `regressor` may be None."""
+
+    def set_params(self, **params):
+        """Set parameters, those of the models inside as ``mechanism__name`` and ``regressor__name``.
+
+        Parameters
+        ----------
+        **params : dict
+
+        Returns
+        -------
+        self : estimator
+
+        Raises
+        ------
+        ValueError
+            If a name is no parameter, or belongs to a model that is None.
+        """
+        for key in params:
+            name, inside, _ = key.partition("__")
+            if (
+                inside
+                and name in ("mechanism", "regressor")
+                and params.get(name, getattr(self, name)) is None
+            ):
+                raise ValueError(
+                    f"{key} cannot be set, because {name} is None and its default is made in fit: hand a "
+                    f"model in as {name}=..., for example {_EXAMPLES[name]}."
+                )
+        return super().set_params(**params)
+
+
+_EXAMPLES = {
+    "mechanism": "ValveMechanismTransformer()",
+    "regressor": "LSSVMRegressor()",
+}
+
+
 def clone_model(model):
     """An unfitted copy; a mechanism need not be a scikit-learn estimator."""
     return clone(model, safe=hasattr(model, "get_params"))
@@ -104,7 +143,7 @@ def usable_rows(values, meaning, remedy):
         warnings.warn(
             f"{meaning} in {len(rows)} of {len(values)} rows; left out: {missing}.",
             ValidityWarning,
-            stacklevel=4,
+            stacklevel=5,
         )
     return rows
 

@@ -10,7 +10,9 @@ from sklearn.utils._param_validation import HasMethods
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.hybrid.inner import (
+    InnerModelsMixin,
     checked_table,
     clone_model,
     fit_keywords,
@@ -29,7 +31,7 @@ def _mechanism_has(*methods):
     return lambda self: all(hasattr(mechanism_or_default(self.mechanism), method) for method in methods)
 
 
-class ParallelHybridRegressor(RegressorMixin, BaseEstimator):
+class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
     r"""Physics plus a regressor that learns the residual.
 
     Predicts :math:`\hat y = g(x) + r(x)`: `fit` computes the mechanism's prediction g and lets the regressor
@@ -114,6 +116,7 @@ class ParallelHybridRegressor(RegressorMixin, BaseEstimator):
         return fit_router(self, mechanism_or_default(self.mechanism), regressor_or_default(self.regressor))
 
     @_fit_context(prefer_skip_nested_validation=False)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None, **fit_params):
         """Fit the mechanism, then the regressor on what it leaves over.
 

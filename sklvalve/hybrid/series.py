@@ -2,14 +2,17 @@
 """Series hybrid: data give the parameter that physics does not know."""
 
 import warnings
+from numbers import Real
 from typing import ClassVar
 
 import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin, _fit_context
-from sklearn.utils._param_validation import HasMethods, StrOptions
+from sklearn.utils._param_validation import HasMethods, Interval, StrOptions
 from sklearn.utils.validation import check_is_fitted
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.hybrid.inner import (
+    InnerModelsMixin,
     checked_table,
     clone_model,
     could_take_weights,
@@ -25,9 +28,13 @@ from sklvalve.hybrid.inner import (
     weight_keywords,
 )
 from sklvalve.hybrid.outputs import OutputsMixin
+from sklvalve.mechanism import ValidityWarning
+
+# of the largest parameter: a valve that is shut tightly leaks less, and no meter tells less from nothing
+_LEAST = 1e-3
 
 
-class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
+class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, BaseEstimator):
     r"""Physics with an unknown parameter that a regressor learns.
 
     `fit` inverts the mechanism row by row for its parameter and lets the regressor learn the parameter from
@@ -49,7 +56,8 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         :class:`~sklearn.preprocessing.StandardScaler`.
     link : {"identity", "log"}, default="identity"
         What the regressor learns: the parameter, or its logarithm, which keeps the prediction positive. With
-        "log", rows whose parameter is not positive are left out.
+        "log", rows whose parameter is negative are left out, and one from zero up to `floor`, as of a shut
+        valve, counts as `floor`.
     regressor_columns : list of str or int, default=None
         Columns of X that the regressor sees, by name or position; None is all.
     sensitivity_weights : bool, default=True
@@ -57,8 +65,14 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         regressor takes weights (with metadata routing: asks for them). The noise of the parameter is that of
         the output over the sensitivity, so rows near zero pressure drop would otherwise drown the rest.
 
+    floor : float, default=None
+        Least parameter that is learnt with the link "log", in the mechanism's unit; None is a thousandth of
+        the largest in the rows of the fit.
+
     Attributes
     ----------
+    floor_ : float or None
+        The `floor` of the fit; None with the link "identity".
     mechanism_ : object
         Fitted copy of the mechanism.
     regressor_ : object
@@ -126,6 +140,7 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         "link": [StrOptions({"identity", "log"})],
         "regressor_columns": ["array-like", None],
         "sensitivity_weights": ["boolean"],
+        "floor": [Interval(Real, 0, None, closed="neither"), None],
     }
 
     def __init__(
@@ -136,12 +151,14 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         link="identity",
         regressor_columns=None,
         sensitivity_weights=True,
+        floor=None,
     ):
         self.mechanism = mechanism
         self.regressor = regressor
         self.link = link
         self.regressor_columns = regressor_columns
         self.sensitivity_weights = sensitivity_weights
+        self.floor = floor
 
     def get_metadata_routing(self):
         """Metadata routing: `fit` passes on to the `fit` of the mechanism and of the regressor.
@@ -153,6 +170,7 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         return fit_router(self, mechanism_or_default(self.mechanism), regressor_or_default(self.regressor))
 
     @_fit_context(prefer_skip_nested_validation=False)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None, **fit_params):
         """Invert the mechanism and learn its parameter.
 
@@ -182,7 +200,8 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         Warns
         -----
         sklvalve.mechanism.ValidityWarning
-            If the mechanism can be inverted in some rows only, with their number.
+            If the mechanism can be inverted in some rows only, with their number; if parameters are raised to
+            the `floor`.
         UserWarning
             If metadata routing is on and the regressor does not ask for the weights that it could take.
         """
@@ -195,8 +214,9 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         if hasattr(self.mechanism_, "fit"):
             self.mechanism_.fit(X, y, **for_mechanism)
         parameter = one_per_row(self.mechanism_.invert(X, y), X, "invert of the mechanism")
+        self.floor_ = None
         if self.link == "log":
-            parameter = np.where(parameter > 0, parameter, np.nan)
+            parameter = self._above_floor(parameter)
         rows = usable_rows(
             parameter,
             "The mechanism can be inverted for its parameter",
@@ -213,7 +233,7 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
                     "are not weighted by sensitivity; call set_fit_request(sample_weight=True) on it, or on "
                     "the steps of a pipeline, or set sensitivity_weights=False.",
                     UserWarning,
-                    stacklevel=2,
+                    stacklevel=4,
                 )
             keywords.update(weights)
         target = np.log(parameter) if self.link == "log" else parameter
@@ -258,6 +278,25 @@ class SeriesHybridRegressor(OutputsMixin, RegressorMixin, BaseEstimator):
         values = self.regressor_.predict(take_columns(X, self.regressor_columns))
         values = one_per_row(values, X, "predict of the regressor")
         return np.exp(values) if self.link == "log" else values
+
+    def _above_floor(self, parameter):
+        """Parameters whose logarithm is learnt: NaN where negative, and raised to the floor."""
+        parameter = np.where(parameter >= 0.0, parameter, np.nan)
+        largest = np.max(parameter, initial=0.0, where=np.isfinite(parameter))
+        self.floor_ = float(_LEAST * largest if self.floor is None else self.floor)
+        low = parameter < self.floor_
+        if not largest:
+            # nothing says how large a parameter is
+            return np.full_like(parameter, np.nan)
+        if low.any():
+            warnings.warn(
+                f"The parameter of {np.count_nonzero(low)} of {len(parameter)} rows is under "
+                f"{self.floor_:.3g}, as of a shut valve, and counts as that, because its logarithm has no "
+                "lower end; set floor=..., or link='identity'.",
+                ValidityWarning,
+                stacklevel=5,
+            )
+        return np.maximum(parameter, self.floor_)
 
     def _weight_by_sensitivity(self, X, parameter, given):
         slope = one_per_row(self.mechanism_.sensitivity(X, parameter), X, "sensitivity of the mechanism")

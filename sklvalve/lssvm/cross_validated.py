@@ -10,6 +10,7 @@ from sklearn.model_selection import check_cv
 from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.validation import _check_sample_weight, check_is_fitted, validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.lssvm.left_out import score_of
 from sklvalve.lssvm.regressor import LSSVMRegressor
 from sklvalve.lssvm.rows import middle_of, unit_of
@@ -141,6 +142,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         self.uncertainty = uncertainty
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None):
         """Choose C and gamma, and fit to all rows.
 

@@ -13,6 +13,7 @@ from sklearn import get_config
 from sklearn.utils._array_api import get_namespace
 from sklearn.utils.validation import _check_sample_weight, validate_data
 
+from sklvalve.lssvm.products import raise_of_overflow
 from sklvalve.lssvm.rows import kernel_moves_along, raise_unless_usable, raise_unless_weighed
 
 # numbers of one block of kernel values of a prediction
@@ -68,8 +69,6 @@ def fitted(estimator, X, y, sample_weight):
             )
     y, sample_weight = move_to(y, sample_weight, xp=xp, device=X.device)
     X, y = validate_data(estimator, X, y, dtype=(xp.float64, xp.float32), multi_output=True, y_numeric=True)
-    estimator._begin_anew()
-    estimator._seen_ = estimator._spread_ = estimator.X_fit_ = None
     # in double, as with numpy arrays, wherever the device has it
     X = xp.astype(X, _max_precision_float_dtype(xp, X.device), copy=False)
     targets = xp.reshape(xp.astype(y, X.dtype), (y.shape[0], -1))
@@ -78,6 +77,8 @@ def fitted(estimator, X, y, sample_weight):
     raise_unless_weighed(kept.shape[0] > 0)
     all_rows = X
     X, targets, weight = (xp.take(column, kept, axis=0) for column in (X, targets, weight))
+    estimator._begin_anew(lambda: [_moments(xp, X, weight)])
+    estimator._seen_ = estimator._spread_ = estimator.X_fit_ = None
     gram = xp.take(X, kept, axis=1) if estimator.kernel == "precomputed" else _own_kernel(estimator, xp, X)
     alpha, b, residual = _solved(xp, gram, targets, 1.0 / (estimator.C * weight), estimator)
     if estimator.kernel == "precomputed":
@@ -105,6 +106,9 @@ def predicted(estimator, X):
             values = _kernel(estimator, xp, values, estimator._right_)
         parts.append(values @ alpha + estimator.intercept_)
     found = xp.concat(parts)
+    overflown = xp.any(~xp.isfinite(found), axis=1)
+    if bool(xp.any(overflown)):
+        raise_of_overflow(int(xp.count_nonzero(overflown)))
     return found[:, 0] if estimator.dual_coef_.ndim == 1 else found
 
 
@@ -200,6 +204,14 @@ def _solver_of(xp, matrix):
 
 def _worst(xp, left, size):
     return float(xp.max(xp.abs(left) / size))
+
+
+def _moments(xp, X, weight):
+    """As `rows.moments`, of rows that all count."""
+    total = xp.sum(weight)
+    mean = xp.sum(weight * xp.mean(X, axis=1)) / total
+    square = xp.sum(weight * xp.mean((X - mean) ** 2, axis=1)) / total
+    return np.array([float(total), float(mean), float(square)])
 
 
 def _weight(xp, X, sample_weight):

@@ -8,6 +8,7 @@ import numpy as np
 
 from sklvalve.lssvm.passes import Look, look_at, sums_of_block
 from sklvalve.lssvm.rows import as_columns
+from sklvalve.lssvm.scale import moments
 from sklvalve.lssvm.threads import own_threads
 
 # parts that are looked at before what they told is put together
@@ -93,6 +94,18 @@ def parts_of(X, y, sample_weight):
         columns[2] = [None] * len(columns[0])
     parts = [dask.delayed(_block)(*column) for column in zip(*columns, strict=True)]
     return parts, list(dask.compute(*[dask.delayed(_length)(part) for part in parts]))
+
+
+def moments_of_parts(parts):
+    """`rows.moments` of the rows of each part, which stay where they are."""
+    import dask
+
+    return list(dask.compute(*[dask.delayed(_moments)(part) for part in parts]))
+
+
+def _moments(block):
+    X, _, weight = block
+    return moments(X, weight)
 
 
 def _delayed(values, name):

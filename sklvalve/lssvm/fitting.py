@@ -7,9 +7,10 @@ import numpy as np
 from sklearn.utils import check_random_state
 from sklearn.utils.validation import validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.lssvm.choice import Machine, memory_to_use, solver_for
-from sklvalve.lssvm.distributed import DaskPasses, parts_of
-from sklvalve.lssvm.kernels import kernel_length
+from sklvalve.lssvm.distributed import DaskPasses, moments_of_parts, parts_of
+from sklvalve.lssvm.kernels import WITH_GAMMA, kernel_length
 from sklvalve.lssvm.large import warn_of_residual
 from sklvalve.lssvm.nystrom import chosen_landmarks, fit_nystrom
 from sklvalve.lssvm.online import nothing_seen, solution_of, with_rows
@@ -30,6 +31,7 @@ from sklvalve.lssvm.rows import (
     unit_of,
     weight_of,
 )
+from sklvalve.lssvm.scale import gamma_of_scale, moments
 from sklvalve.lssvm.solvers import raise_unless_finite
 from sklvalve.lssvm.spread import fit_spread
 
@@ -48,6 +50,7 @@ _OF_THE_FUNCTION = ("kernel", "gamma", "degree", "coef0", "kernel_params", "bias
 class Fitting:
     """The ways of `fit`, `fit_blocks` and `partial_fit` of :class:`~sklvalve.lssvm.LSSVMRegressor`."""
 
+    @whole_or_nothing
     def with_solution(self, X_fit, dual_coef, intercept):
         """Take a solution that is known already, from plain data for example, in place of a fit.
 
@@ -65,13 +68,15 @@ class Fitting:
         Raises
         ------
         ValueError
-            If there are not as many weights as rows.
+            If there are not as many weights as rows, or gamma is "scale".
         """
         X_fit, dual_coef = np.asarray(X_fit, dtype=np.float64), np.asarray(dual_coef, dtype=np.float64)
         if X_fit.ndim != 2 or len(X_fit) != len(dual_coef):
             raise ValueError(
                 f"X_fit and dual_coef must have as many rows, got {X_fit.shape} and {dual_coef.shape}."
             )
+        if self._scales():
+            raise ValueError("gamma='scale' needs the rows of a fit; set gamma to the number that it gave.")
         self._begin_anew()
         self.n_features_in_, self.offset_ = X_fit.shape[1], middle_of(X_fit, self.kernel, self.bias)
         alpha = as_columns(dual_coef)
@@ -85,11 +90,11 @@ class Fitting:
             self._refuse("A precomputed kernel", "uncertainty")
         weight = weight_of(self.C, sample_weight, X)
         raise_unless_weighed(weight.any())
-        self._begin_anew()
+        self._begin_anew(lambda: [moments(rows, w) for rows, _, w in ArrayBlocks(X, X, weight)])
         targets, single, counts = as_columns(y), y.ndim == 1, weight
         self._fit_weighted(X, targets, counts, single)
         for _ in range(self.robust_passes):
-            trusted = self._trusted(X, targets, counts)
+            trusted = self._trusted(X, targets, counts, weight)
             counts = weight * trusted
             self._fit_weighted(X, targets, counts, single)
             self.robust_weight_ = trusted
@@ -98,10 +103,9 @@ class Fitting:
         return self
 
     def _fit_given(self, blocks):
-        self._refuse("fit_blocks", "robust_passes")
         raise_unless_usable(self.C)
-        self._begin_anew()
         given = GivenBlocks(blocks, self)
+        self._begin_anew(lambda: [moments(rows, w) for rows, _, w in given])
         move = self._move_by(given)
         self._by_landmarks(Passes(self._between(), MovedBlocks(given, move)), move, given.single)
         if self.uncertainty:
@@ -111,22 +115,21 @@ class Fitting:
     def _fit_dask(self, X, y, sample_weight):
         self._refuse("A Dask collection", "robust_passes", "uncertainty")
         raise_unless_usable(self.C)
-        self._begin_anew()
         parts, lengths = parts_of(X, y, sample_weight)
         head = X.get_partition(0) if hasattr(X, "get_partition") else X.blocks[0]
         validate_data(self, head.compute(), dtype=np.float64, ensure_min_samples=0)
+        self._begin_anew(lambda: moments_of_parts(parts))
         move = self._move_by(part.compute() for part in parts)
         return self._by_landmarks(DaskPasses(self._between(), parts, lengths, move), move, y.ndim == 1)
 
     def _fit_more(self, X, y, sample_weight):
-        self._refuse("partial_fit", "robust_passes", "uncertainty")
         seen = getattr(self, "_seen_", None)
         X, y = validate_data(
             self, X, y, dtype=np.float64, multi_output=True, y_numeric=True, reset=seen is None
         )
         weight, single = weight_of(self.C, sample_weight, X), y.ndim == 1
         if seen is None:
-            self._begin_anew()
+            self._begin_anew(lambda: [moments(X, weight)])
             move = self._move_by([(X, as_columns(y), weight)])
             seen = nothing_seen(X.shape[1], len(move.shift)) | {"shift": move.shift, "unit": move.unit}
         elif (y.ndim == 1) != (self.dual_coef_.ndim == 1) or as_columns(y).shape[1] != len(seen["shift"]):
@@ -143,10 +146,11 @@ class Fitting:
                 f"The {len(seen['landmarks'])} landmarks leave {lacking:.1e} of the kernel of the new rows "
                 "unspanned; raise n_landmarks and begin anew with rows of all kinds, or use fit.",
                 UserWarning,
-                stacklevel=4,
+                stacklevel=5,
             )
         alpha, b, residual = solution_of(seen, C=self.C, bias=self.bias)
-        self._store(move.unit * alpha, move.unit * b + move.shift, seen["landmarks"], single)
+        alpha, b = _in_unit(move.unit, alpha), _in_unit(move.unit, b, move.shift)
+        self._store(alpha, b, seen["landmarks"], single)
         self.solver_, self.n_iter_, self.residual_, self._seen_ = "online", 1, residual, seen
         return self
 
@@ -191,7 +195,7 @@ class Fitting:
         unit = unit_of(targets)
         dual, self.solver_ = machine.solved(self.solver, targets / unit, 1.0 / (self.C * weight))
         self.n_iter_, self.residual_ = dual.n_iter + 1, dual.residual
-        return unit * dual.alpha, unit * dual.b
+        return _in_unit(unit, dual.alpha), _in_unit(unit, dual.b)
 
     def _limits(self, memory):
         options = {name: getattr(self, name) for name in ("bias", "tol", "max_iter", "n_jobs")}
@@ -220,15 +224,24 @@ class Fitting:
                 f"The heaviest row weighs {found.uneven:.1e} times the middle one: on landmarks light ones "
                 "are met less well than residual_ says; use an exact solver.",
                 UserWarning,
-                stacklevel=5,
+                stacklevel=6,
             )
-        self._store(move.unit * found.alpha, move.unit * found.b + move.shift, found.landmarks, single)
+        alpha, b = _in_unit(move.unit, found.alpha), _in_unit(move.unit, found.b, move.shift)
+        self._store(alpha, b, found.landmarks, single)
         self.solver_, self.n_iter_, self.residual_ = "nystrom", found.n_iter + 1, found.residual
         return self
 
-    def _begin_anew(self):
-        """Forget what was fitted; what is changed afterwards is for the next fit."""
+    def _begin_anew(self, moments_of_rows=None):
+        """Forget what was fitted; what is changed afterwards is for the next fit.
+
+        `moments_of_rows` gives the moments of the blocks of rows, and is called where gamma depends on them.
+        """
         self._kernel_ = {name: getattr(self, name) for name in _OF_THE_FUNCTION}
+        if self._scales():
+            parts = moments_of_rows()
+            self._kernel_["gamma"] = gamma_of_scale(parts, self.n_features_in_)
+        elif isinstance(self.gamma, str):
+            self._kernel_["gamma"] = None
         for name in ("robust_weight_", "loo_residuals_"):
             if hasattr(self, name):
                 delattr(self, name)
@@ -239,21 +252,24 @@ class Fitting:
 
     def _store(self, alpha, b, Z, single):
         self._seen_ = self._spread_ = None
+        raise_unless_finite(alpha)
         self.dual_coef_ = alpha[:, 0] if single else alpha
         self.X_fit_ = None
         if Z is not None:
             self._right_ = as_right(self._between(), Z)
             self.X_fit_ = self._coordinates().back(Z)
-            b = b - self._of_offset(alpha)
+            with np.errstate(over="ignore", invalid="ignore"):
+                b = b - self._of_offset(alpha)
+        raise_unless_finite(b)
         self.intercept_ = float(b[0]) if single else b
 
-    def _trusted(self, X, targets, weight):
-        known, trusted = weight > 0.0, np.ones(len(weight))
+    def _trusted(self, X, targets, counts, weight):
+        known, trusted = counts > 0.0, np.ones(len(counts))
         if self.kernel != "precomputed":
             errors = targets[known] - self._function(self._coordinates()(X[known]))
         else:
-            errors = self._alpha()[known] / (self.C * weight[known])[:, None]
-        trusted[known] = trust(errors)
+            errors = self._alpha()[known] / (self.C * counts[known])[:, None]
+        trusted[known] = trust(errors, weight[known])
         return trusted
 
     def _learn_spread(self, blocks, single):
@@ -272,6 +288,10 @@ class Fitting:
         )
         self.loo_residuals_ = errors[:, 0] if single else errors
 
+    def _scales(self):
+        """Whether gamma depends on the rows of the fit."""
+        return isinstance(self.gamma, str) and self.kernel in WITH_GAMMA
+
     def _refuse(self, what, *names):
         """Refuse parameters that a way of fitting knows nothing of."""
         for name in names:
@@ -279,3 +299,9 @@ class Fitting:
                 raise ValueError(
                     f"{what} does not go with {name}={getattr(self, name)!r}; use fit with rows in arrays."
                 )
+
+
+def _in_unit(unit, values, shift=0.0):
+    """Values in the unit of the targets; what overflows there is refused by whoever stores them."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return unit * values + shift

@@ -12,6 +12,9 @@ from sklvalve.lssvm.solvers import raise_unless_finite
 # Kernels that see differences of rows only, so that a common offset may be taken off for accuracy.
 SHIFT_INVARIANT = frozenset({"rbf", "laplacian"})
 
+#: Kernels that have a gamma.
+WITH_GAMMA = ("rbf", "laplacian", "polynomial", "poly")
+
 # Numbers in one block of kernel values: 8 MiB, small enough to stay near the processor.
 BLOCK = 2**20
 # of an exponent; beyond it less than eleven digits of a kernel value are left

@@ -7,8 +7,8 @@ from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted, validate_data
 
 from sklvalve.lssvm import device
-from sklvalve.lssvm.kernels import gamma_and_scale, kernel_between
-from sklvalve.lssvm.products import KernelBlocks, product
+from sklvalve.lssvm.kernels import WITH_GAMMA, gamma_and_scale, kernel_between
+from sklvalve.lssvm.products import KernelBlocks, product, raise_of_overflow
 from sklvalve.lssvm.rows import Coordinates
 from sklvalve.lssvm.spread import quantile, root_v
 from sklvalve.lssvm.threads import in_this_thread, own_threads
@@ -43,7 +43,8 @@ class Predicting:
         Raises
         ------
         ValueError
-            If X has other columns than in `fit`, or is not finite, or the spread is not known.
+            If X has other columns than in `fit`, or is not finite, if a prediction overflows, or if the
+            spread is not known.
         """
         check_is_fitted(self, "dual_coef_")
         if device.is_elsewhere(X) or device.is_elsewhere(self.dual_coef_):
@@ -52,12 +53,22 @@ class Predicting:
             return device.predicted(self, X)
         X = validate_data(self, X, dtype=(np.float64, np.float32), reset=False)
         if self._kernel_["kernel"] == "precomputed":
-            return self._as_targets(np.asarray(X, dtype=np.float64) @ self._alpha() + self.intercept_)
+            with np.errstate(over="ignore", invalid="ignore"):
+                found = np.asarray(X, dtype=np.float64) @ self._alpha() + self.intercept_
+            return self._as_targets(_finite(found))
         Z = self._coordinates()(X)
-        found = self._as_targets(self._function(Z))
+        found = self._as_targets(_finite(self._function(Z)))
         if not return_std:
             return found
         return found, self._as_targets(self._root_v(Z) * self._spread_["sigma"])
+
+    @property
+    def gamma_(self):
+        """The gamma of the fit, as a number; None of a kernel that has none."""
+        if self._kernel_["kernel"] not in WITH_GAMMA:
+            return None
+        gamma = self._kernel_["gamma"]
+        return 1.0 / self.n_features_in_ if gamma is None else gamma
 
     def predict_interval(self, X, coverage=0.95):
         """Intervals that hold a new target as often as asked.
@@ -95,7 +106,7 @@ class Predicting:
         check_is_fitted(self)
         X = validate_data(self, X, dtype=(np.float64, np.float32), reset=False)
         Z = self._coordinates()(X)
-        middle, wide = self._function(Z), self._root_v(Z) * quantile(self._spread_, coverage)
+        middle, wide = _finite(self._function(Z)), self._root_v(Z) * quantile(self._spread_, coverage)
         return self._as_targets(middle - wide), self._as_targets(middle + wide)
 
     def pruned(self, n_landmarks):
@@ -119,9 +130,10 @@ class Predicting:
                 "in numpy arrays."
             )
         more = {"solver": "nystrom", "uncertainty": False, "robust_passes": 0, "C": min(1e3 * self.C, 1e300)}
+        more["gamma"] = self._kernel_["gamma"]
         fewer = clone(self).set_params(n_landmarks=int(n_landmarks), **more)
         Z = self._coordinates()(self.X_fit_)
-        fewer.fit(self.X_fit_, self._as_targets(self._function(Z))).set_params(C=self.C)
+        fewer.fit(self.X_fit_, self._as_targets(self._function(Z))).set_params(C=self.C, gamma=self.gamma)
         for name in ("n_features_in_", "feature_names_in_"):
             if hasattr(self, name):
                 setattr(fewer, name, getattr(self, name))
@@ -129,6 +141,11 @@ class Predicting:
 
     def _function(self, Z):
         """The fitted function of rows in the coordinates of the kernel, of shape (n, n_targets)."""
+        # what overflows is seen in the result
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            return self._values(Z)
+
+    def _values(self, Z):
         alpha = self._alpha()
         if self._kernel_["kernel"] == "linear":
             # the slope first: so no digits are lost in products of rows, and few are needed
@@ -170,3 +187,10 @@ class Predicting:
         if self._kernel_["kernel"] != "linear":
             return 0.0
         return self.offset_ @ (self._right_.T @ alpha)
+
+
+def _finite(values):
+    lost = ~np.isfinite(values).all(axis=1)
+    if lost.any():
+        raise_of_overflow(np.count_nonzero(lost))
+    return values

@@ -120,3 +120,11 @@ def product(run, blocks, shape, weights):
 
     run(work)
     return out
+
+
+def raise_of_overflow(many):
+    """Refuse predictions that are no numbers."""
+    raise ValueError(
+        f"The predictions of {many} rows overflow: X, or the targets of the fit, are too large for this "
+        "kernel; scale them, for example with StandardScaler and TransformedTargetRegressor."
+    )

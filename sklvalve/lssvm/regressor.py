@@ -10,6 +10,7 @@ from sklearn.utils._param_validation import Interval, StrOptions
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.lssvm import device
 from sklvalve.lssvm.choice import SOLVERS
 from sklvalve.lssvm.distributed import is_dask
@@ -17,9 +18,20 @@ from sklvalve.lssvm.fitting import Fitting
 from sklvalve.lssvm.predicting import Predicting
 
 
-def _has_rows(estimator):
-    """Whether rows may come in parts: a kernel matrix has none."""
-    return estimator.kernel != "precomputed"
+def _may_come(*without):
+    """Whether rows may come in parts: a kernel matrix has none, and some parameters need all rows at once."""
+
+    def check(estimator):
+        if isinstance(estimator.kernel, str) and estimator.kernel == "precomputed":
+            raise AttributeError("A precomputed kernel has no rows that could come in parts; use fit.")
+        for name in without:
+            if getattr(estimator, name):
+                raise AttributeError(
+                    f"{name}={getattr(estimator, name)!r} needs all rows at once; use fit, or leave it out."
+                )
+        return True
+
+    return check
 
 
 class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, BaseEstimator):
@@ -39,10 +51,12 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
     C : float, default=100.0
         Weight of the squared errors against the size of the function; `1 / C` is the `alpha` of ridge
         regression. Near the variance of the signal over that of the noise: the default suits 10 % noise.
-    gamma : float or array-like of shape (n_features,), default=None
+    gamma : float, array-like of shape (n_features,) or "scale", default=None
         Scale of the kernels rbf :math:`e^{-\gamma |x-z|^2}`, laplacian :math:`e^{-\gamma |x-z|_1}` and
         polynomial :math:`(\gamma x^T z + c_0)^d`; several are one for each column, within the sum. None is
-        one over the number of columns.
+        one over the number of columns; "scale" is that over the variance of all numbers of X, as in
+        :class:`~sklearn.svm.SVR`. Of rows that come in parts it is that of all blocks of `fit_blocks`, and of
+        the first call of `partial_fit`.
     degree : int, default=3
         Degree :math:`d` of the polynomial.
     coef0 : float, default=1
@@ -89,6 +103,9 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         1e8. None with a precomputed kernel.
     offset_ : ndarray of shape (n_features,)
         Taken off all rows, so that small differences keep their digits; none with a precomputed kernel.
+    gamma_ : float, array-like of shape (n_features,) or None
+        The gamma of the fit, as a number also where the parameter is None or "scale"; None of a kernel that
+        has none.
     solver_ : str
         The solver that gave the solution; "online" after `partial_fit`.
     n_iter_ : int
@@ -148,7 +165,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
             callable,
         ],
         "C": [Interval(Real, 0, None, closed="neither")],
-        "gamma": [Interval(Real, 0, None, closed="neither"), "array-like", None],
+        "gamma": [Interval(Real, 0, None, closed="neither"), StrOptions({"scale"}), "array-like", None],
         "degree": [Interval(Integral, 1, None, closed="left")],
         "coef0": [Interval(Real, None, None, closed="neither")],
         "kernel_params": [dict, None],
@@ -208,6 +225,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         return tags
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y, sample_weight=None):
         """Fit the model.
 
@@ -241,8 +259,9 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         X, y = validate_data(self, X, y, dtype=(np.float64, np.float32), multi_output=True, y_numeric=True)
         return self._fit_arrays(X, y, sample_weight)
 
-    @available_if(_has_rows)
+    @available_if(_may_come("robust_passes"))
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit_blocks(self, blocks):
         """Fit to rows that come in blocks and never all at once, by the solver "nystrom".
 
@@ -263,8 +282,9 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         """
         return self._fit_given(blocks)
 
-    @available_if(_has_rows)
+    @available_if(_may_come("robust_passes", "uncertainty"))
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def partial_fit(self, X, y, sample_weight=None):
         """Add rows to what was learnt; the rows themselves are not kept.
 

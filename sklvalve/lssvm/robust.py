@@ -8,12 +8,14 @@ _FULL, _NONE, _NEXT_TO_NOTHING = 2.5, 3.0, 1e-4
 _TO_DEVIATION = 1.4826
 
 
-def trust(errors):
+def trust(errors, weight=None):
     r"""How far each row is trusted, by the size of its errors.
 
     Parameters
     ----------
     errors : ndarray of shape (n, n_targets)
+    weight : ndarray of shape (n,), default=None
+        Positive; a row of weight 2 counts in the medians as two equal rows.
 
     Returns
     -------
@@ -36,10 +38,24 @@ def trust(errors):
     >>> trust(np.array([[-1.0], [0.0], [1.0], [0.5], [40.0]]))
     array([1.e+00, 1.e+00, 1.e+00, 1.e+00, 1.e-04])
     """
-    away = np.abs(errors - np.median(errors, axis=0))
-    deviation = _TO_DEVIATION * np.median(away, axis=0)
+    weight = np.ones(len(errors)) if weight is None else weight
+    away = np.abs(errors - _median(errors, weight))
+    deviation = _TO_DEVIATION * _median(away, weight)
     known = deviation > 0.0
     if not known.any():
         return np.ones(len(errors))
     worst = (np.abs(errors[:, known]) / deviation[known]).max(axis=1)
     return np.clip((_NONE - worst) / (_NONE - _FULL), _NEXT_TO_NOTHING, 1.0)
+
+
+def _median(values, weight):
+    """Median of each column, in which a row of weight k counts as k equal rows."""
+    medians = []
+    for column in values.T:
+        order = np.argsort(column, kind="stable")
+        below = np.cumsum(weight[order])
+        half = 0.5 * below[-1]
+        # the middle, or the two that it lies between; their sums are of whole numbers where weights are
+        middle = [np.searchsorted(below, half, side=side) for side in ("left", "right")]
+        medians.append(column[order][np.minimum(middle, len(order) - 1)].mean())
+    return np.array(medians)

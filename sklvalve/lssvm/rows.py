@@ -5,6 +5,7 @@ Nothing here holds more than a block at a time: an array may lie in a file that 
 blocks may come from anywhere.
 """
 
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -183,7 +184,8 @@ class GivenBlocks:
     Raises
     ------
     ValueError
-        If the blocks can be read only once, are none, or one is no block, not finite, or unlike the first.
+        If the blocks can be read only once, are none, or one is no block, not finite, unlike the first, or
+        another one than when it was read before.
     """
 
     def __init__(self, blocks, estimator):
@@ -194,6 +196,7 @@ class GivenBlocks:
             )
         self._blocks, self._estimator = blocks, estimator
         self._targets = self._rows = None
+        self._sums: list[int] = []
 
     def __iter__(self):
         rows = 0
@@ -203,6 +206,7 @@ class GivenBlocks:
                     f"Block {number} must be (X, y) or (X, y, sample_weight), got {type(block).__name__}."
                 )
             X, y, weight = self._checked(*block)
+            self._raise_unless_as_before(number, X, y, weight)
             rows += len(X)
             yield X, y, weight
         if self._rows is not None and rows != self._rows:
@@ -211,6 +215,19 @@ class GivenBlocks:
                 "the same each time; a function must return a new generator."
             )
         self._rows = rows
+
+    def _raise_unless_as_before(self, number, *columns):
+        total = 0
+        for column in columns:
+            total = zlib.crc32(np.ascontiguousarray(column).tobytes(), total)
+        if number == len(self._sums):
+            # on the first time; blocks beyond the last one of a whole pass are found by their rows
+            self._sums.append(total)
+        elif total != self._sums[number]:
+            raise ValueError(
+                f"Block {number} holds other numbers than when it was first read: the blocks are read "
+                "several times and must be the same each time; give a list, or fix the seed that makes them."
+            )
 
     @property
     def single(self):

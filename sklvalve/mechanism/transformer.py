@@ -8,6 +8,7 @@ import numpy as np
 from sklearn.base import BaseEstimator, TransformerMixin, _fit_context
 from sklearn.utils.validation import _check_feature_names_in, check_is_fitted, validate_data
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.mechanism._binding import column_of
 from sklvalve.mechanism._gas_rows import GasRows
 from sklvalve.mechanism._liquid_rows import LiquidRows
@@ -206,6 +207,7 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         return dict(FEATURES)
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y=None):
         """Bind the roles to the columns; nothing is estimated.
 

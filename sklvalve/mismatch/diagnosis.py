@@ -6,6 +6,8 @@ from html import escape
 
 import numpy as np
 
+from sklvalve.mismatch.diagnosis_file import read_diagnosis, write_diagnosis
+
 
 class Diagnosis:
     """What was found in a recording; nothing changes it any more.
@@ -55,6 +57,51 @@ class Diagnosis:
     def to_dict(self):
         """Plain dict, as diagnosis.json has it; changing it leaves the diagnosis as it is."""
         return self.content
+
+    def save(self, path):
+        """Write it to a file, with its traces; the file appears whole or not at all.
+
+        Parameters
+        ----------
+        path : path-like
+            Replaced where there is such a file. It is a zip archive of ``diagnosis.json``, ``traces.json``
+            and arrays in the format of NumPy.
+
+        Raises
+        ------
+        InputError
+            If the file cannot be written, or the traces hold more than plain data and arrays.
+
+        Examples
+        --------
+        >>> import pathlib, tempfile
+        >>> from sklvalve.mismatch import Diagnosis
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     file = pathlib.Path(folder) / "valve.diagnosis"
+        ...     Diagnosis({"verdict": "no_mismatch", "effects": []}).save(file)
+        ...     Diagnosis.load(file).verdict
+        'no_mismatch'
+        """
+        write_diagnosis(self._text, self._traces, path)
+
+    @classmethod
+    def load(cls, path):
+        """Diagnosis of a file that `save` has written; nothing in the file is executed.
+
+        Parameters
+        ----------
+        path : path-like
+
+        Returns
+        -------
+        diagnosis : Diagnosis
+
+        Raises
+        ------
+        InputError
+            If there is no such file, or it is no saved diagnosis.
+        """
+        return cls(*read_diagnosis(path))
 
     def to_frame(self):
         """Data frame, a row for each possible explanation.

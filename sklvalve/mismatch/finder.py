@@ -9,6 +9,7 @@ from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import HasMethods, Interval
 from threadpoolctl import threadpool_limits
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.mismatch.behind import judged_behind
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
@@ -137,6 +138,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self.callback = callback
 
     @_fit_context(prefer_skip_nested_validation=True)
+    @whole_or_nothing
     def fit(self, X, y=None, *, until=None):
         """Diagnose a recording.
 

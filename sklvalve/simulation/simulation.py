@@ -6,8 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 from sklearn.base import BaseEstimator, RegressorMixin
+from sklearn.metrics import r2_score
 from sklearn.utils.validation import check_is_fitted
 
+from sklvalve._refits import whole_or_nothing
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation.calibration import (
     channels_of,
@@ -70,6 +72,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         self.effects = effects
         self.onsets = onsets
 
+    @whole_or_nothing
     def fit(self, X, y=None):
         """Calibrate on a recording.
 
@@ -89,12 +92,18 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             If the recording lacks what a simulation is judged by.
         """
         recording = as_recording(X, y, self.valve)
+        if len(recording) < 2:
+            raise InputError(
+                f"a calibration needs at least 2 rows, got {len(recording)}: give a longer recording"
+            )
         tolerance = self.tolerance or Tolerance()
         channels = channels_of(recording)
         self.valve_ = self.valve or recording.valve
         self.trim_ = choose_trim(recording, self.valve_, tolerance)
         self.choking_ = "choked_flow" in self.valve_.physics
         self.correction_ = self.given_ = self.seen_ = None
+        # those of a fit before would ask this recording for what that one held
+        self.values_ = {}
         chain = self.chain_of(recording)
         parameters = []
         if "command" in recording:
@@ -206,6 +215,43 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             raise InputError("a flow needs an opening or a command beside the pressures")
         return made["flow"]
 
+    def score(self, X, y=None, sample_weight=None):
+        r"""Share :math:`R^2` of the variance of the recorded flow that the simulated one explains.
+
+        Parameters
+        ----------
+        X : Recording, or DataFrame with role names as columns, in SI
+        y : array-like of shape (n,), default=None
+            Flow [m3/s, or kg/s]; None takes the recorded one.
+        sample_weight : array-like of shape (n,), default=None
+
+        Returns
+        -------
+        score : float
+            1 is perfect. Rows without a recorded or a simulated flow are left out.
+
+        Raises
+        ------
+        InputError
+            If there is no flow to compare with, or it is known in fewer than two rows.
+        """
+        if y is None:
+            recording = as_recording(X, valve=self.valve)
+            if "flow" not in recording:
+                raise InputError("a score needs a recorded flow; give a recording that holds one, or y")
+            y = recording["flow"]
+        y, made = np.asarray(y, dtype=float), self.predict(X)
+        if y.shape != made.shape:
+            raise InputError(f"y must hold one flow for each of {len(made)} rows, got shape {y.shape}")
+        known = np.isfinite(y) & np.isfinite(made)
+        if np.count_nonzero(known) < 2:
+            raise InputError(
+                "a score needs a recorded and a simulated flow in at least two rows; there are "
+                f"{np.count_nonzero(known)}"
+            )
+        weight = None if sample_weight is None else np.asarray(sample_weight, dtype=float)[known]
+        return float(r2_score(y[known], made[known], sample_weight=weight))
+
     def forward(self, X, parameter):
         """Flow with the capacity multiplied by `parameter` [1], row by row."""
         return self.predict(X) * np.asarray(parameter, dtype=float)
@@ -262,7 +308,8 @@ def as_recording(X, y=None, valve=None):
     if "time" not in columns:
         index = None
         with suppress(TypeError, ValueError):
-            index = np.asarray(X.index, dtype=float) if getattr(X.index, "name", None) == "time" else None
+            of_frame = getattr(X, "index", None)
+            index = np.asarray(of_frame, dtype=float) if getattr(of_frame, "name", None) == "time" else None
         columns["time"] = np.arange(n, dtype=float) if index is None else index
     # the signals are in SI already, so the sheet's own columns and units do not count
     bare = Recording.from_frame(columns, None)

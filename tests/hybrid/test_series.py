@@ -52,13 +52,64 @@ def test_rows_that_cannot_be_inverted_are_left_out_and_counted(recording):
     np.testing.assert_allclose(model.predict(X[10:]), alone.predict(X[10:]), rtol=1e-9)
 
 
-def test_log_link_leaves_out_what_is_not_positive_and_predicts_positive(recording):
+def test_log_link_leaves_out_what_is_negative_and_predicts_positive(recording):
     X, y, _ = recording
     y = y.copy()
-    y[:3] = [-1.0, -2.0, 0.0]
+    y[:3] = [-1.0, -2.0, -3.0]
     with pytest.warns(ValidityWarning, match="left out: 3"):
         model = trim_model().fit(X, y)
     assert (model.predict_parameter(X) > 0).all()
+
+
+def shut(recording, rows):
+    """The recording with a shut valve, through which nothing flows, in its first rows."""
+    X, y, _ = recording
+    X, y = X.copy(), np.maximum(y, 0.1)
+    X.loc[: rows - 1, "x"], y[:rows] = 0.0, 0.0
+    return X, y
+
+
+@pytest.mark.parametrize("sensitivity_weights", [False, True])
+def test_log_link_takes_a_shut_valve_at_its_floor_and_warns(recording, sensitivity_weights):
+    X, y = shut(recording, 40)
+    model = trim_model().set_params(sensitivity_weights=sensitivity_weights)
+    with pytest.warns(ValidityWarning, match=r"40 of 300 rows is under .* as of a shut valve") as caught:
+        model.fit(X, y)
+    assert caught[0].filename == __file__
+    largest = np.max(y[40:] / np.sqrt(X["p1"] - X["p2"])[40:])
+    assert model.floor_ == pytest.approx(1e-3 * largest, rel=1e-12)
+    assert len(model.regressor_.X_fit_) == 300
+    predicted = model.predict_parameter(X)
+    assert (predicted > 0.0).all()
+    if not sensitivity_weights:
+        np.testing.assert_allclose(predicted[:40], model.floor_, rtol=0.2)
+
+
+def test_the_floor_can_be_given_and_is_nothing_to_the_identity(recording):
+    X, y = shut(recording, 5)
+    with pytest.warns(ValidityWarning, match="5 of 300 rows is under 0.001"):
+        assert trim_model().set_params(floor=1e-3).fit(X, y).floor_ == 1e-3
+    assert trim_model().set_params(link="identity").fit(X, y).floor_ is None
+    with pytest.raises(ValueError, match="'floor' parameter"):
+        trim_model().set_params(floor=0.0).fit(X, y)
+    with pytest.raises(ValueError, match="in none of the 300 rows"):
+        trim_model().fit(X, 0.0 * y)
+
+
+@pytest.mark.parametrize("kind", [SeriesHybridRegressor, ParallelHybridRegressor])
+def test_a_search_over_a_model_that_is_none_is_refused_in_one_sentence(kind):
+    X, y = np.random.default_rng(0).uniform([0.2, 5e5, 2e5], [1.0, 6e5, 4e5], (30, 3)), np.ones(30)
+    for key, example in (
+        ("regressor__C", r"LSSVMRegressor\(\)"),
+        ("mechanism__fl", "ValveMechanismTransformer"),
+    ):
+        sentence = f"{key} cannot be set, because {key[:9]} is None.*{example}"
+        with pytest.raises(ValueError, match=sentence):
+            GridSearchCV(kind(), {key: [0.8, 0.9]}).fit(X, y)
+    searched = kind().set_params(regressor=LSSVMRegressor(), regressor__C=3.0)
+    assert searched.regressor.C == 3.0
+    with pytest.raises(ValueError, match="Invalid parameter 'no'"):
+        kind().set_params(no=1)
 
 
 def test_no_usable_row_is_one_clear_sentence(recording):

@@ -306,3 +306,96 @@ def test_precomputed():
     assert {"partial_fit", "fit_blocks"}.isdisjoint(dir(model))
     with pytest.warns(LinAlgWarning, match="not positive definite"):
         assert np.isfinite(LSSVMRegressor("precomputed").fit(-K, Y).predict(between)).all()
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "linear", "poly", "laplacian"])
+@pytest.mark.parametrize("solver", SOLVERS)
+def test_no_prediction_is_nan(solver, kernel):
+    model = fitted(solver, X, Y, kernel=kernel, tol=1e-6)
+    for far in (1e160, 1e300, 1e305):
+        if kernel == "poly":
+            with pytest.raises(ValueError, match=r"60 rows overflow: .*scale them"):
+                model.predict(far * np.sign(X))
+        else:
+            assert np.isfinite(model.predict(far * np.sign(X))).all()
+
+
+# checks of finiteness by sums, those of scikit-learn
+@pytest.mark.filterwarnings("ignore:(invalid value|overflow) encountered in reduce:RuntimeWarning")
+@pytest.mark.parametrize("kernel", ["rbf", "linear", "poly", "laplacian"])
+@pytest.mark.parametrize("solver", ["cholesky", "tiled", "pcg"])
+def test_targets_that_overflow_are_said(solver, kernel):
+    with pytest.raises(ValueError, match=r"scale (it|them), for example"):
+        fitted(solver, X, 1.7e308 * np.sign(Y), kernel=kernel, tol=1e-6).predict(X)
+
+
+def test_a_prediction_that_overflows_is_said_with_its_rows():
+    few = np.r_[X[:3], 1e160 * X[:2]]
+    with pytest.raises(ValueError, match=r"of 2 rows overflow.*scale them"):
+        LSSVMRegressor("poly").fit(X, Y).predict(few)
+    with pytest.raises(ValueError, match=r"of 1 rows overflow"):
+        LSSVMRegressor("precomputed").fit(X @ X.T, Y).predict([[0.0] * 60, [1.7e308] * 60])
+
+
+@pytest.mark.parametrize(
+    ("parameters", "hidden", "reason"),
+    [
+        ({"robust_passes": 1}, {"partial_fit", "fit_blocks"}, "robust_passes=1 needs all rows at once"),
+        ({"uncertainty": True}, {"partial_fit"}, "uncertainty=True needs all rows at once"),
+        ({"kernel": "precomputed"}, {"partial_fit", "fit_blocks"}, "no rows that could come in parts"),
+        ({}, set(), None),
+    ],
+)
+def test_what_would_be_refused_is_not_there(parameters, hidden, reason):
+    model = LSSVMRegressor(**parameters)
+    assert {name for name in ("partial_fit", "fit_blocks") if not hasattr(model, name)} == hidden
+    if hidden:
+        with pytest.raises(AttributeError) as refusal:
+            model.partial_fit(X, Y)
+        assert reason in str(refusal.value.__cause__)
+
+
+def test_blocks_that_change_between_passes_are_refused():
+    random = np.random.default_rng(0)
+    passes = []
+
+    def noisy():
+        """As many rows each time, with other noise."""
+        for part in (slice(0, 30), slice(30, 60)):
+            yield X[part], Y[part] + 0.01 * random.normal(size=30)
+
+    def drifting():
+        """The second block changes from the third pass on."""
+        passes.append(None)
+        yield X[:30], Y[:30]
+        yield X[30:], Y[30:] + (len(passes) > 2)
+
+    model = LSSVMRegressor(random_state=0)
+    with pytest.raises(ValueError, match=r"Block 0 holds other numbers.*same each time"):
+        model.fit_blocks(noisy)
+    with pytest.raises(ValueError, match=r"Block 1 holds other numbers.*same each time"):
+        model.fit_blocks(drifting)
+    weighed = [(X, Y, np.ones(60))]
+    weight = iter(range(1, 99))
+    with pytest.raises(ValueError, match="Block 0 holds other numbers"):
+        model.fit_blocks(lambda: [(X, Y, np.full(60, next(weight)))])
+    assert model.fit_blocks(weighed).predict(X[:1]).shape == (1,)
+
+
+@pytest.mark.parametrize("kernel", ["rbf", "laplacian"])
+def test_robust_passes_count_a_weight_as_repeated_rows(kernel):
+    A, b = rows(60, 3)
+    b[::9] += 4.0
+    counts = np.random.default_rng(1).integers(0, 4, 60)
+    times = np.repeat(np.arange(60), counts)
+    weighed = LSSVMRegressor(kernel, robust_passes=3).fit(A, b, counts)
+    repeated = LSSVMRegressor(kernel, robust_passes=3).fit(A[times], b[times])
+    assert_allclose(weighed.predict(ASKED), repeated.predict(ASKED), rtol=0, atol=1e-9)
+    assert_allclose(weighed.robust_weight_[times], repeated.robust_weight_, rtol=0, atol=1e-9)
+
+
+def test_a_warning_of_rows_added_points_to_the_caller():
+    model = LSSVMRegressor(n_landmarks=40, random_state=0).partial_fit(X, Y)
+    with pytest.warns(UserWarning, match="unspanned") as caught:
+        model.partial_fit(np.vstack([X + 5.0, X + 10.0]), np.r_[Y, Y])
+    assert caught[0].filename == __file__

@@ -160,3 +160,45 @@ def test_a_sheet_without_rated_capacity_takes_its_scale_from_the_recording():
     assert 0.5 * rated < simulation.values_["capacity"] < 1.5 * rated
     again = ValveSimulation.from_state(simulation.valve_, simulation.to_state(), ())
     np.testing.assert_array_equal(again.predict(recording), simulation.predict(recording))
+
+
+def test_its_score_is_that_of_the_recorded_flow(simulation, later):
+    flow, made = later["flow"].copy(), simulation.predict(later)
+    expected = 1.0 - np.sum((flow - made) ** 2) / np.sum((flow - flow.mean()) ** 2)
+    assert simulation.score(later) == pytest.approx(expected, rel=1e-12)
+    assert expected > 0.9
+    assert simulation.score(later, flow) == simulation.score(later)
+    flow[:50] = np.nan
+    known = np.arange(len(flow)) >= 50
+    assert simulation.score(later, flow) == simulation.score(later, later["flow"], sample_weight=known)
+    assert simulation.score(later, flow[::-1]) < 0.5
+
+
+def test_a_score_without_a_flow_is_refused(simulation, later):
+    without = {role: values for role, values in later.signals.items() if role != "flow"}
+    with pytest.raises(InputError, match="a score needs a recorded flow"):
+        simulation.score({"time": later.time} | without)
+    with pytest.raises(InputError, match="in at least two rows; there are 0"):
+        simulation.score(later, np.full(len(later), np.nan))
+    with pytest.raises(InputError, match="one flow for each of 300 rows"):
+        simulation.score(later, later["flow"][:9])
+
+
+def test_one_row_is_too_few_to_calibrate_on(recording):
+    with pytest.raises(InputError, match="at least 2 rows, got 1"):
+        ValveSimulation().fit(recording.slice(0, 1))
+
+
+def test_a_refit_asks_for_nothing_that_only_the_fit_before_had(simulation, recording):
+    """One that was driven by a simulated flow is calibrated anew on a recording without it."""
+    frame = {"time": recording.time} | dict(recording.signals)
+    given = ValveSimulation().fit(frame | {"simulated_flow": simulation.predict(recording)})
+    assert "given_gain" in given.values_
+    assert "given_gain" not in given.fit(frame).values_
+
+
+def test_signals_in_a_dict_need_no_time(recording):
+    """As of a data frame whose index is none, the rows are then seconds."""
+    signals = dict(recording.slice(0, 200).signals)
+    timed = ValveSimulation().fit({"time": np.arange(200.0)} | signals)
+    assert ValveSimulation().fit(signals).values_ == timed.values_
