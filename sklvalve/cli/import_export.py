@@ -33,7 +33,7 @@ def add_parser(commands) -> None:
     )
     parser.add_argument(
         "--gap",
-        type=_positive,
+        type=_steps,
         default=5.0,
         metavar="N",
         help="leave silences of more than N usual steps empty (default: 5)",
@@ -113,6 +113,13 @@ def _targets(args: Namespace) -> tuple[Path, Path]:
         if out.exists() and Path(given).exists() and out.samefile(given):
             raise InputError(f"--out {out}: this is the export itself; name another file")
     return out, out.with_name(f"{stem}.import.json")
+
+
+def _steps(text: str) -> float:
+    value = _positive(text)
+    if value > 1e6:
+        raise ArgumentTypeError(f"expected at most 1e6 steps; got {text!r}")
+    return value
 
 
 def _positive(text: str) -> float:

@@ -24,6 +24,8 @@ from sklvalve.recording.tags import read_unit
 _MOST_ROWS = 5_000_000
 # periods [s]: times are kept to microseconds, and none of a plant is further from the next than years
 _SHORTEST, _LONGEST = 1e-6, 1e9
+#: Most steps that may be bridged.
+LARGEST_GAP = 1e6
 # rows without any value that are kept in between; a recording may lack rows, but need not in every short gap
 _LONGEST_EMPTY = 100
 # shares of the time that are gone by when files are tables, their decimal mark and their times are known, and
@@ -126,6 +128,8 @@ def import_export(
     {'quality Bad': 1}
     """
     say = callback or _silent
+    if not 0.0 < settings.gap <= LARGEST_GAP:
+        raise InputError(f"expected a --gap above 0 and at most {LARGEST_GAP:g} steps; got {settings.gap:g}")
     reads = [read_text(path, settings.encoding) for path in paths]
     files = []
     for number, read in enumerate(reads):
@@ -212,7 +216,7 @@ def _rows_to_keep(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _require_bearable(all_points: list[Points], period: float, source: str) -> None:
     """Refuse a period [s] of too many rows, and one that no time can be told to or no count can hold."""
     times = np.concatenate([points.times[[0, -1]] for points in all_points])
-    rows = float(times.max() - times.min()) / SECOND / period + 1.0
+    rows = (float(times.max()) - float(times.min())) / SECOND / period + 1.0
     if rows > _MOST_ROWS:
         raise InputError(
             f"{source}: from first to last time there are {rows:.7g} rows of {period:g} s, more than "

@@ -6,6 +6,7 @@ import io
 import re
 from collections import Counter
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from sklvalve.recording.errors import InputError
@@ -15,6 +16,7 @@ from sklvalve.recording.historian.text import ExportText
 from sklvalve.recording.tags import read_unit, words
 
 _SAMPLE = 400
+_LONGEST_LINE = 1_000_000
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
 
 
@@ -70,6 +72,11 @@ def read_table(read: ExportText) -> Table:
     """
     separator, text = _separator(read)
     rows = _cells(read.file, text, separator)
+    if not rows:
+        raise InputError(
+            f"{read.file}: its lines hold {SEPARATORS.get(separator, 'separators')} and nothing between them; "
+            "export again"
+        )
     width = Counter(len(cells) for _, cells in rows[:_SAMPLE]).most_common(1)[0][0]
     first = next((place for place, (_, cells) in enumerate(rows) if _holds_values(cells)), None)
     if first is None:
@@ -107,12 +114,19 @@ def read_table(read: ExportText) -> Table:
 
 def _separator(read: ExportText) -> tuple[str, str]:
     """Separator, and the text without a first line that only names it."""
-    told = re.match(r"\ufeff?\"?sep=(.)\"?\r?\n", read.text)
+    told = re.match(r"\ufeff?\"?sep=(\t|[^\w\s\"'])\"?\r?\n", read.text)
     if told:
         return told[1], "\n" + read.text[told.end() :]
-    sample = [line for line in read.text.splitlines()[: 2 * _SAMPLE] if line.strip()][:_SAMPLE]
+    lines = list(islice(io.StringIO(read.text, newline=None), 2 * _SAMPLE))
+    # no cell of a table comes near this; a file without line ends would be read as one
+    sample = [line.rstrip("\n") for line in lines if line.strip() and len(line) < _LONGEST_LINE][:_SAMPLE]
+    if not sample:
+        raise InputError(
+            f"{read.file}: its lines are longer than {_LONGEST_LINE} letters, which is no table; export the "
+            "table as CSV, a row a line"
+        )
     for mark in SEPARATORS:
-        counts = Counter(len(cells) for cells in csv.reader(sample, delimiter=mark))
+        counts = Counter(_width(line, mark) for line in sample)
         counts.pop(1, None)
         # what is not in half of the lines separates nothing; above a table there may be words
         if counts and counts.most_common(1)[0][1] >= 0.5 * len(sample):
@@ -121,6 +135,13 @@ def _separator(read: ExportText) -> tuple[str, str]:
         f"{read.file}: no tabs, semicolons, bars or commas divide its lines into columns (line 1 is "
         f"{_shown(sample[0])}); export the table as CSV"
     )
+
+
+def _width(line: str, separator: str) -> int:
+    try:
+        return max((len(cells) for cells in csv.reader([line], delimiter=separator)), default=0)
+    except csv.Error:
+        return 0
 
 
 def _cells(file: Path, text: str, separator: str) -> list[tuple[int, list[str]]]:
