@@ -61,14 +61,15 @@ def read_plain_file(
         raise InputError(f"{file}: cannot be read ({error.strerror}); give a file that can") from None
     except ValueError:  # a name with a null character in it
         raise InputError(f"{str(file)!r}: this is no name of a file; {missing}") from None
-    with os.fdopen(handle, "rb") as opened:
-        state = os.fstat(handle)
+    state = os.fstat(handle)
+    if not stat.S_ISREG(state.st_mode) or state.st_size > most:
+        os.close(handle)
         if stat.S_ISDIR(state.st_mode):
             raise InputError(f"{file}: this is a folder; {folder}")
         if not stat.S_ISREG(state.st_mode):
             raise InputError(f"{file}: this is a pipe or a device, no plain file; save the data as a file")
-        if state.st_size > most:
-            raise InputError(f"{file}: the file holds {size(state.st_size)}, more than {size(most)}; split it")
+        raise InputError(f"{file}: the file holds {size(state.st_size)}, more than {size(most)}; split it")
+    with os.fdopen(handle, "rb") as opened:
         try:
             # some file systems give no size: read no more than one byte beyond the limit
             content = opened.read(most + 1)

@@ -160,7 +160,11 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             state["values"],
             choking=state["choking"],
             effects=effects,
-            onsets=state["onsets"],
+            # several times as a tuple: a free run is remembered by them
+            onsets={
+                key: tuple(times) if isinstance(times, list | np.ndarray) else times
+                for key, times in state["onsets"].items()
+            },
             correction=state["correction"],
             seen=state.get("seen"),
         )
