@@ -6,6 +6,7 @@ from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
 from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.terminal import show
 
 _EXAMPLES = """examples:
   sklvalve import export.csv --out recording.csv
@@ -92,10 +93,10 @@ def run(args: Namespace) -> int:
         staging.path(beside.name).write_text(told + "\n", encoding="utf-8")
         staging.commit()
     if args.json:
-        print(told)
+        show(told)
         return 0
-    print(summary(made.account))
-    print(f"\nWritten: {out}, {beside}\nNext: sklvalve init {out}")
+    show(summary(made.account))
+    show(f"\nWritten: {out}, {beside}\nNext: sklvalve init {out}")
     return 0
 
 

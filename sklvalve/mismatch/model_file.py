@@ -93,8 +93,8 @@ def load_model(path, effects=()):
     except Exception as error:
         more = f" ({error})" if type(error) is ValueError and len(str(error)) < 100 else ""
         raise InputError(
-            f"{path}: this is no model file of sklvalve{more}; give the corrected_model.skops that a diagnosis "
-            "wrote"
+            f"{path}: this is no model file of sklvalve{more}; give the corrected_model.skops that a "
+            "diagnosis wrote"
         ) from error
     return _built(path, content, {e.key: e for e in (*CATALOGUE, *EVENTS, *LATE, *effects)})
 
@@ -106,8 +106,8 @@ def _built(path, content, known):
         strange = {key for several in keys.values() for key in several} - set(known)
         if strange:
             raise InputError(
-                f"{path}: the model holds {shown(min(strange))[1:-1]}, which is no effect of the catalogue; give "
-                "it to load_model as one of effects"
+                f"{path}: the model holds {shown(min(strange))[1:-1]}, which is no effect of the catalogue; "
+                "give it to load_model as one of effects"
             )
         # no NaN, no infinity, nothing but plain data
         diagnosis = json.loads(json.dumps(content["diagnosis"], allow_nan=False))

@@ -89,8 +89,8 @@ def _require_finite_in_si(
     if len(infinite):
         place = where if signal.column is None else f"{where}, row {infinite[0] + 1}"
         raise InputError(
-            f"{place}: {recorded[infinite[0]]:g} {signal.unit} is beyond all numbers in {signal.si_unit}; correct "
-            "the value or the unit"
+            f"{place}: {recorded[infinite[0]]:g} {signal.unit} is beyond all numbers in {signal.si_unit}; "
+            "correct the value or the unit"
         )
 
 

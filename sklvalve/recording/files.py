@@ -44,8 +44,8 @@ def read_plain_file(
     Raises
     ------
     InputError
-        If there is no such file, it cannot be read, is larger than `most`, or is a folder, a pipe or a device:
-        reading those may never end.
+        If there is no such file, it cannot be read, is larger than `most`, or is a folder, a pipe or a
+        device: reading those may never end.
     """
     file = Path(path)
     try:

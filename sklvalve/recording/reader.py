@@ -10,12 +10,12 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import IMPORTED, InputError, hint
+from sklvalve.recording.errors import IMPORTED, InputError, hint, shown
 from sklvalve.recording.files import MOST_CELLS, read_plain_file, size, unpack_gzip
 from sklvalve.recording.parquet import read_parquet
+from sklvalve.recording.spreadsheet import freed
 
 SUFFIXES = (".csv", ".csv.gz", ".parquet")
 
@@ -113,7 +113,7 @@ def _decode(file: Path, content: bytes) -> str:
 def _header(file: Path, text: str) -> list[str]:
     lines = (line for line in io.StringIO(text) if line.strip())
     try:
-        header = [name.strip() for name in next(csv.reader(lines), [])]
+        header = [freed(name.strip()) for name in next(csv.reader(lines), [])]
     except csv.Error as error:
         raise InputError(
             f"{file}: the first line is no line of CSV ({error}); export the recording again"
@@ -124,7 +124,7 @@ def _header(file: Path, text: str) -> list[str]:
         )
     twice = sorted({name for name in header if name and header.count(name) > 1})
     if twice:
-        raise InputError(f"{file}: column {twice[0]!r} stands twice in the first line; rename one of the two")
+        raise InputError(f"{file}: column {shown(twice[0])} stands twice in the first line; rename one of the two")
     for mark, called in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and mark in header[0]:
             raise InputError(
@@ -141,8 +141,8 @@ def _read_csv(file: Path, content: bytes) -> dict[str, NDArray]:
     cells = (text.count("\n") + 1) * len(header)
     if cells > MOST_CELLS:
         raise InputError(
-            f"{file}: the file holds about {cells:.3g} cells in {size(len(content))}, more than {MOST_CELLS}; "
-            "split the recording"
+            f"{file}: the file holds about {cells:.3g} cells in {size(len(content))}, more than "
+            f"{MOST_CELLS}; split the recording"
         )
     try:
         with warnings.catch_warnings():

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.columns import is_gap, to_numbers
 from sklvalve.recording.errors import IMPORTED, InputError, shown
+
 # s; thirty thousand years, and still told to a millisecond
 _LONGEST = 1e12
 
@@ -55,8 +56,8 @@ def read_time(values: object, where: str) -> TimeBase:
         far = np.flatnonzero(~(np.abs(base.seconds) <= _LONGEST))
         if len(far):
             raise InputError(
-                f"{where}, row {far[0] + 1}: time {_shown(stamps[far[0]])} lies more than {_LONGEST:g} s from the "
-                "first; correct it, and write times in seconds"
+                f"{where}, row {far[0] + 1}: time {_shown(stamps[far[0]])} lies more than {_LONGEST:g} s from "
+                "the first; correct it, and write times in seconds"
             )
     else:
         moments = [_moment(stamp, f"{where}, row {row}") for row, stamp in enumerate(column, start=1)]
@@ -99,10 +100,13 @@ def seconds_at(value: object, first: object, offset: float) -> float:
         try:
             moment = _moment(value, "the time asked for")
         except InputError:
-            raise InputError(f"{shown(value)} is no time of this recording; give one like {first!r}") from None
+            raise InputError(
+                f"{shown(value)} is no time of this recording; give one like {first!r}"
+            ) from None
         if (moment.tzinfo is None) != (start.tzinfo is None):
             raise InputError(
-                f"{shown(value)} and the recording differ in having an offset from UTC; give one like {first!r}"
+                f"{shown(value)} and the recording differ in having an offset from UTC; give one like "
+                f"{first!r}"
             )
         return offset + (moment - start).total_seconds()
     try:
@@ -177,4 +181,4 @@ def _require_rising(base: TimeBase, where: str) -> None:
 
 
 def _shown(stamp: object) -> str:
-    return repr(stamp) if isinstance(stamp, str) else f"{stamp:.12g}"
+    return shown(stamp) if isinstance(stamp, str) else f"{stamp:.12g}"

@@ -116,7 +116,9 @@ def _array(value, name, shape):
     """A float array of a shape, whose -1 stands for any length."""
     if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
         raise ValueError(f"{name} is no array of numbers")
-    if value.ndim != len(shape) or any(want not in (-1, n) for want, n in zip(shape, value.shape, strict=True)):
+    if value.ndim != len(shape) or any(
+        want not in (-1, n) for want, n in zip(shape, value.shape, strict=True)
+    ):
         raise ValueError(f"{name} has the wrong shape")
     if not (np.abs(value) <= _LARGEST).all():
         raise ValueError(f"{name} holds values out of range")
@@ -138,7 +140,12 @@ def _require_sound_trim(trim, values):
             _require_names(values, deviations)
         return
     knots = _array(np.asarray(knots), "the knots of the trim", (-1,))
-    if not 2 <= len(knots) <= _MOST_KNOTS or (np.diff(knots) <= 0.0).any() or knots[0] < 0.0 or knots[-1] > 1.0:
+    if (
+        not 2 <= len(knots) <= _MOST_KNOTS
+        or (np.diff(knots) <= 0.0).any()
+        or knots[0] < 0.0
+        or knots[-1] > 1.0
+    ):
         raise ValueError("the knots of the trim do not rise from shut to open")
     rises = [f"rise_{k}" for k in range(len(knots))]
     if "rise_0" in values:

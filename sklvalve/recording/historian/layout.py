@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import InputError
+from sklvalve.recording.errors import InputError, listed, shown
 from sklvalve.recording.historian.decimals import looks_numeric
 from sklvalve.recording.historian.moments import looks_like_clock, looks_like_time
 from sklvalve.recording.historian.table import Table
@@ -87,7 +87,7 @@ def read_layout(table: Table) -> Layout:
     headed = any(plain)
     times = _time_columns(table, plain)
     if not times:
-        known = f" (columns: {', '.join(table.names)})" if headed else ""
+        known = f" (columns: {listed(table.names)})" if headed else ""
         raise InputError(
             f"{table.file}: no column holds times{known}; export with time stamps, best like "
             "2024-06-28 14:35:00, in a column named time"
@@ -98,8 +98,8 @@ def read_layout(table: Table) -> Layout:
     value = _find(plain, _VALUE)
     if tag is not None and value is None:
         raise InputError(
-            f"{table.file}: column {table.names[tag]!r} holds tags, but none is named value (columns: "
-            f"{', '.join(table.names)}); name the column of the values so"
+            f"{table.file}: column {shown(table.names[tag])} holds tags, but none is named value (columns: "
+            f"{listed(table.names)}); name the column of the values so"
         )
     if tag is not None and value is not None and tag not in times:
         return _long(table, times, tag, value, _find(plain, _QUALITY), _find(plain, _UNIT))

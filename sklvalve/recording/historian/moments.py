@@ -52,7 +52,10 @@ _OFFSETS = {
     "PDT": -7,
 }  # fmt: skip
 # from the first days of year 1 to the last ones of year 9999, with room for offsets from UTC [us]
-_EARLIEST, _LATEST = (date(1, 1, 3).toordinal() - _EPOCH) * DAY, (date(9999, 12, 29).toordinal() - _EPOCH) * DAY
+_EARLIEST, _LATEST = (
+    (date(1, 1, 3).toordinal() - _EPOCH) * DAY,
+    (date(9999, 12, 29).toordinal() - _EPOCH) * DAY,
+)
 # no time, and no number, is written in more letters
 _LONGEST = 80
 _OUT_OF_RANGE = "beyond the years that a calendar holds; correct the time, or leave the line out"
@@ -261,8 +264,8 @@ def _counted(cells: list[str], unit: str, place: Callable[[int], str]) -> Moment
             values[row] = np.nan
         if not np.isfinite(values[row]):
             raise InputError(
-                f"{place(row)}: {shown(cell)} is no time, unlike {shown(cells[0])} before it; correct it or leave the "
-                "line out"
+                f"{place(row)}: {shown(cell)} is no time, unlike {shown(cells[0])} before it; correct it "
+                "or leave the line out"
             )
     middle, steps = float(np.median(values)), np.abs(np.diff(values))
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0

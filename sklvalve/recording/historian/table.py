@@ -13,6 +13,7 @@ from sklvalve.recording.errors import InputError
 from sklvalve.recording.historian.decimals import looks_numeric
 from sklvalve.recording.historian.moments import looks_like_time
 from sklvalve.recording.historian.text import ExportText
+from sklvalve.recording.spreadsheet import freed
 from sklvalve.recording.tags import read_unit, words
 
 _SAMPLE = 400
@@ -74,8 +75,8 @@ def read_table(read: ExportText) -> Table:
     rows = _cells(read.file, text, separator)
     if not rows:
         raise InputError(
-            f"{read.file}: its lines hold {SEPARATORS.get(separator, 'separators')} and nothing between them; "
-            "export again"
+            f"{read.file}: its lines hold {SEPARATORS.get(separator, 'separators')} and nothing between "
+            "them; export again"
         )
     width = Counter(len(cells) for _, cells in rows[:_SAMPLE]).most_common(1)[0][0]
     first = next((place for place, (_, cells) in enumerate(rows) if _holds_values(cells)), None)
@@ -103,7 +104,7 @@ def read_table(read: ExportText) -> Table:
     return Table(
         file=read.file,
         separator=separator,
-        names=(names + pad)[:width],
+        names=[freed(name) for name in (names + pad)[:width]],
         units=(units + pad)[:width],
         columns=[list(column) for column in zip(*kept, strict=True)],
         lines=lines,
