@@ -71,8 +71,10 @@ def read_plain_file(
         raise InputError(f"{file}: the file holds {size(state.st_size)}, more than {size(most)}; split it")
     with os.fdopen(handle, "rb") as opened:
         try:
-            # some file systems give no size: read no more than one byte beyond the limit
-            content = opened.read(most + 1)
+            content = opened.read(state.st_size + 1)
+            # a file that grows, or one of a file system that gives no size
+            while len(content) > state.st_size and len(content) <= most and (more := opened.read(_CHUNK)):
+                content += more
         except OSError as error:
             raise InputError(f"{file}: cannot be read ({error.strerror}); give a file that can") from None
     if len(content) > most:
