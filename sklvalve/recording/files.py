@@ -17,6 +17,8 @@ from sklvalve.recording.errors import InputError
 MOST_BYTES = 1 << 30
 #: Largest table [cells]: 1.6 GB of numbers.
 MOST_CELLS = 200_000_000
+#: Most columns of a table; plants have fewer signals.
+MOST_COLUMNS = 20_000
 _CHUNK = 1 << 20
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.recording.errors import InputError
-from sklvalve.recording.files import MOST_BYTES, MOST_CELLS, size
+from sklvalve.recording.files import MOST_BYTES, MOST_CELLS, MOST_COLUMNS, size
 from sklvalve.recording.parquet_footer import Footer, read_footer
 
 _MAGIC = b"PAR1"
@@ -91,6 +91,8 @@ def read_parquet(file: Path, content: bytes) -> dict[str, NDArray]:
 
 def _require_bearable(file: Path, footer: Footer) -> None:
     """Refuse by what the file declares: rows, columns, and bytes once unpacked."""
+    if footer.columns > MOST_COLUMNS:
+        raise InputError(f"{file}: {footer.columns} columns, more than {MOST_COLUMNS}; export fewer signals")
     if footer.rows * max(footer.columns, 1) > MOST_CELLS:
         raise InputError(
             f"{file}: the file declares {footer.rows} rows of {footer.columns} columns, more than "

@@ -6,6 +6,7 @@ import hashlib
 import io
 import re
 import warnings
+from collections import Counter
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
@@ -13,7 +14,7 @@ from typing import NamedTuple
 from numpy.typing import NDArray
 
 from sklvalve.recording.errors import IMPORTED, InputError, hint, shown
-from sklvalve.recording.files import MOST_CELLS, read_plain_file, size, unpack_gzip
+from sklvalve.recording.files import MOST_CELLS, MOST_COLUMNS, read_plain_file, size, unpack_gzip
 from sklvalve.recording.parquet import read_parquet
 from sklvalve.recording.spreadsheet import freed
 
@@ -122,9 +123,13 @@ def _header(file: Path, text: str) -> list[str]:
         raise InputError(
             f"{file}: the file holds no column names in its first line; export the recording again"
         )
-    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if len(header) > MOST_COLUMNS:
+        raise InputError(f"{file}: {len(header)} columns, more than {MOST_COLUMNS}; export fewer signals")
+    twice = sorted(name for name, count in Counter(header).items() if name and count > 1)
     if twice:
-        raise InputError(f"{file}: column {shown(twice[0])} stands twice in the first line; rename one of the two")
+        raise InputError(
+            f"{file}: column {shown(twice[0])} stands twice in the first line; rename one of the two"
+        )
     for mark, called in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and mark in header[0]:
             raise InputError(

@@ -56,8 +56,8 @@ def read_time(values: object, where: str) -> TimeBase:
         far = np.flatnonzero(~(np.abs(base.seconds) <= _LONGEST))
         if len(far):
             raise InputError(
-                f"{where}, row {far[0] + 1}: time {_shown(stamps[far[0]])} lies more than {_LONGEST:g} s from "
-                "the first; correct it, and write times in seconds"
+                f"{where}, row {far[0] + 1}: time {_shown(stamps[far[0]])} lies more than {_LONGEST:g} s "
+                "from the first; correct it, and write times in seconds"
             )
     else:
         moments = [_moment(stamp, f"{where}, row {row}") for row, stamp in enumerate(column, start=1)]

@@ -158,7 +158,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             valve,
             trim,
             state["values"],
-            choking=state["choking"],
+            # a fit without pressures knows no parameters of choking, and has no use for it
+            choking=state["choking"] and bool({"fl_scale", "given_gain"} & set(state["values"])),
             effects=effects,
             # several times as a tuple: a free run is remembered by them
             onsets={

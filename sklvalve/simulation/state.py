@@ -49,6 +49,7 @@ _TOGETHER = (
         "actuator_filter",
     ),
     ("meter_lag", "meter_ahead"),
+    ("given_gain", "meter_lag", "meter_ahead"),
     ("fl_scale", "fl_slope", "knee"),
 )
 _NAME = re.compile(r"[A-Za-z_]\w{0,80}(\.[A-Za-z_]\w{0,80})?")
@@ -133,11 +134,11 @@ def _require_sound_trim(trim, values):
     if curve is not None:
         _array(curve, "the curve of the trim", GRID.shape)
     if trim.get("given"):
+        _require_names(values, ["given_gain"])
         return
-    deviations = [f"trim_{k}" for k in range(7)]
+    through = {"capacity", "rise_0"} & set(values)
     if knots is None:
-        if "capacity" in values:
-            _require_names(values, deviations)
+        _require_names(values, ["capacity", *(f"trim_{k}" for k in range(7))] if through else ())
         return
     knots = _array(np.asarray(knots), "the knots of the trim", (-1,))
     if (
@@ -147,8 +148,8 @@ def _require_sound_trim(trim, values):
         or knots[-1] > 1.0
     ):
         raise ValueError("the knots of the trim do not rise from shut to open")
-    rises = [f"rise_{k}" for k in range(len(knots))]
-    if "rise_0" in values:
+    if through:
+        rises = [f"rise_{k}" for k in range(len(knots))]
         _require_names(values, rises)
         for name in rises:
             number(values[name], name, 0.0)

@@ -5,9 +5,9 @@ All but two are refused, and leave nothing behind; those of a unit that only the
 report, whose finding is that sentence.
 """
 
-import sys
 import json
 import shlex
+import sys
 from typing import NamedTuple
 
 import numpy as np

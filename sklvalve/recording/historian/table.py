@@ -10,6 +10,7 @@ from itertools import islice
 from pathlib import Path
 
 from sklvalve.recording.errors import InputError
+from sklvalve.recording.files import MOST_COLUMNS
 from sklvalve.recording.historian.decimals import looks_numeric
 from sklvalve.recording.historian.moments import looks_like_time
 from sklvalve.recording.historian.text import ExportText
@@ -150,6 +151,11 @@ def _cells(file: Path, text: str, separator: str) -> list[tuple[int, list[str]]]
     rows = []
     try:
         for cells in reader:
+            if len(cells) > MOST_COLUMNS:
+                raise InputError(
+                    f"{file}, line {reader.line_num}: {len(cells)} cells, more than {MOST_COLUMNS}; export "
+                    "fewer signals"
+                )
             stripped = [cell.strip() for cell in cells]
             if any(stripped):
                 rows.append((reader.line_num, stripped))
