@@ -55,7 +55,7 @@ def run(args: Namespace) -> int:
     out = _target(args)
     if Path(args.model).is_dir():
         raise InputError(f"{args.model}: this is a folder; give the corrected_model.skops of a diagnosis")
-    if not Path(args.model).is_file():
+    if not Path(args.model).exists():
         raise InputError(f"{args.model}: no such file; give the corrected_model.skops of a diagnosis")
     model = load_model(args.model)
     valve = model["corrected"].valve
