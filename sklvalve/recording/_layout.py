@@ -38,7 +38,7 @@ KEYS: dict[str, dict[str, check.Check]] = {
         "name": check.text,
         "density": check.Number("kg/m3", high=1e5),
         "kinematic_viscosity": check.Number("m2/s", high=1e3),
-        "vapour_pressure": check.Number("kPa, absolute", 1e3, high=1e6, open_low=False),
+        "vapour_pressure": check.Number("kPa, absolute", 1e3, high=1e6),
         # that of helium, the lowest there is, is 227 kPa
         "critical_pressure": check.Number("kPa, absolute", 1e3, low=200.0, high=1e6, open_low=False),
         "molar_mass": check.Number("kg/kmol", 1e-3, high=1e4),

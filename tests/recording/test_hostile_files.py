@@ -287,6 +287,11 @@ def test_seconds_that_no_difference_holds(tmp_path, times):
     assert "s from the first" in refusal(read_recording, path, valve)
 
 
+def test_a_vapour_pressure_of_nought_is_none():
+    # the choked flow of a simulation would ask for one above it in the midst of its work
+    assert "vapour_pressure must be above 0" in refusal(Valve.from_dict, {"fluid": {"vapour_pressure": 0.0}})
+
+
 HOSTILE = "\x1b]0;owned\x07\x1b[2J‮\x85"
 
 
