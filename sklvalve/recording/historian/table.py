@@ -129,6 +129,7 @@ def _separator(read: ExportText) -> tuple[str, str]:
         )
     for mark in SEPARATORS:
         counts = Counter(_width(line, mark) for line in sample)
+        counts.pop(0, None)  # a cell longer than any
         counts.pop(1, None)
         # what is not in half of the lines separates nothing; above a table there may be words
         if counts and counts.most_common(1)[0][1] >= 0.5 * len(sample):
