@@ -11,5 +11,11 @@ def add_json_argument(parser: ArgumentParser, what: str) -> None:
 
 
 def as_json(content: dict) -> str:
-    """Text of a JSON document: one space a level, letters as they are, no NaN."""
-    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+    """Text of a JSON document: one space a level, no NaN; no letter that a terminal obeys."""
+    text = json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False)
+    if text.replace("\n", "").isprintable():
+        return text
+    return "".join(
+        each if each == "\n" or each.isprintable() or each == "\u00a0" else json.dumps(each)[1:-1]
+        for each in text
+    )

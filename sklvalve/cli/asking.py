@@ -5,6 +5,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, TypeVar
 
+from sklvalve.cli.terminal import safe, show
+
 if TYPE_CHECKING:
     from sklvalve.recording.draft import Answers, Assignment, RecordingColumns
 
@@ -31,7 +33,7 @@ def ask(told: "RecordingColumns", answers: "Answers") -> "Answers":
     """
     from sklvalve.recording.draft import assign_roles
 
-    print("Enter takes what stands in [brackets]; - leaves it out.\n")
+    show("Enter takes what stands in [brackets]; - leaves it out.\n")
     answers = replace(answers, roles=_ask_roles(told, assign_roles(told, tag=answers.tag)))
     roles = assign_roles(told, tag=answers.tag, chosen=answers.roles)
     answers = replace(answers, units=_ask_units(roles))
@@ -117,9 +119,9 @@ def _with_fluid(answers: "Answers") -> "Answers":
 
 def _read(question: str) -> str:
     try:
-        return input(question).strip()
+        return input(safe(question)).strip()
     except EOFError:  # the end of input takes what is proposed, as Enter does
-        print()
+        show()
         return ""
 
 
@@ -135,7 +137,7 @@ def _asked(
         try:
             return understand(text)
         except ValueError:
-            print(f"  expected {expected}; got {text!r}")
+            show(f"  expected {expected}; got {text!r}")
 
 
 def _word(question: str, proposed: str | None) -> str | None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.diagnose import RESULTS, diagnose, require_extras
 from sklvalve.cli.parser import folder, seed
-from sklvalve.cli.terminal import text_width
+from sklvalve.cli.terminal import show, text_width
 
 if TYPE_CHECKING:
     from sklvalve.mismatch import MissingPhysicsFinder
@@ -83,14 +83,14 @@ def run(args: Namespace) -> int:
         made.later.to_csv(staging.path("later.csv"), index=False)
         staging.path("valve.toml").write_text(to_toml(made.valve), encoding="utf-8")
         if not args.json:
-            print(f"Recorded a valve loop with something, or nothing, concealed in it (seed {args.seed}).\n")
+            show(f"Recorded a valve loop with something, or nothing, concealed in it (seed {args.seed}).\n")
 
         recording = read_recording(staging.path("recording.csv"), staging.path("valve.toml"))
         finder = diagnose(recording, staging, until=None, seed=0)
         found = finder.diagnosis_.to_dict()
         if not args.json:
-            print(to_text(found, width=text_width()))
-            print(_on_later(finder, staging.path("later.csv"), staging.path("valve.toml")))
+            show(to_text(found, width=text_width()))
+            show(_on_later(finder, staging.path("later.csv"), staging.path("valve.toml")))
 
         # the same draw again, and only now with its truth
         truth = make_valve_recording(**settings).truth
@@ -98,10 +98,10 @@ def run(args: Namespace) -> int:
         staging.commit()
     if args.json:
         told = {"diagnosis": found, "truth": truth, "judgement": judge(found, truth)}
-        print(as_json({"schema": "sklvalve.demo/1", "written": args.out} | told))
+        show(as_json({"schema": "sklvalve.demo/1", "written": args.out} | told))
         return 0
-    print(f"\nThe truth     {tell(truth)}\n              {judge(found, truth)}")
-    print(f"\nThe report is {Path(args.out) / 'report.html'}; all files are in {args.out}")
+    show(f"\nThe truth     {tell(truth)}\n              {judge(found, truth)}")
+    show(f"\nThe report is {Path(args.out) / 'report.html'}; all files are in {args.out}")
     return 0
 
 

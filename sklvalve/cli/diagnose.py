@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell, to_fill_in
 from sklvalve.cli.parser import folder, seed
-from sklvalve.cli.terminal import text_width
+from sklvalve.cli.terminal import show, text_width
 
 if TYPE_CHECKING:
     from sklvalve.cli.staging import Staging
@@ -96,14 +96,14 @@ def run(args: Namespace) -> int:
         written = staging.commit()
     found = finder.diagnosis_.to_dict()
     if args.json:
-        print(as_json(found))
+        show(as_json(found))
     else:
-        print(to_text(found, width=text_width()))
-        print(f"\nWritten: {', '.join(str(path) for path in written)}")
+        show(to_text(found, width=text_width()))
+        show(f"\nWritten: {', '.join(str(path) for path in written)}")
         if loop:
-            print(_NO_MODEL)
+            show(_NO_MODEL)
         if hint := to_fill_in(known, first, loop=loop):
-            print(hint)
+            show(hint)
     return int(args.exit_code and found["verdict"] != "no_mismatch")
 
 

@@ -7,10 +7,12 @@ import sys
 import warnings
 from argparse import RawDescriptionHelpFormatter
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 from sklvalve.cli import completion, demo, diagnose, import_export, init, predict, screen, simulate
+from sklvalve.cli.interruption import sentence, signals_as_interruption
 from sklvalve.cli.parser import Parser, UsageError
+from sklvalve.cli.terminal import show
 
 _DESCRIPTION = "Find, name, model and prove the physics that a control-valve simulation leaves out."
 _EXAMPLES = """examples:
@@ -42,7 +44,8 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     status : int
         0 it ran, whatever the verdict; 1 a mismatch, only with ``--exit-code``; 2 bad input, a missing extra
-        or a fault of the package, with one sentence on standard error; 130 interrupted.
+        or a fault of the package, with one sentence on standard error; 130 interrupted, 143
+        asked to terminate, 129 its terminal gone.
 
     Notes
     -----
@@ -59,13 +62,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a diagnosis
     try:
-        status = _run(argv)
-        if sys.stdout is not None:
-            sys.stdout.flush()  # else a full disk would be told only while Python shuts down
-        return status
-    except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
-        return 130
+        with signals_as_interruption():
+            status = _run(argv)
+            if sys.stdout is not None:
+                sys.stdout.flush()  # else a full disk would be told only while Python shuts down
+            return status
+    except KeyboardInterrupt as interruption:
+        with suppress(OSError):  # the terminal may be gone
+            show(sentence(), file=sys.stderr)
+        return getattr(interruption, "status", 130)
     except BrokenPipeError:
         # whoever read the output has seen enough, as `| head` does
         _drop_output()
@@ -142,7 +147,7 @@ def _version() -> str:
 
 
 def _complain(sentence: str) -> int:
-    print(f"sklvalve: {' '.join(sentence.split())}", file=sys.stderr)
+    show(f"sklvalve: {' '.join(sentence.split())}", file=sys.stderr)
     return 2
 
 
@@ -175,13 +180,13 @@ def _plain_warnings() -> Iterator[None]:
     """Warnings as notes of one line, each once; those of a library's insides are left out."""
     shown: set[str] = set()
 
-    def show(message, category, filename, lineno, file=None, line=None) -> None:
+    def note(message, category, filename, lineno, file=None, line=None) -> None:
         words = " ".join(str(message).split())
         if issubclass(category, UserWarning) and words not in shown:
             shown.add(words)
-            print(f"note: {words}", file=sys.stderr)
+            show(f"note: {words}", file=sys.stderr)
 
     with warnings.catch_warnings():
         warnings.simplefilter("default")
-        warnings.showwarning = show
+        warnings.showwarning = note
         yield

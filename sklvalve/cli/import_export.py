@@ -7,6 +7,7 @@ from pathlib import Path
 
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.parser import column_name
+from sklvalve.cli.terminal import show
 
 _EXAMPLES = """examples:
   sklvalve import export.csv --out recording.csv
@@ -52,7 +53,7 @@ def add_parser(commands) -> None:
     )
     parser.add_argument(
         "--gap",
-        type=_positive,
+        type=_steps,
         default=5.0,
         metavar="N",
         help="leave silences of more than N usual steps empty (default: 5)",
@@ -122,11 +123,11 @@ def run(args: Namespace) -> int:
         staging.path(beside.name).write_text(told + "\n", encoding="utf-8")
         staging.commit()
     if args.json:
-        print(told)
+        show(told)
         return 0
-    print(summary(made.account))
+    show(summary(made.account))
     written = str(out) if len(outs) == 1 else f"{outs[0]} to {outs[-1].name}"
-    print(f"\nWritten: {written}, {beside}\nNext: sklvalve init {outs[0]}")
+    show(f"\nWritten: {written}, {beside}\nNext: sklvalve init {outs[0]}")
     return 0
 
 
@@ -183,6 +184,13 @@ def _header(text: str) -> int:
         value = 0
     if value < 1:
         raise ArgumentTypeError(f"expected the number of a line, 1 or more, or none; got {text!r}")
+    return value
+
+
+def _steps(text: str) -> float:
+    value = _positive(text)
+    if value > 1e6:
+        raise ArgumentTypeError(f"expected at most 1e6 steps; got {text!r}")
     return value
 
 

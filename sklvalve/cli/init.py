@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.known import SHEET
 from sklvalve.cli.parser import column_name
+from sklvalve.cli.terminal import show
 
 if TYPE_CHECKING:
     from sklvalve.recording.draft import Draft, RecordingColumns
@@ -63,11 +64,13 @@ def run(args: Namespace) -> int:
         answers = ask(told, answers)
     draft = draft_valve(told, answers)
     refusal = _refusal(draft, args.recording, out)
-    with Staging(out.parent, [out.name], called=f"--out {out.name} in") as staging:
+    with Staging(
+        out.parent, [out.name], called=f"--out {out.name} in", guard=lambda: _target(args)
+    ) as staging:
         staging.path(out.name).write_text(draft.text, encoding="utf-8")
         staging.commit()
     if args.json:
-        print(as_json(_content(draft, out, refusal)))
+        show(as_json(_content(draft, out, refusal)))
     else:
         _tell(draft, args.recording, out, refusal)
     return 0
@@ -134,16 +137,16 @@ def _tell(draft: "Draft", recording: str, out: Path, refusal: str | None) -> Non
     width = max((len(role) for role in draft.roles), default=0)
     for role, assignment in draft.roles.items():
         doubt = "" if assignment.sure else "  (not sure)"
-        print(f"{role:<{width}}  {assignment.column.shown}: {assignment.why}{doubt}")
+        show(f"{role:<{width}}  {assignment.column.shown}: {assignment.why}{doubt}")
     if draft.to_fill_in:
-        print("\nTo fill in, or to check:")
+        show("\nTo fill in, or to check:")
         for item in draft.to_fill_in:
-            print(f"- {item}")
-    print(f"\nWritten: {out}")
+            show(f"- {item}")
+    show(f"\nWritten: {out}")
     if refusal is not None:
-        print(f"Not yet enough for a diagnosis: {refusal}")
+        show(f"Not yet enough for a diagnosis: {refusal}")
     later = "Then" if refusal is not None else "Next"
-    print(f"{later}: sklvalve diagnose {_quoted(recording)} --valve {_quoted(str(out))} --out results")
+    show(f"{later}: sklvalve diagnose {_quoted(recording)} --valve {_quoted(str(out))} --out results")
 
 
 def _quoted(path: str) -> str:

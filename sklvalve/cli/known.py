@@ -10,6 +10,8 @@ from pathlib import Path
 from shlex import quote
 from typing import TYPE_CHECKING, NamedTuple
 
+from sklvalve.cli.terminal import show
+
 if TYPE_CHECKING:
     from sklvalve.recording import Valve
     from sklvalve.recording.draft import Draft, RecordingColumns
@@ -89,7 +91,7 @@ def mended_by_a_draft(known: Known, recording: str) -> Iterator[None]:
 def tell(known: Known) -> None:
     """Say on standard error what was taken instead of ``--valve``; only once nothing is refused any more."""
     if known.note:
-        print(f"note: {known.note}", file=sys.stderr)
+        show(f"note: {known.note}", file=sys.stderr)
 
 
 def to_fill_in(known: Known, recording: str, *, loop: bool) -> str:

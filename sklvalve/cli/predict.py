@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TextIO
 
 from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.terminal import show
 
 if TYPE_CHECKING:
     from sklvalve.recording import Recording, Valve
@@ -54,7 +55,7 @@ def run(args: Namespace) -> int:
     out = _target(args)
     if Path(args.model).is_dir():
         raise InputError(f"{args.model}: this is a folder; give the corrected_model.skops of a diagnosis")
-    if not Path(args.model).is_file():
+    if not Path(args.model).exists():
         raise InputError(f"{args.model}: no such file; give the corrected_model.skops of a diagnosis")
     model = load_model(args.model)
     valve = model["corrected"].valve
@@ -77,9 +78,9 @@ def run(args: Namespace) -> int:
     notes = [] if args.nominal else _not_yet(model["corrected"], recording)
     if args.json:
         told = {"written": str(out), "rows": len(recording), "columns": ["time", *columns], "notes": notes}
-        print(as_json({"schema": "sklvalve.predict/1"} | told))
+        show(as_json({"schema": "sklvalve.predict/1"} | told))
     else:
-        print("\n".join([f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})", *notes]))
+        show("\n".join([f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})", *notes]))
     return 0
 
 
@@ -132,10 +133,12 @@ def read_for_prediction(path: str, valve: "Valve") -> "Recording":
 
 def write_table(file: TextIO, stamps, columns: dict) -> None:
     """Write times as recorded and numbers of seven digits; a gap is an empty cell."""
+    from sklvalve.recording.spreadsheet import marked
+
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(["time", *columns])
+    writer.writerow(["time", *map(marked, columns)])
     for row, stamp in enumerate(stamps):
-        time = stamp if isinstance(stamp, str) else f"{stamp:.15g}"
+        time = marked(stamp) if isinstance(stamp, str) else f"{stamp:.15g}"
         writer.writerow([time, *(_cell(values[row]) for values in columns.values())])
 
 

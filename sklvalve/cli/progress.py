@@ -5,6 +5,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from sklvalve.cli.terminal import safe
+
 _FOREVER = 1e9  # s
 
 
@@ -16,6 +18,7 @@ def progress() -> Iterator[Callable[[str, float], None] | None]:
         return
     try:
         from rich.console import Console
+        from rich.markup import escape
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
     except ImportError:  # the work can do without its bar
         yield None
@@ -33,6 +36,6 @@ def progress() -> Iterator[Callable[[str, float], None] | None]:
         task = bar.add_task("reading", total=1.0)
 
         def callback(stage: str, done: float) -> None:
-            bar.update(task, description=stage, completed=done)
+            bar.update(task, description=escape(safe(stage)), completed=done)
 
         yield callback

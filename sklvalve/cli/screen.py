@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell
+from sklvalve.cli.terminal import show
 
 if TYPE_CHECKING:
     from sklvalve.recording import Recording
@@ -42,7 +43,7 @@ def run(args: Namespace) -> int:
     tell(known)
     findings = screen_recording(recording)
     if args.json:
-        print(as_json(_content(recording, [*known.assumed, *findings])))
+        show(as_json(_content(recording, [*known.assumed, *findings])))
     else:
         _tell(recording, known.assumed, findings)
     return 0
@@ -69,14 +70,14 @@ def _tell(
 
     held = ", ".join(role_words(role) for role in recording)
     first, last = recording.stamps[0], recording.stamps[-1]
-    print(fill(f"{recording.source}: {len(recording)} rows from {first} to {last}, holding {held}.", 96))
+    show(fill(f"{recording.source}: {len(recording)} rows from {first} to {last}, holding {held}.", 96))
     for found in [*assumed, *findings]:
         kind, role = str(found["finding"]).replace("_", " "), found["role"]
         signal = role_words(None if role is None else str(role))
         sentence = f"{signal} ({kind}): {found['detail']}{_rows(found['rows'])}."
-        print(fill(sentence[:1].upper() + sentence[1:], 96, initial_indent="- ", subsequent_indent="  "))
+        show(fill(sentence[:1].upper() + sentence[1:], 96, initial_indent="- ", subsequent_indent="  "))
     if not findings:
-        print("Nothing is wrong with the data.")
+        show("Nothing is wrong with the data.")
 
 
 def _rows(spans: object, limit: int = 3) -> str:

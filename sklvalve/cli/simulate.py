@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.parser import folder, seconds, seed
+from sklvalve.cli.terminal import show
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -115,7 +116,15 @@ def run(args: Namespace) -> int:
     tag = f"DAMADICS actuator {args.actuator}"
     sheet = to_toml(valve_sheet(args.actuator, nominal=not loop, tag=tag))
     out = _target(args.out, sheet)
-    with Staging(out.parent, [out.name, _SHEET], called=f"--out {out.name} in") as staging, progress() as say:
+    with (
+        Staging(
+            out.parent,
+            [out.name, _SHEET],
+            called=f"--out {out.name} in",
+            guard=lambda: _target(args.out, sheet),
+        ) as staging,
+        progress() as say,
+    ):
         frame = make_damadics(
             scenario,
             duration=args.duration,
@@ -134,10 +143,10 @@ def run(args: Namespace) -> int:
     sheet_file = out.parent / _SHEET
     if args.json:
         written = {"written": [str(out), str(sheet_file)], "rows": len(frame), "fault": _content(profile)}
-        print(as_json({"schema": "sklvalve.simulate/1"} | written))
+        show(as_json({"schema": "sklvalve.simulate/1"} | written))
     else:
         begun = f" begun {settled} s after a start from rest," if settled else ""
-        print(f"Written: {out} ({len(frame)} rows,{begun} {_told(profile)}) and {sheet_file}")
+        show(f"Written: {out} ({len(frame)} rows,{begun} {_told(profile)}) and {sheet_file}")
     return 0
 
 

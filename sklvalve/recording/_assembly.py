@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from sklvalve.recording._agreement import require_liquid_at_inlet
 from sklvalve.recording.columns import to_numbers
-from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.errors import InputError, hint, listed, shown
 from sklvalve.recording.signal import OPENING_ROLES, ROLES, Signal, si_signal
 from sklvalve.recording.valve import Valve
 
@@ -49,7 +49,9 @@ def assemble(columns: Mapping[str, object], valve: Valve, source: str) -> Parts:
             if len(values) != length:
                 raise InputError(f"{where}: {len(values)} values, but {length} times; give one for each time")
             _require_finite(values, where)
-        signals[role] = signal.to_si(values)
+        with np.errstate(over="ignore"):
+            signals[role] = signal.to_si(values)
+        _require_finite_in_si(signals[role], values, signal, where)
         _require_likely(signals[role], values, role, signal, where)
     _require_pressure_drop(signals, source)
     if "p1" in signals:
@@ -61,10 +63,10 @@ def assemble(columns: Mapping[str, object], valve: Valve, source: str) -> Parts:
 def _column(columns: Mapping[str, object], name: str, role: str, source: str, key: str) -> object:
     if name in columns:
         return columns[name]
-    listed = ", ".join(columns)
+    known = listed(columns)
     near = hint(name, columns)
-    more = f"{near} (columns: {listed})" if near.startswith("did") else f"the columns are {listed}"
-    raise InputError(f"{source}: there is no column {name!r} for {role}; correct {key}: {more}")
+    more = f"{near} (columns: {known})" if near.startswith("did") else f"the columns are {known}"
+    raise InputError(f"{source}: there is no column {shown(name)} for {role}; correct {key}: {more}")
 
 
 def _require_finite(values: NDArray[np.float64], where: str) -> None:
@@ -76,6 +78,19 @@ def _require_finite(values: NDArray[np.float64], where: str) -> None:
     if not np.isfinite(values).any():
         raise InputError(
             f"{where}: there is no value in it, only gaps; name another column or leave the role out"
+        )
+
+
+def _require_finite_in_si(
+    si: NDArray[np.float64], recorded: NDArray[np.float64], signal: Signal, where: str
+) -> None:
+    """A number may be finite in its own unit and not in SI."""
+    infinite = np.flatnonzero(np.isinf(si))
+    if len(infinite):
+        place = where if signal.column is None else f"{where}, row {infinite[0] + 1}"
+        raise InputError(
+            f"{place}: {recorded[infinite[0]]:g} {signal.unit} is beyond all numbers in {signal.si_unit}; "
+            "correct the value or the unit"
         )
 
 

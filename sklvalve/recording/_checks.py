@@ -6,18 +6,9 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import inf, isfinite
 
-from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.errors import InputError, hint, shown
 
 Check = Callable[[object, str], object]
-
-
-def shown(value: object) -> str:
-    """What stands in the file, as Python writes it, cut where nobody would read on."""
-    try:
-        words = repr(value)
-    except (ValueError, RecursionError):  # a number, or a nesting, too long to be written out
-        return "more than can be shown"
-    return words if len(words) <= 60 else f"{words[:57]}..."
 
 
 def plain_number(value: object, where: str) -> float:
@@ -50,7 +41,11 @@ class Number:
         over = number >= self.high if self.open_high else number > self.high
         if under or over:
             raise InputError(f"{where} must be {self._bounds()}; got {number:g}")
-        return number * self.factor
+        scaled = number * self.factor
+        # a number may be finite in its unit and not in SI
+        if not isfinite(scaled) or (scaled == 0.0 and number != 0.0):
+            raise InputError(f"{where} must be a number that has a meaning in SI; got {number:g}")
+        return scaled
 
     def _bounds(self) -> str:
         low = "above" if self.open_low else "at least"

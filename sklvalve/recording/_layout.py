@@ -9,7 +9,7 @@ from sklvalve.recording.signal import OPENING_ROLES, ROLES, Signal
 from sklvalve.recording.units import UNITS, quantity_of
 
 _KV_OF_CV = 0.8649777  # m3/h of a US gallon a minute, at 1 bar instead of 1 psi
-_MM = check.Number("mm", 1e-3)
+_MM = check.Number("mm", 1e-3, high=1e6)
 # wide of all that is built, and near enough for a simulation of the actuator to come to an end
 _AIR = check.Number("kPa", 1e3, low=10.0, high=2000.0, open_low=False)
 _SPRING = check.Number("kPa", 1e3, high=1000.0, open_low=False)
@@ -24,7 +24,7 @@ KEYS: dict[str, dict[str, check.Check]] = {
         "kv_rated": check.Number("m3/h", high=1e6),
         "cv_rated": check.Number("US gallons a minute at 1 psi", _KV_OF_CV, high=1e6),
         "characteristic": check.characteristic,
-        "rangeability": check.Number(low=1.0),
+        "rangeability": check.Number(low=1.0, high=1e6),
         "shutoff": check.Number(low=0.0, high=1.0, open_low=False, open_high=True),
         "fl": check.number_or_table(_FACTOR),
         "fd": check.Number(high=2.0),
@@ -36,13 +36,13 @@ KEYS: dict[str, dict[str, check.Check]] = {
     },
     "fluid": {
         "name": check.text,
-        "density": check.Number("kg/m3"),
-        "kinematic_viscosity": check.Number("m2/s"),
-        "vapour_pressure": check.Number("kPa, absolute", 1e3, open_low=False),
+        "density": check.Number("kg/m3", high=1e5),
+        "kinematic_viscosity": check.Number("m2/s", high=1e3),
+        "vapour_pressure": check.Number("kPa, absolute", 1e3, high=1e6),
         # that of helium, the lowest there is, is 227 kPa
-        "critical_pressure": check.Number("kPa, absolute", 1e3, low=200.0, open_low=False),
-        "molar_mass": check.Number("kg/kmol", 1e-3),
-        "heat_capacity_ratio": check.Number(low=1.0),
+        "critical_pressure": check.Number("kPa, absolute", 1e3, low=200.0, high=1e6, open_low=False),
+        "molar_mass": check.Number("kg/kmol", 1e-3, high=1e4),
+        "heat_capacity_ratio": check.Number(low=1.0, high=10.0),
         "compressibility": check.Number(high=10.0),
     },
     "actuator": {
@@ -54,7 +54,7 @@ KEYS: dict[str, dict[str, check.Check]] = {
         "fail": check.one_of("closed", "open"),
         "supply_pressure": _AIR,
         "spring_range": check.rising_pair(_SPRING, _NARROWEST_SPRING),
-        "effective_area": check.Number("cm2", 1e-4),
+        "effective_area": check.Number("cm2", 1e-4, high=1e6),
         "positioner": check.flag,
     },
     "simulation": {"physics": check.names_list},
@@ -85,7 +85,7 @@ def read_section(
 ) -> dict[str, object]:
     for key in section:
         if key not in keys:
-            raise InputError(f"{where} knows no key {key!r}; {hint(key, keys)}")
+            raise InputError(f"{where} knows no key {check.shown(key)}; {hint(key, keys)}")
     return {key: keys[key](value, f"{where} {key}") for key, value in section.items()}
 
 
@@ -107,7 +107,7 @@ def read_role(role: str, value: object, travel: object, source: str) -> Signal:
         raise InputError(f"{where} must be a section with column and unit; got {check.shown(value)}")
     for key in value:
         if key not in _SIGNAL_KEYS:
-            raise InputError(f"{where} knows no key {key!r}; {hint(key, _SIGNAL_KEYS)}")
+            raise InputError(f"{where} knows no key {check.shown(key)}; {hint(key, _SIGNAL_KEYS)}")
     if ("column" in value) == ("constant" in value):
         raise InputError(f"{where} must give either a column or a constant, and not both")
     unit = _read_unit(role, value, where)

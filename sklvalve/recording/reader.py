@@ -2,20 +2,21 @@
 """Files of recordings to plain columns: the only place that needs pandas."""
 
 import csv
-import gzip
 import hashlib
 import io
 import re
 import warnings
-import zlib
+from collections import Counter
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import IMPORTED, InputError, hint
+from sklvalve.recording.errors import IMPORTED, InputError, hint, shown
+from sklvalve.recording.files import MOST_CELLS, MOST_COLUMNS, read_plain_file, size, unpack_gzip
+from sklvalve.recording.parquet import read_parquet
+from sklvalve.recording.spreadsheet import freed
 
 SUFFIXES = (".csv", ".csv.gz", ".parquet")
 
@@ -53,18 +54,13 @@ def read_columns(path: str | PathLike[str]) -> Columns:
         raise InputError(
             f"{file}: expected a file named .csv, .csv.gz or .parquet; save the recording as one of these"
         )
-    try:
-        content = file.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{file}: no such file; {_nearest(file)}") from None
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror}); give a file that can") from None
+    content = read_plain_file(file, missing="" if file.exists() else _nearest(file))
     if not content:
         raise InputError(f"{file}: the file is empty; export the recording again")
     if name.endswith(".parquet"):
-        columns = _read_parquet(file, content)
+        columns = read_parquet(file, content)
     else:
-        columns = _read_csv(file, _decompress(file, content) if name.endswith(".gz") else content)
+        columns = _read_csv(file, _unpack(file, content) if name.endswith(".gz") else content)
     if not columns or not len(next(iter(columns.values()))):
         raise InputError(f"{file}: there is a header but no row under it; export the recording again")
     return Columns(columns, hashlib.sha256(content).hexdigest())
@@ -87,11 +83,8 @@ def _pandas():
     return pandas
 
 
-def _decompress(file: Path, content: bytes) -> bytes:
-    try:
-        text = gzip.decompress(content)
-    except (OSError, EOFError, zlib.error):
-        raise InputError(f"{file}: the file is not whole gzip data; copy or compress it again") from None
+def _unpack(file: Path, content: bytes) -> bytes:
+    text = unpack_gzip(file, content)
     if not text:
         raise InputError(f"{file}: the file is empty; export the recording again")
     return text
@@ -121,7 +114,7 @@ def _decode(file: Path, content: bytes) -> str:
 def _header(file: Path, text: str) -> list[str]:
     lines = (line for line in io.StringIO(text) if line.strip())
     try:
-        header = [name.strip() for name in next(csv.reader(lines), [])]
+        header = [freed(name.strip()) for name in next(csv.reader(lines), [])]
     except csv.Error as error:
         raise InputError(
             f"{file}: the first line is no line of CSV ({error}); export the recording again"
@@ -130,9 +123,13 @@ def _header(file: Path, text: str) -> list[str]:
         raise InputError(
             f"{file}: the file holds no column names in its first line; export the recording again"
         )
-    twice = sorted({name for name in header if name and header.count(name) > 1})
+    if len(header) > MOST_COLUMNS:
+        raise InputError(f"{file}: {len(header)} columns, more than {MOST_COLUMNS}; export fewer signals")
+    twice = sorted(name for name, count in Counter(header).items() if name and count > 1)
     if twice:
-        raise InputError(f"{file}: column {twice[0]!r} stands twice in the first line; rename one of the two")
+        raise InputError(
+            f"{file}: column {shown(twice[0])} stands twice in the first line; rename one of the two"
+        )
     for mark, called in ((";", "semicolons"), ("\t", "tabs")):
         if len(header) == 1 and mark in header[0]:
             raise InputError(
@@ -146,6 +143,12 @@ def _read_csv(file: Path, content: bytes) -> dict[str, NDArray]:
     pandas = _pandas()
     text = _decode(file, content)
     header = _header(file, text)
+    cells = (text.count("\n") + 1) * len(header)
+    if cells > MOST_CELLS:
+        raise InputError(
+            f"{file}: the file holds about {cells:.3g} cells in {size(len(content))}, more than "
+            f"{MOST_CELLS}; split the recording"
+        )
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", pandas.errors.ParserWarning)
@@ -182,24 +185,3 @@ def _uneven(reason: str, named: int) -> str:
         return _too_long(named, f"line {place[1]} holds {place[2]} cells")
     reason = " ".join(reason.split()).removeprefix("Error tokenizing data. C error: ")
     return f"the file is no table ({reason}); export the recording again"
-
-
-def _read_parquet(file: Path, content: bytes) -> dict[str, NDArray]:
-    pandas = _pandas()
-    if not (content.startswith(b"PAR1") and content.endswith(b"PAR1")):
-        raise InputError(f"{file}: the file is not whole Parquet data; write or copy it again")
-    try:
-        frame = pandas.read_parquet(io.BytesIO(content))
-    except ImportError:
-        raise ImportError('reading .parquet needs pyarrow: pip install "sklvalve[io]"') from None
-    except (OSError, ValueError) as error:
-        reason = str(error).splitlines()[0]
-        raise InputError(
-            f"{file}: the Parquet data cannot be read ({reason}); write the file again"
-        ) from None
-    if frame.index.name is not None and frame.index.name not in frame.columns:
-        frame = frame.reset_index()
-    twice = [name for name in frame.columns if list(frame.columns).count(name) > 1]
-    if twice:
-        raise InputError(f"{file}: column {twice[0]!r} stands twice; rename one of the two")
-    return {str(name): np.asarray(frame[name]) for name in frame.columns}

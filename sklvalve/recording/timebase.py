@@ -9,7 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.recording.columns import is_gap, to_numbers
-from sklvalve.recording.errors import IMPORTED, InputError
+from sklvalve.recording.errors import IMPORTED, InputError, shown
+
+# s; thirty thousand years, and still told to a millisecond
+_LONGEST = 1e12
 
 
 class TimeBase(NamedTuple):
@@ -48,14 +51,21 @@ def read_time(values: object, where: str) -> TimeBase:
             raise InputError(
                 f"{where}, row {bad[0] + 1}: the time is missing or infinite; fill it in or drop the row"
             )
-        base = TimeBase(stamps, stamps - stamps[0])
+        with np.errstate(over="ignore"):
+            base = TimeBase(stamps, stamps - stamps[0])
+        far = np.flatnonzero(~(np.abs(base.seconds) <= _LONGEST))
+        if len(far):
+            raise InputError(
+                f"{where}, row {far[0] + 1}: time {_shown(stamps[far[0]])} lies more than {_LONGEST:g} s "
+                "from the first; correct it, and write times in seconds"
+            )
     else:
         moments = [_moment(stamp, f"{where}, row {row}") for row, stamp in enumerate(column, start=1)]
         aware = moments[0].tzinfo is not None
         for row, moment in enumerate(moments, start=1):
             if (moment.tzinfo is not None) != aware:
                 raise InputError(
-                    f"{where}, row {row}: {column[row - 1]!r} {'has no' if aware else 'has an'} offset "
+                    f"{where}, row {row}: {shown(column[row - 1])} {'has no' if aware else 'has an'} offset "
                     f"from UTC, unlike row 1, {column[0]!r}; write all times with an offset or all without"
                 )
         first = moments[0]
@@ -90,10 +100,13 @@ def seconds_at(value: object, first: object, offset: float) -> float:
         try:
             moment = _moment(value, "the time asked for")
         except InputError:
-            raise InputError(f"{value!r} is no time of this recording; give one like {first!r}") from None
+            raise InputError(
+                f"{shown(value)} is no time of this recording; give one like {first!r}"
+            ) from None
         if (moment.tzinfo is None) != (start.tzinfo is None):
             raise InputError(
-                f"{value!r} and the recording differ in having an offset from UTC; give one like {first!r}"
+                f"{shown(value)} and the recording differ in having an offset from UTC; give one like "
+                f"{first!r}"
             )
         return offset + (moment - start).total_seconds()
     try:
@@ -102,7 +115,7 @@ def seconds_at(value: object, first: object, offset: float) -> float:
         number = np.nan
     if not np.isfinite(number):
         raise InputError(
-            f"{value!r} is no time of this recording; give a number of seconds like {_shown(first)}"
+            f"{shown(value)} is no time of this recording; give a number of seconds like {_shown(first)}"
         )
     return offset + (number - float(first))  # type: ignore[arg-type]
 
@@ -146,7 +159,7 @@ def _moment(stamp: object, where: str) -> datetime:
     if re.match(r"\d{1,2}[./]\d{1,2}[./]\d{2,4}", str(stamp)):
         more = f", which leaves no doubt between day and month, {IMPORTED} such times"
     raise InputError(
-        f"{where}: {stamp!r} is no time; write seconds, or ISO 8601 such as 2024-06-28T14:35:00{more}"
+        f"{where}: {shown(stamp)} is no time; write seconds, or ISO 8601 such as 2024-06-28T14:35:00{more}"
     )
 
 
@@ -167,4 +180,4 @@ def _require_rising(base: TimeBase, where: str) -> None:
 
 
 def _shown(stamp: object) -> str:
-    return repr(stamp) if isinstance(stamp, str) else f"{stamp:.12g}"
+    return shown(stamp) if isinstance(stamp, str) else f"{stamp:.12g}"

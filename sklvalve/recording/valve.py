@@ -19,9 +19,11 @@ from sklvalve.recording._layout import (
     require_known_fluid,
     section,
 )
-from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.errors import InputError, hint, shown
+from sklvalve.recording.files import read_plain_file
 from sklvalve.recording.signal import OPENING_ROLES, Signal
 
+_LARGEST = 1 << 20  # bytes
 Table = tuple[tuple[float, float], ...]
 
 
@@ -141,7 +143,7 @@ class Valve:
         known = (*KEYS, "recording")
         for name in data:
             if name not in known:
-                raise InputError(f"{source}: [{name}] is no known section; {hint(name, known)}")
+                raise InputError(f"{source}: [{shown(name)[1:-1]}] is no known section; {hint(name, known)}")
         found: dict[str, dict[str, object]] = {}
         for name, keys in KEYS.items():
             found[name] = read_section(section(data, name, source), keys, f"{source}: [{name}]")
@@ -231,12 +233,9 @@ def read_valve(path: str | PathLike[str]) -> Valve:
     file = Path(path)
     if file.name.lower().endswith((".csv", ".csv.gz", ".parquet")):
         raise InputError(f"{file}: this is named as a recording is; give the valve.toml")
-    try:
-        content = file.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{file}: no such file; give the path of the valve.toml") from None
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror}); give a file that can") from None
+    content = read_plain_file(
+        file, missing="give the path of the valve.toml", folder="give the valve.toml in it", most=_LARGEST
+    )
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:

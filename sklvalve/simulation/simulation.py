@@ -167,9 +167,14 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             valve,
             trim,
             state["values"],
-            choking=state["choking"],
+            # a fit without pressures knows no parameters of choking, and has no use for it
+            choking=state["choking"] and bool({"fl_scale", "given_gain"} & set(state["values"])),
             effects=effects,
-            onsets=state["onsets"],
+            # several times as a tuple: a free run is remembered by them
+            onsets={
+                key: tuple(times) if isinstance(times, list | np.ndarray) else times
+                for key, times in state["onsets"].items()
+            },
             correction=state["correction"],
             seen=state.get("seen"),
         )

@@ -71,7 +71,7 @@ VALVES = {
     ),
     "critical pressure in MPa": (
         stand_in.VALVE + "[fluid]\ncritical_pressure = 22.064\n",
-        "critical_pressure must be at least 200 kPa",
+        "critical_pressure must be at least 200 and at most",
     ),
     "spring without a range": (
         stand_in.VALVE + "[actuator]\nspring_range = [99.99, 100.0]\n",
@@ -173,10 +173,10 @@ def test_result_that_is_a_folder(folder, capsys):
 
 
 def test_unwritable_folder(folder, capsys, monkeypatch):
-    def denied(**settings):
+    def denied(base):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("sklvalve.cli.staging.tempfile.mkdtemp", denied)
+    monkeypatch.setattr("sklvalve.cli.staging.make_held", denied)
     refused(DIAGNOSE, "cannot be written (Permission denied)", capsys)
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Ctrl-C, sent as a signal in the midst of each command that takes long: nothing is half written."""
+"""Ctrl-C and its kin, sent in the midst of each command that takes long: nothing is half written."""
 
 import os
 import signal
@@ -40,16 +40,19 @@ def inputs():
 
 
 @pytest.mark.parametrize(
-    "words",
+    ("words", "number"),
     [
-        "demo --out out",
-        "diagnose recording.csv --out out",
-        "import export.csv --out clean.csv",
-        "simulate --duration 864000 --out made/run.csv",
+        ("demo --out out", signal.SIGINT),
+        ("diagnose recording.csv --out out", signal.SIGINT),
+        ("diagnose recording.csv --out out", signal.SIGTERM),
+        ("import export.csv --out clean.csv", signal.SIGHUP),
+        ("import export.csv --out clean.csv", signal.SIGINT),
+        ("simulate --duration 864000 --out made/run.csv", signal.SIGINT),
+        ("simulate --duration 864000 --out made/run.csv", signal.SIGTERM),
     ],
-    ids=lambda words: words.split()[0],
+    ids=lambda value: value.split()[0] if isinstance(value, str) else value.name,
 )
-def test_ctrl_c_leaves_nothing(tmp_path, inputs, words):
+def test_what_ends_a_run_leaves_nothing(tmp_path, inputs, words, number):
     for name, content in inputs.items():
         (tmp_path / name).write_text(content, encoding="utf-8")
     work = subprocess.Popen(
@@ -65,9 +68,9 @@ def test_ctrl_c_leaves_nothing(tmp_path, inputs, words):
         time.sleep(0.05)
     time.sleep(0.5)
     assert work.poll() is None
-    work.send_signal(signal.SIGINT)
+    work.send_signal(number)
     _, shown = work.communicate(timeout=60)
-    assert work.returncode == 130
+    assert work.returncode == 128 + number
     assert [line for line in shown.splitlines() if not line.startswith("note: ")] == [
         "interrupted; nothing was written"
     ]

@@ -143,10 +143,10 @@ def test_what_is_refused_is_told_in_one_sentence_and_leaves_nothing(here, capsys
 
 
 def test_an_unwritable_folder(here, capsys, monkeypatch):
-    def denied(**settings):
+    def denied(base):
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr("sklvalve.cli.staging.tempfile.mkdtemp", denied)
+    monkeypatch.setattr("sklvalve.cli.staging.make_held", denied)
     assert main([*SHORT, "--out", "run.csv"]) == 2
     assert "cannot be written (Permission denied)" in capsys.readouterr().err
     assert os.listdir(here) == []

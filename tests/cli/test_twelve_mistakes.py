@@ -7,6 +7,7 @@ report, whose finding is that sentence.
 
 import json
 import shlex
+import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -195,11 +196,7 @@ def test_one_sentence_and_nothing_written(here, capsys, mistake):
 
 def test_parquet_without_pyarrow(here, capsys, monkeypatch):
     (here / "recording.parquet").write_bytes(b"PAR1 and more PAR1")
-
-    def absent(*arguments, **settings):
-        raise ImportError("Unable to find a usable engine")
-
-    monkeypatch.setattr("pandas.read_parquet", absent)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
     words = 'reading .parquet needs pyarrow: pip install "sklvalve[io]"'
     refused(["diagnose", "recording.parquet"], words, capsys)
 

@@ -16,7 +16,7 @@ from tests.recording.test_valve import changed
         (changed("actuator", supply_pressure=1e9), ["supply_pressure", "at most 2000 kPa", "1e+09"]),
         (changed("actuator", supply_pressure=3.4), ["supply_pressure", "at least 10", "3.4"]),
         (changed("actuator", supply_pressure=20.0), ["supply_pressure = 20 kPa does not exceed 20 kPa"]),
-        (changed("fluid", critical_pressure=1), ["critical_pressure must be at least 200 kPa", "got 1"]),
+        (changed("fluid", critical_pressure=1), ["critical_pressure must be at least 200 and", "got 1"]),
         (changed("fluid", vapour_pressure=25000.0), ["vapour_pressure = 25000 kPa", "22064 kPa"]),
         (
             changed("fluid", vapour_pressure=4000.0, critical_pressure=4000.0),

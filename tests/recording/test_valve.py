@@ -274,7 +274,7 @@ def test_bad_file_gets_file_and_place(tmp_path, content, words):
 def test_missing_file_and_folder(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         read_valve(tmp_path / "none.toml")
-    with pytest.raises(InputError, match="cannot be read"):
+    with pytest.raises(InputError, match="this is a folder; give"):
         read_valve(tmp_path)
 
 

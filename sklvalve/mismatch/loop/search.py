@@ -108,7 +108,7 @@ def left_over(columns, value, used, filters, sense):
                     if used[t]:
                         rows[c, kept] = last_out
                         kept += 1
-            part = rows[:, :kept]
+            part = np.ascontiguousarray(rows[:, :kept])
             gram = part @ part.T
             if gram[k + 1, k + 1] > 1e-14:
                 for i in range(k + 1):

@@ -15,6 +15,8 @@ _BLANKS = dict.fromkeys(map(ord, " \u00a0\u202f'’"))
 _TAIL = r"(?:[eE][+-]?\d+)?"
 _NUMERIC = re.compile(rf"[+-]?(?:\d[\d.,' \u00a0\u202f]*|[.,]\d+){_TAIL}%?")
 _WITH_UNIT = re.compile(r"([+-]?[\d.,]+(?:[eE][+-]?\d+)?)\s*([^\d\s.,][^\d]*\d?[^\d]*)")
+# no number is written in more letters; on longer cells some of these patterns take minutes
+_LONGEST = 80
 # numbers that can only be read in one way; 1,234 and 1.234 can be read in two
 _ONLY = {
     ",": re.compile(
@@ -40,7 +42,7 @@ class Mark(NamedTuple):
 
 def looks_numeric(cell: str) -> bool:
     """Whether a cell holds a number, whichever its decimal mark."""
-    return _NUMERIC.fullmatch(cell) is not None
+    return len(cell) <= _LONGEST and _NUMERIC.fullmatch(cell) is not None
 
 
 def decimal_mark(cells: Iterable[tuple[str, str]], separator: str) -> Mark:
@@ -68,7 +70,7 @@ def decimal_mark(cells: Iterable[tuple[str, str]], separator: str) -> Mark:
         if "," not in cell and "." not in cell:
             continue
         for mark, pattern in _ONLY.items():
-            if mark in cell and mark not in seen and pattern.fullmatch(cell):
+            if mark in cell and mark not in seen and len(cell) <= _LONGEST and pattern.fullmatch(cell):
                 seen[mark] = cell, place
         either = either or _EITHER.fullmatch(cell) is not None
         if len(seen) == 2:
@@ -121,7 +123,7 @@ def unit_behind(cells: Iterable[str]) -> str:
 
 
 def _number(cell: str, mark: str) -> float | None:
-    if not cell:
+    if not cell or len(cell) > _LONGEST:
         return None
     try:
         if mark == "," and "." in cell:
@@ -138,7 +140,8 @@ def _odd_number(cell: str, mark: str) -> float | None:
     tight = cell.translate(_BLANKS)
     if _GROUPED[mark].fullmatch(tight) or re.fullmatch(rf"[+-]?\d+(?:[{mark}]\d*)?{_TAIL}", tight):
         other = "." if mark == "," else ","
-        return float(tight.replace(other, "").replace(mark, "."))
+        value = float(tight.replace(other, "").replace(mark, "."))
+        return value if np.isfinite(value) else None
     united = _WITH_UNIT.fullmatch(cell)
     if united and read_unit(united[2]):
         return _number(united[1], mark)

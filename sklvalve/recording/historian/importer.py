@@ -22,6 +22,8 @@ from sklvalve.recording.historian.text import read_text
 from sklvalve.recording.historian.timeline import Timeline
 from sklvalve.recording.tags import read_unit
 
+#: Most steps that may be bridged.
+LARGEST_GAP = 1e6
 # shares of the time that are gone by when files are tables, their decimal mark and their times are known, and
 # the points of each tag are joined, and laid on one base (long and wide exports of 16 and 33 MB)
 _READ, _MARKED, _TIMED, _GATHERED, _ALIGNED = 0.35, 0.5, 0.8, 0.85, 0.95
@@ -132,6 +134,8 @@ def import_runs(
         As in `import_export`; and where the clock starts again in one of several files.
     """
     settings, say = settings or ImportSettings(), callback or _silent
+    if not 0.0 < settings.gap <= LARGEST_GAP:
+        raise InputError(f"expected a --gap above 0 and at most {LARGEST_GAP:g} steps; got {settings.gap:g}")
     reads = [read_text(path, settings.encoding) for path in paths]
     files = []
     for number, read in enumerate(reads):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import InputError, hint
+from sklvalve.recording.errors import InputError, hint, listed, shown
 from sklvalve.recording.historian.decimals import looks_numeric, unit_behind
 from sklvalve.recording.historian.moments import looks_like_clock, looks_like_time
 from sklvalve.recording.historian.quality import speaks_of_quality
@@ -96,7 +96,7 @@ def read_layout(table: Table, time_column: str | None = None) -> Layout:
     times: list[tuple[int, ...]] = [] if time_column is None else [(_asked(table, time_column),)]
     times = times or _time_columns(table)
     if not times:
-        known = f" (columns: {', '.join(table.names)})" if headed else ""
+        known = f" (columns: {listed(table.names)})" if headed else ""
         raise InputError(
             f"{table.file}: no column holds times{known}; name it by --time-column, or export with time "
             "stamps, best like 2024-06-28 14:35:00"
@@ -107,8 +107,8 @@ def read_layout(table: Table, time_column: str | None = None) -> Layout:
     value = _find(plain, _VALUE)
     if tag is not None and value is None:
         raise InputError(
-            f"{table.file}: column {table.names[tag]!r} holds tags, but none is named value (columns: "
-            f"{', '.join(table.names)}); name the column of the values so"
+            f"{table.file}: column {shown(table.names[tag])} holds tags, but none is named value (columns: "
+            f"{listed(table.names)}); name the column of the values so"
         )
     if tag is not None and value is not None and tag not in times:
         quality = _find(plain, _QUALITY)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import InputError
+from sklvalve.recording.errors import InputError, shown
 from sklvalve.recording.historian.decimals import looks_numeric
 
 SECOND = 1_000_000  # microseconds
@@ -51,6 +51,14 @@ _OFFSETS = {
     "EET": 2, "EEST": 3, "EST": -5, "EDT": -4, "CST": -6, "CDT": -5, "MST": -7, "MDT": -6, "PST": -8,
     "PDT": -7,
 }  # fmt: skip
+# from the first days of year 1 to the last ones of year 9999, with room for offsets from UTC [us]
+_EARLIEST, _LATEST = (
+    (date(1, 1, 3).toordinal() - _EPOCH) * DAY,
+    (date(9999, 12, 29).toordinal() - _EPOCH) * DAY,
+)
+# no time, and no number, is written in more letters
+_LONGEST = 80
+_OUT_OF_RANGE = "beyond the years that a calendar holds; correct the time, or leave the line out"
 _SCALES = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
 
 
@@ -69,12 +77,12 @@ class Moments(NamedTuple):
 
 def looks_like_time(cell: str) -> bool:
     """Whether a cell holds a date, with or without a time of day."""
-    return any(shape.fullmatch(cell) for shape in _SHAPES)
+    return len(cell) <= _LONGEST and any(shape.fullmatch(cell) for shape in _SHAPES)
 
 
 def looks_like_clock(cell: str) -> bool:
     """Whether a cell holds a time of day without a date."""
-    return _CLOCK_ALONE.fullmatch(cell) is not None
+    return len(cell) <= _LONGEST and _CLOCK_ALONE.fullmatch(cell) is not None
 
 
 class DateOrder(NamedTuple):
@@ -124,10 +132,18 @@ def date_order(cells: Iterable[str], source: str) -> DateOrder:
         return DateOrder(not halves)
     spans = []
     for days, months in ((0, 1), (1, 0)):
-        numbers = [date(each[2], each[months], each[days]).toordinal() for each in found]
-        spans.append(max(numbers) - min(numbers))
+        numbers = [number for each in found if (number := _ordinal(each[2], each[months], each[days]))]
+        spans.append(max(numbers) - min(numbers) if numbers else 0)
     # days in a row jump by months when they are read the wrong way round
     return DateOrder(spans[0] <= spans[1], assumed=spans[0] == spans[1])
+
+
+def _ordinal(year: int, month: int, day: int) -> int:
+    """Number of a day; nought where there is no such day, which reading the times will say."""
+    try:
+        return date(year, month, day).toordinal()
+    except ValueError:
+        return 0
 
 
 def read_moments(cells: list[str], unit: str, day_first: bool, place: Callable[[int], str]) -> Moments:
@@ -156,6 +172,11 @@ def read_moments(cells: list[str], unit: str, day_first: bool, place: Callable[[
     first = cells[:50]
     if 2 * sum(map(looks_numeric, first)) > len(first) and not _SHAPES[-1].fullmatch(cells[0]):
         return _counted(cells, unit.casefold(), place)
+    return _dated(cells, day_first, place)
+
+
+def _dated(cells: list[str], day_first: bool, place: Callable[[int], str]) -> Moments:
+    """Times that are dates."""
     known: dict[str, tuple[int, int | None]] = {}
     ticks, offsets = np.empty(len(cells), np.int64), np.zeros(len(cells), np.int64)
     with_offset = None
@@ -165,9 +186,11 @@ def read_moments(cells: list[str], unit: str, day_first: bool, place: Callable[[
                 known[cell] = _moment(cell, day_first)
             except ValueError:
                 raise InputError(
-                    f"{place(row)}: {cell!r} is no time; expected one like 2024-06-28 14:35:00, so correct "
-                    "it or leave the line out"
+                    f"{place(row)}: {shown(cell)} is no time; expected one like 2024-06-28 14:35:00, so "
+                    "correct it or leave the line out"
                 ) from None
+            if not _EARLIEST <= known[cell][0] <= _LATEST:
+                raise InputError(f"{place(row)}: {shown(cell)} lies {_OUT_OF_RANGE}")
         ticks[row], offset = known[cell]
         if with_offset is None:
             with_offset = offset is not None
@@ -182,6 +205,8 @@ def read_moments(cells: list[str], unit: str, day_first: bool, place: Callable[[
 
 def _moment(cell: str, day_first: bool) -> tuple[int, int | None]:
     """Microseconds since 1970 on the clock that wrote them, and that clock's offset [us] where it is told."""
+    if len(cell) > _LONGEST:
+        raise ValueError
     match = next((found for shape in _SHAPES if (found := shape.fullmatch(cell))), None)
     if match is None:
         raise ValueError
@@ -224,6 +249,8 @@ def _offset(zone: str | None) -> int | None:
         raise ValueError
     digits = zone[1:].replace(":", "").ljust(4, "0")
     size = int(digits[:2]) * HOUR + int(digits[2:]) * 60 * SECOND
+    if size >= DAY or int(digits[2:]) > 59:
+        raise ValueError
     return -size if zone[0] == "-" else size
 
 
@@ -237,17 +264,26 @@ def _counted(cells: list[str], unit: str, place: Callable[[int], str]) -> Moment
             values[row] = np.nan
         if not np.isfinite(values[row]):
             raise InputError(
-                f"{place(row)}: {cell!r} is no time, unlike {cells[0]!r} before it; correct it or leave the "
-                "line out"
+                f"{place(row)}: {shown(cell)} is no time, unlike {shown(cells[0])} before it; correct it "
+                "or leave the line out"
             )
     middle, steps = float(np.median(values)), np.abs(np.diff(values))
     step = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
     if unit not in _SCALES and 2e4 < middle < 8e4 and 0.0 < step < 0.02:
         # days to 11 digits: milliseconds are told, microseconds are not
-        return Moments("local", 1000 * np.rint((values - _EXCEL_EPOCH) * 86_400_000.0).astype(np.int64))
+        return Moments("local", _ticks(86_400_000.0 * (values - _EXCEL_EPOCH), 1000, cells, place))
     for least, scale in ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3), (1e9, 1.0)):
         if middle >= least:
-            ticks = np.rint(values * scale * SECOND).astype(np.int64)
+            ticks = _ticks(values * scale * SECOND, 1, cells, place)
             return Moments("offset", ticks, np.zeros(len(cells), np.int64))
-    ticks = np.rint(values * _SCALES.get(unit, 1.0) * SECOND)
-    return Moments("seconds", ticks.astype(np.int64))
+    return Moments("seconds", _ticks(values * _SCALES.get(unit, 1.0) * SECOND, 1, cells, place))
+
+
+def _ticks(
+    values: NDArray[np.float64], each: int, cells: list[str], place: Callable[[int], str]
+) -> NDArray[np.int64]:
+    """Whole microseconds, `each` for one of the values; refused where no calendar holds them."""
+    far = np.flatnonzero(~((values * each >= _EARLIEST) & (values * each <= _LATEST)))
+    if len(far):
+        raise InputError(f"{place(int(far[0]))}: {shown(cells[far[0]])} lies {_OUT_OF_RANGE}")
+    return each * np.rint(values).astype(np.int64)

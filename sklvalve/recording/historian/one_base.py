@@ -78,7 +78,7 @@ def rows_to_keep(some: NDArray[np.bool_]) -> NDArray[np.bool_]:
 def _require_bearable(all_points: list[Points], period: float, source: str) -> None:
     """Refuse a period [s] of too many rows, and one that no time can be told to or no count can hold."""
     times = np.concatenate([points.times[[0, -1]] for points in all_points])
-    rows = float(times.max() - times.min()) / SECOND / period + 1.0
+    rows = (float(times.max()) - float(times.min())) / SECOND / period + 1.0
     if rows > _MOST_ROWS:
         raise InputError(
             f"{source}: from first to last time there are {rows:.7g} rows of {period:g} s, more than "

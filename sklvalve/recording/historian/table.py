@@ -6,14 +6,18 @@ import io
 import re
 from collections import Counter
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 
 from sklvalve.recording.errors import InputError
+from sklvalve.recording.files import MOST_COLUMNS
 from sklvalve.recording.historian.heading import find_heading, holds_values
 from sklvalve.recording.historian.moments import looks_like_time
 from sklvalve.recording.historian.text import ExportText
+from sklvalve.recording.spreadsheet import freed
 
 _SAMPLE = 400
+_LONGEST_LINE = 1_000_000
 SEPARATORS = {"\t": "tabs", ";": "semicolons", "|": "bars", ",": "commas"}
 
 
@@ -77,6 +81,11 @@ def read_table(
     """
     separator, text = _separator(read, skip_rows)
     rows = [(line, cells) for line, cells in _cells(read.file, text, separator) if line > skip_rows]
+    if not rows:
+        raise InputError(
+            f"{read.file}: its lines hold {SEPARATORS.get(separator, 'separators')} and nothing between "
+            "them; export again"
+        )
     heading = find_heading(read.file, rows, header=header, time_column=time_column)
     first, names = heading.first, heading.names
     filled = len(rows[first][1]) - next((k for k, cell in enumerate(reversed(rows[first][1])) if cell), 0)
@@ -106,7 +115,7 @@ def read_table(
     return Table(
         file=read.file,
         separator=separator,
-        names=(names + pad)[:width],
+        names=[freed(name) for name in (names + pad)[:width]],
         units=(heading.units + pad)[:width],
         columns=[list(column) for column in zip(*kept, strict=True)],
         lines=lines,
@@ -117,19 +126,27 @@ def read_table(
 
 def _separator(read: ExportText, skip_rows: int) -> tuple[str, str]:
     """Separator, and the text without a first line that only names it."""
-    told = re.match(r"\ufeff?\"?sep=(.)\"?\r?\n", read.text)
+    told = re.match(r"\ufeff?\"?sep=(\t|[^\w\s\"'])\"?\r?\n", read.text)
     if told:
         return told[1], "\n" + read.text[told.end() :]
-    lines = read.text.splitlines()
+    lines = list(islice(io.StringIO(read.text, newline=None), skip_rows + 2 * _SAMPLE))
     if skip_rows >= len(lines):
         raise InputError(
             f"--skip-rows {skip_rows}: {read.file} has {len(lines)} lines; leave out fewer, or the option"
         )
-    sample = [line for line in lines[skip_rows : skip_rows + 2 * _SAMPLE] if line.strip()][:_SAMPLE]
-    if not sample:
+    some = [line.rstrip("\n") for line in lines[skip_rows:] if line.strip()]
+    if not some:
         raise InputError(f"--skip-rows {skip_rows}: {read.file} holds only blank lines below; skip fewer")
+    # no cell of a table comes near this; a file without line ends would be read as one
+    sample = [line for line in some if len(line) < _LONGEST_LINE][:_SAMPLE]
+    if not sample:
+        raise InputError(
+            f"{read.file}: its lines are longer than {_LONGEST_LINE} letters, which is no table; export the "
+            "table as CSV, a row a line"
+        )
     for mark in SEPARATORS:
-        counts = Counter(len(cells) for cells in csv.reader(sample, delimiter=mark))
+        counts = Counter(_width(line, mark) for line in sample)
+        counts.pop(0, None)  # a cell longer than any
         counts.pop(1, None)
         # what is not in half of the lines separates nothing; above a table there may be words
         if counts and counts.most_common(1)[0][1] >= 0.5 * len(sample):
@@ -140,11 +157,23 @@ def _separator(read: ExportText, skip_rows: int) -> tuple[str, str]:
     )
 
 
+def _width(line: str, separator: str) -> int:
+    try:
+        return max((len(cells) for cells in csv.reader([line], delimiter=separator)), default=0)
+    except csv.Error:
+        return 0
+
+
 def _cells(file: Path, text: str, separator: str) -> list[tuple[int, list[str]]]:
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, skipinitialspace=True)
     rows = []
     try:
         for cells in reader:
+            if len(cells) > MOST_COLUMNS:
+                raise InputError(
+                    f"{file}, line {reader.line_num}: {len(cells)} cells, more than {MOST_COLUMNS}; export "
+                    "fewer signals"
+                )
             stripped = [cell.strip() for cell in cells]
             if any(stripped):
                 rows.append((reader.line_num, stripped))

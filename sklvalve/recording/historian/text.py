@@ -2,14 +2,13 @@
 """From the bytes of an export to its text, whatever program wrote it."""
 
 import codecs
-import gzip
 import hashlib
-import zlib
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
 from sklvalve.recording.errors import InputError
+from sklvalve.recording.files import read_plain_file, unpack_gzip
 
 # the longer marks first: that of UTF-32 begins as that of UTF-16 does
 _MARKS = (
@@ -25,6 +24,8 @@ _NO_TEXT = (
     (b"PAR1", "Parquet"),
     (b"%PDF", "a PDF"),
 )
+# codecs for host names and for Python's own source, some of them slow, and one that always fails
+_NO_EXPORT = ("idna", "punycode", "raw-unicode-escape", "unicode-escape", "undefined", "mbcs", "oem")
 
 
 class ExportText(NamedTuple):
@@ -55,25 +56,23 @@ def read_text(path: str | PathLike[str], encoding: str | None = None) -> ExportT
         If the file is missing, empty, no text, or not in the encoding given.
     """
     file = Path(path)
-    content = _content(file)
+    content = read_plain_file(
+        file, missing="give the path of the export", folder="give the files of the export in it"
+    )
     sha256 = hashlib.sha256(content).hexdigest()
     if content.startswith(b"\x1f\x8b"):
-        try:
-            content = gzip.decompress(content)
-        except (OSError, EOFError, zlib.error):
-            raise InputError(f"{file}: the file is not whole gzip data; copy or compress it again") from None
+        content = unpack_gzip(file, content)
     for magic, kind in _NO_TEXT:
         if content.startswith(magic):
             raise InputError(f"{file}: the file is {kind}, not text; export the table as CSV")
     found = encoding or _encoding(content)
     if found is None:
         raise InputError(f"{file}: byte {content.index(0)} shows a binary file; export the table as CSV")
+    _require_text_encoding(found)
     try:
         text = content.decode(found)
-    except LookupError:
-        raise InputError(f"--encoding {found}: no such encoding is known; utf-8 and cp1250 are") from None
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
+    except UnicodeError as error:
+        line = content[: getattr(error, "start", 0)].count(b"\n") + 1
         raise InputError(
             f"{file}: line {line} is no text in {found}; name the right one by --encoding, such as cp1250"
         ) from None
@@ -82,15 +81,15 @@ def read_text(path: str | PathLike[str], encoding: str | None = None) -> ExportT
     return ExportText(file, text.removeprefix("\ufeff"), found.removesuffix("-sig"), sha256)
 
 
-def _content(file: Path) -> bytes:
+def _require_text_encoding(name: str) -> None:
+    """Refuse names that are no encoding, and those of Python's codecs in which nobody writes an export."""
     try:
-        return file.read_bytes()
-    except FileNotFoundError:
-        raise InputError(f"{file}: no such file; give the path of the export") from None
-    except IsADirectoryError:
-        raise InputError(f"{file}: this is a folder; give the files of the export in it") from None
-    except OSError as error:
-        raise InputError(f"{file}: cannot be read ({error.strerror}); give a file that can") from None
+        codec = codecs.lookup(name)
+        strange = codec.name in _NO_EXPORT or not getattr(codec, "_is_text_encoding", True)
+    except (LookupError, ValueError):  # a name with a null character in it
+        strange = True
+    if strange:
+        raise InputError(f"--encoding {name!r}: no such encoding is known; utf-8 and cp1250 are")
 
 
 def _encoding(content: bytes) -> str | None:

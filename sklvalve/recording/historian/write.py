@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.reader import SUFFIXES
+from sklvalve.recording.spreadsheet import marked
 
 _DIGITS = ".10g"
 
@@ -63,8 +64,8 @@ def write_recording(path: Path, stamps: NDArray, columns: Mapping[str, NDArray[n
 
 def _write_csv(file: IO[str], stamps: NDArray, columns: Mapping[str, NDArray[np.float64]]) -> None:
     writer = csv.writer(file, lineterminator="\n")
-    writer.writerow(["time", *columns])
-    times = [stamp if isinstance(stamp, str) else f"{stamp:.15g}" for stamp in stamps.tolist()]
+    writer.writerow(["time", *map(marked, columns)])
+    times = [marked(stamp) if isinstance(stamp, str) else f"{stamp:.15g}" for stamp in stamps.tolist()]
     cells = [
         ["" if value != value else format(value, _DIGITS) for value in values.tolist()]
         for values in columns.values()
