@@ -18,16 +18,19 @@ TAIL = np.array(
 )
 
 
-def evidence_of(compared, bent):
+def evidence_of(compared, simple, bent):
     """Evidence that a stem sticks: the lesser of two differences of log likelihood to the command itself.
 
     Friction that is there shows itself whatever else is allowed for; what a healthy loop lends to it goes
-    where the process may take another form.
+    where the process may take another form. Where the simpler noise speaks against it, that is taken off: a
+    level whose controller answers at once is explained by any stem under a long autoregression.
 
     Parameters
     ----------
     compared : Compared
         With a linear process.
+    simple : float
+        The difference under a wander with white noise alone.
     bent : float
         The difference where the valve may be curved and its gain may drift (`alternatives`).
 
@@ -35,7 +38,8 @@ def evidence_of(compared, bent):
     -------
     evidence : float
     """
-    return float(min(compared.stem.log_likelihood - compared.command.log_likelihood, bent))
+    linear = compared.stem.log_likelihood - compared.command.log_likelihood
+    return float(min(linear, bent) + min(simple, 0.0))
 
 
 def p_value(evidence, fast):

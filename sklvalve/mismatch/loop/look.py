@@ -15,7 +15,6 @@ from sklvalve.mismatch.loop.signals import LoopSignals
 MATTERS = 0.17  # of the command's movement; less is the play that every valve has
 LARGE = 0.3
 FAST = 0.35  # share of slow responses; of drawn flows three quarters have less, of levels few
-SMALLER = 8.0  # difference of log likelihood by which a band below MATTERS may fit better
 #: A command that goes one way only tells no band from a supply or a gain that drifts: it must turn and come
 #: back by this share of its movement.
 FEWEST_TURNS, BACK = 1, 0.3
@@ -87,16 +86,17 @@ def looked(loop):
     sense = max(fits, key=lambda s: _likelihood(fits[s]))
     compared = fits[sense]
     fast = loop.is_flow or _slow_share(columns[compared.stem.stem], compared.stem.mixture) <= FAST
-    evidence = evidence_of(compared, _gain_beside_a_bend(compared, columns, tried, loop, sense))
+    simple = float(np.max(compared.likelihoods[eligible[0]]) - compared.likelihoods[0])
+    evidence = evidence_of(compared, simple, _gain_beside_a_bend(compared, columns, tried, loop, sense))
     share = float(shares[compared.stem.stem])
     # bands that are never crossed count here: only a value that moves excludes them
     wide = shares >= LARGE
     large = float(np.max(compared.likelihoods[wide], initial=-np.inf) - compared.likelihoods[0])
     turned = int(reversals(loop.whole, BACK * loop.span))
-    # a smaller band that fits clearly better is the play that every valve has
+    # a smaller band that fits better is the play that every valve has
     small = float(compared.small.log_likelihood - compared.command.log_likelihood)
     smaller = compared.small.log_likelihood - compared.stem.log_likelihood
-    counts = turned >= FEWEST_TURNS and smaller <= SMALLER
+    counts = turned >= FEWEST_TURNS and smaller <= 0.0
     return Look(
         loop,
         foreseen,

@@ -8,7 +8,7 @@ _EXCLUDED = 10.0
 _VISIBLE = 4.0
 #: A smaller band that fits better by this much, or fewer rows to a swing, exclude nothing.
 _SMALL = 6.0
-_FEWEST_ROWS = 40
+_FEWEST_ROWS = 20
 #: A grade is strong from this much evidence and this many turns of the command on, weak below the second
 #: pair.
 _STRONG, _MODERATE = (30.0, 10), (18.0, 5)
@@ -88,8 +88,8 @@ def _excludes(look):
 
     Of 190 drawn loops that stick 27 had wide bands that explain the value worse by 10 nats, most of them with
     a sign of the response in doubt, with few rows to a swing, or with a smaller band that fits. With fewer
-    than 40 rows the command turns unseen between them: nine of twelve loops that were wrongly excluded had
-    fewer, and half of the healthy ones. Where any band that matters explains the value better, nothing is
+    than 20 rows the command turns unseen between them: six of eleven loops that were wrongly excluded had
+    fewer, and four of twenty healthy ones. Where any band that matters explains the value better, nothing is
     excluded.
     """
     return (
