@@ -14,6 +14,7 @@ import numpy as np
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE, OF_STROKES, distance
 from sklvalve.mismatch.loop.fit import LoopFit, refined, simple_fits, without
+from sklvalve.mismatch.loop.look import MATTERS
 from sklvalve.mismatch.loop.operators import JUMPS, moved, size_grid, stick_ahead, stick_glide
 from sklvalve.mismatch.loop.process import responses
 
@@ -132,11 +133,15 @@ class _Searched:
 
 
 def _searched(family, loop, foreseen, sense, waves):
-    tried = _tried(family, size_grid(loop.span, family.jumps), loop, foreseen, sense, waves)
+    # what is called is a band that matters: a smaller one was held against it before
+    least = MATTERS * loop.span
+    sizes = size_grid(loop.span, family.jumps)
+    tried = _tried(family, sizes[sizes[:, 0] >= least], loop, foreseen, sense, waves)
     for factor, step in _ROUNDS:
         stick, jump, side = tried[0][np.argmax(tried[1])]
         jumps = np.clip([jump - step, jump, jump + step], _LEAST_JUMP, 1.0) if jump > 0.0 else [0.0]
-        near = [(s, j, side) for s in stick * np.geomspace(1 / factor, factor, 7) for j in np.unique(jumps)]
+        widths = np.unique(np.maximum(stick * np.geomspace(1 / factor, factor, 7), least))
+        near = [(s, j, side) for s in widths for j in np.unique(jumps)]
         finer = _tried(family, np.array(near), loop, foreseen, sense, waves)
         tried = tuple(np.concatenate(pair) for pair in zip(tried, finer, strict=True))
     sizes, likelihoods, noises, stems, columns = tried
