@@ -64,7 +64,7 @@ def begun(folder, where, mark="new", pause="30"):
 
 
 def asked_to_end(work, number):
-    """What a run says that is asked to end; asked again where Python lost the exception in a clean-up of its own."""
+    """What a run says that is asked to end; asked again where Python lost the exception in its clean-up."""
     for _ in range(3):
         work.send_signal(number)
         try:
