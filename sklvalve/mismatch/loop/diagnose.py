@@ -25,12 +25,12 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     value better than play by a distance of 14; play is never named alone. Intervals of sizes are those that
     drawn loops bore out. The command of the same row is replaced by what the rows before foresee of it,
     because a controller answers noise. Evidence is the difference of log likelihood, with all sizes of stem
-    searched; its p-value comes from healthy loops drawn at random (docs/loops.md). A band below 20 % of the
-    command's movement is no finding, and neither is one
-    of a command that goes one way only.
+    searched; its p-value comes from healthy loops drawn at random (docs/loops.md). A band below 17 % of the
+    command's movement is no finding, and neither is one of a command that goes one way only, or one beside
+    which a smaller band explains the value better.
 
     Valid for a valve that moves faster than it is sampled, and a process that is nearly linear over the
-    record. Rows are averaged only where some 30 are left to a period of the loop.
+    record but for a curved valve or a gain that drifts. Rows are averaged only where some 30 are left to a period of the loop.
 
     Parameters
     ----------

@@ -18,28 +18,26 @@ TAIL = np.array(
 )
 
 
-def evidence_of(compared, simple, bent):
-    """Evidence that a stem sticks: the lesser of two differences of log likelihood to the command itself.
+def evidence_of(better, simple):
+    """Evidence that a stem sticks.
 
-    Friction that is there shows itself whatever else is allowed for; what a healthy loop lends to it goes
-    where the process may take another form. Where the simpler noise speaks against it, that is taken off: a
-    level whose controller answers at once is explained by any stem under a long autoregression.
+    Where the simpler noise speaks against it, that is taken off: a level whose controller answers at once is
+    explained by any stem under a long autoregression.
 
     Parameters
     ----------
-    compared : Compared
-        With a linear process.
+    better : float
+        How much better the stem fits than the command itself: the lesser of the differences of log likelihood
+        with a linear process and where the valve may be curved and its gain may drift. Friction that is there
+        shows itself in both; what a healthy loop lends to it goes where the process may take another form.
     simple : float
         The difference under a wander with white noise alone.
-    bent : float
-        The difference where the valve may be curved and its gain may drift (`alternatives`).
 
     Returns
     -------
     evidence : float
     """
-    linear = compared.stem.log_likelihood - compared.command.log_likelihood
-    return float(min(linear, bent) + min(simple, 0.0))
+    return float(better + min(simple, 0.0))
 
 
 def p_value(evidence, fast):

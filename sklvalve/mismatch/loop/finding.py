@@ -20,9 +20,10 @@ class LoopFinding:
     alpha : float
         Level of the test.
     evidence : float
-        Difference of log likelihood between the best sticking stem of the grid and the command itself.
+        Difference of log likelihood between the best sticking stem of the grid and the command itself: the
+        least over several forms of process and noise (docs/loops.md).
     band : float
-        Band of the likeliest stem, as a share of the command's movement; below 0.2 on the grid it is no
+        Band of the likeliest stem, as a share of the command's movement; below 0.17 on the grid it is no
         finding.
     effects : tuple of dict
         As `effects` in diagnosis.json: members, a `grade` in place of probabilities, parameters with

@@ -119,6 +119,8 @@ def fit_stems(columns, value, used, sense, eligible):
     plain = _compared(columns, value, used, sense, eligible, None)
     noises = {plain.command.noise, plain.stem.noise}
     tried = rhythms(value)
+    if not tried:  # too few rows for any wave
+        return plain
     fits = [
         max(
             (refined(columns, 0, value, used, sense, noise, waves) for noise in noises),

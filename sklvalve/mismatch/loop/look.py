@@ -34,6 +34,8 @@ class Look:
     compared : Compared
     evidence : float
         Of the best stem that sticks over the command itself; see `evidence_of`.
+    excess : float
+        The most that any noise says for a band that matters, before anything is taken off.
     share : float
         Band of that stem, as a share of the command's movement.
     turns : int
@@ -57,6 +59,7 @@ class Look:
     sense: int
     compared: Compared
     evidence: float
+    excess: float
     share: float
     turns: int
     p: float
@@ -87,7 +90,9 @@ def looked(loop):
     compared = fits[sense]
     fast = loop.is_flow or _slow_share(columns[compared.stem.stem], compared.stem.mixture) <= FAST
     simple = float(np.max(compared.likelihoods[eligible[0]]) - compared.likelihoods[0])
-    evidence = evidence_of(compared, simple, _gain_beside_a_bend(compared, columns, tried, loop, sense))
+    linear = compared.stem.log_likelihood - compared.command.log_likelihood
+    better = min(linear, _gain_beside_a_bend(compared, columns, tried, loop, sense))
+    evidence = evidence_of(better, simple)
     share = float(shares[compared.stem.stem])
     # bands that are never crossed count here: only a value that moves excludes them
     wide = shares >= LARGE
@@ -105,6 +110,7 @@ def looked(loop):
         sense,
         compared,
         evidence,
+        float(max(better, simple)),
         share,
         turned,
         p_value(evidence, fast) if counts else 1.0,

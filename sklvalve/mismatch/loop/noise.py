@@ -46,7 +46,7 @@ def whitened_level(n, keep, follow):
 def autoregression(residual):
     """Coefficients by which a residual repeats itself, of the order that Akaike's criterion chooses.
 
-    Up to 14 rows, so an oscillation from outside belongs to the noise.
+    Up to 40 rows, so an oscillation from outside belongs to the noise.
 
     Parameters
     ----------

@@ -129,7 +129,7 @@ def _separator(read: ExportText, skip_rows: int) -> tuple[str, str]:
     told = re.match(r"\ufeff?\"?sep=(\t|[^\w\s\"'])\"?\r?\n", read.text)
     if told:
         return told[1], "\n" + read.text[told.end() :]
-    lines = list(islice(io.StringIO(read.text, newline=None), skip_rows + 2 * _SAMPLE))
+    lines = list(islice(io.StringIO(read.text, newline=None), min(skip_rows, len(read.text)) + 2 * _SAMPLE))
     if skip_rows >= len(lines):
         raise InputError(
             f"--skip-rows {skip_rows}: {read.file} has {len(lines)} lines; leave out fewer, or the option"

@@ -229,3 +229,12 @@ def test_the_plants_own_verdicts_by_tag():
     assert table.tag[named & healthy & flows].nunique() <= 1
     assert (named & healthy & ~flows).sum() <= 2
     assert (table.verdict[table.tag.isin(["2411FIC10104", "FIC10112"])] == "refused").all()
+
+
+@pytest.mark.parametrize("rows", [100, 119, 130])
+def test_few_rows_are_enough_to_be_answered(rows):
+    rng = np.random.default_rng(rows)
+    command = 0.5 + 0.05 * np.sin(np.arange(rows) / 6.0) + 0.002 * rng.standard_normal(rows)
+    value = 1.0 + 0.5 * np.roll(command, 1) + 0.001 * rng.standard_normal(rows)
+    recording = Recording.from_frame({"time": np.arange(rows), "command": command, "flow": value})
+    assert diagnose_loop(recording).verdict in ("no_mismatch", "cannot_tell")
