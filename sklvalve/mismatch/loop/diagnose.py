@@ -30,7 +30,8 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     which a smaller band explains the value better.
 
     Valid for a valve that moves faster than it is sampled, and a process that is nearly linear over the
-    record but for a curved valve or a gain that drifts. Rows are averaged only where some 30 are left to a period of the loop.
+    record but for a curved valve or a gain that drifts. Rows are averaged only where some 30 are left to a
+    period of the loop.
 
     Parameters
     ----------
