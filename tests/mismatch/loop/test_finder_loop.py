@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.loop_alarms import recording_of
+from benchmarks.loop_plant import draw_loop
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.loop import stick_slip
 from sklvalve.recording import Recording, Valve
@@ -74,7 +76,8 @@ def test_page_of_a_loop(role, stick):
 
 
 def test_loop_that_follows_has_no_correction_to_show():
-    diagnosis = MissingPhysicsFinder().fit(loop(stick=0.0)).diagnosis_
+    followed = recording_of(draw_loop(4, "flow", "setpoint"))
+    diagnosis = MissingPhysicsFinder().fit(followed).diagnosis_
     assert diagnosis.verdict == "no_mismatch"
     error = diagnosis.content["fit"]["flow"]["rmse"]
     assert error["corrected"] == error["nominal"]
