@@ -107,6 +107,16 @@ EXPORTS = {
     ),
     "lines left out of words": (WIDE, ["--skip-rows", "two"], "expected a number of lines, 0 or more; got"),
     "all lines left out": (WIDE, ["--skip-rows", "61"], "--skip-rows 61: export.csv has 61 lines; leave out"),
+    "all lines left out under a named separator": (
+        "sep=,\n" + WIDE,
+        ["--skip-rows", "99"],
+        "--skip-rows 99: export.csv has 62 lines; leave out",
+    ),
+    "more lines left out than can be counted": (
+        WIDE,
+        ["--skip-rows", "1" + 21 * "0"],
+        "export.csv has 61 lines; leave out",
+    ),
     "names above the first line": (WIDE, ["--header", "0"], "expected the number of a line, 1 or more, or"),
     "names in no line": (WIDE, ["--header", "first"], "expected the number of a line, 1 or more, or none"),
     "names below the end": (WIDE, ["--header", "99"], "--header 99: line 99 of export.csv is blank, skipped"),

@@ -106,6 +106,7 @@ def kind_of_sticking(loop, foreseen, sense, command, waves=None):
     total = sum(weights.values())
     stick, jump, _ = best.sizes[best.fit.stem]
     low, high = (float(factor * stick) for factor in _BAND)
+    low = max(low, MATTERS * loop.span)  # a smaller one is not called
     # of a band as wide as the movement nobody has seen the other end, and the stem has its stops
     high = max(min(high, 1.0), float(stick)) if stick < _WHOLE * loop.span else max(1.0, float(stick))
     return Kind(

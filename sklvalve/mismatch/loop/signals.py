@@ -75,7 +75,9 @@ class LoopSignals:
         count = min(_STRETCHES, max(2, n // _STRETCH))
         begins = np.linspace(0, n - _STRETCH, count).astype(int)
         cut = [slice(begin, begin + _STRETCH) for begin in begins]
-        return [self._slice(rows) for rows in cut if self.used[rows].sum() >= _FEWEST]
+        fresh = [rows for rows in cut if self.used[rows].sum() >= _FEWEST]
+        # where all that is fresh lies between the stretches, the whole is looked at
+        return [self._slice(rows) for rows in fresh] or [self]
 
     def _slice(self, rows):
         every = slice(rows.start * self.every, rows.stop * self.every)

@@ -126,9 +126,6 @@ def read_table(
 
 def _separator(read: ExportText, skip_rows: int) -> tuple[str, str]:
     """Separator, and the text without a first line that only names it."""
-    told = re.match(r"\ufeff?\"?sep=(\t|[^\w\s\"'])\"?\r?\n", read.text)
-    if told:
-        return told[1], "\n" + read.text[told.end() :]
     lines = list(islice(io.StringIO(read.text, newline=None), min(skip_rows, len(read.text)) + 2 * _SAMPLE))
     if skip_rows >= len(lines):
         raise InputError(
@@ -137,6 +134,9 @@ def _separator(read: ExportText, skip_rows: int) -> tuple[str, str]:
     some = [line.rstrip("\n") for line in lines[skip_rows:] if line.strip()]
     if not some:
         raise InputError(f"--skip-rows {skip_rows}: {read.file} holds only blank lines below; skip fewer")
+    told = re.match(r"\ufeff?\"?sep=(\t|[^\w\s\"'])\"?\r?\n", read.text)
+    if told:
+        return told[1], "\n" + read.text[told.end() :]
     # no cell of a table comes near this; a file without line ends would be read as one
     sample = [line for line in some if len(line) < _LONGEST_LINE][:_SAMPLE]
     if not sample:

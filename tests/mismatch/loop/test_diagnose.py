@@ -238,3 +238,13 @@ def test_few_rows_are_enough_to_be_answered(rows):
     value = 1.0 + 0.5 * np.roll(command, 1) + 0.001 * rng.standard_normal(rows)
     recording = Recording.from_frame({"time": np.arange(rows), "command": command, "flow": value})
     assert diagnose_loop(recording).verdict in ("no_mismatch", "cannot_tell")
+
+
+def test_fresh_rows_between_the_stretches_are_looked_at():
+    rng = np.random.default_rng(1)
+    command, value = np.full(7000, 0.5), np.full(7000, 1.0)
+    fresh = slice(2000, 2500)
+    command[fresh] = 0.5 + 0.05 * np.sin(np.arange(500) / 6.0) + 0.002 * rng.standard_normal(500)
+    value[fresh] = 1.0 + 0.5 * command[fresh] + 0.001 * rng.standard_normal(500)
+    recording = Recording.from_frame({"time": np.arange(7000), "command": command, "flow": value})
+    assert diagnose_loop(recording).verdict in ("no_mismatch", "cannot_tell")
