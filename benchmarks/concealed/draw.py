@@ -45,7 +45,7 @@ def draw(folder, seed, part=(1, 1), report=print, **sizes):
         skipped = folder / f"{case.name}.impossible"
         if place.exists() or skipped.exists():
             continue
-        made = _made(case, seed)
+        made = made_of(case, seed)
         if made is None:
             skipped.write_text(
                 json.dumps({"effects": case.effects, "step": case.step}) + "\n", encoding="utf-8"
@@ -72,7 +72,7 @@ def only_of(folder, seed, sizes):
         )
 
 
-def _made(case, seed):
+def made_of(case, seed):
     for attempt in range(ATTEMPTS):
         own = zlib.crc32(f"{seed} {case.number} {attempt}".encode())
         try:

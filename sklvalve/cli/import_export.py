@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``sklvalve import``: a historian's export made a clean recording, and what was done to it."""
 
+import json
 import math
+import re
 from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
 
@@ -117,6 +119,9 @@ def run(args: Namespace) -> int:
             staging.instead(out.name, [each.name for each in outs])
             for run, each in zip(made.account["runs"], outs, strict=True):
                 run["recording"] = each.name
+        for stale in _earlier(out, beside) - set(outs):
+            if not _is_one_of(stale, args.export):
+                staging.drop(stale.name)
         told = as_json(made.account)
         for run, each in zip(made.runs, outs, strict=True):
             write_recording(staging.path(each.name), run.stamps, run.columns)
@@ -145,8 +150,12 @@ def _require_no_export(outs: list[Path], exports: list[str]) -> None:
     from sklvalve.recording import InputError
 
     for out in outs:
-        if out.exists() and any(Path(given).exists() and out.samefile(given) for given in exports):
+        if _is_one_of(out, exports):
             raise InputError(f"--out {out}: this is the export itself; name another file")
+
+
+def _is_one_of(path: Path, exports: list[str]) -> bool:
+    return path.exists() and any(Path(given).exists() and path.samefile(given) for given in exports)
 
 
 def _parted(out: Path) -> tuple[str, str]:
@@ -162,6 +171,19 @@ def _numbered(out: Path, count: int) -> list[Path]:
     stem, suffix = _parted(out)
     digits = len(str(count))
     return [out.with_name(f"{stem}_{number:0{digits}d}{suffix}") for number in range(1, count + 1)]
+
+
+def _earlier(out: Path, beside: Path) -> set[Path]:
+    """The recordings that the account of an earlier import says it made under this name."""
+    try:
+        runs = json.loads(beside.read_text(encoding="utf-8"))["runs"]
+        told = {run["recording"] for run in runs}
+    except (OSError, ValueError, LookupError, TypeError):
+        return set()
+    # of an account that was changed by hand, only names that such an import gives
+    stem, suffix = map(re.escape, _parted(out))
+    names = {name for name in told if isinstance(name, str) and re.fullmatch(rf"{stem}_\d+{suffix}", name)}
+    return {out.with_name(name) for name in names}
 
 
 def _lines(text: str) -> int:

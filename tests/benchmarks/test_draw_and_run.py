@@ -9,7 +9,7 @@ import pytest
 
 from benchmarks.concealed import judging, run
 from benchmarks.concealed.cases import ONLY_IN, STEPS, plan
-from benchmarks.concealed.draw import _made, broken_seals, draw, seal, write
+from benchmarks.concealed.draw import broken_seals, draw, made_of, seal, write
 from benchmarks.concealed.plant import EFFECTS, NAMED
 
 SIZES = {"healthy": 2, "each": 0, "pairs": 0, "outside": 1, "defects": 0}
@@ -102,7 +102,7 @@ def test_what_is_refused_names_the_file_and_not_the_machine(folder, tmp_path):
 
 
 def test_a_record_that_another_process_wrote_meanwhile_stays(tmp_path):
-    made = _made(plan(3, healthy=1, each=0, pairs=0, outside=0, defects=0)[0], 3)
+    made = made_of(plan(3, healthy=1, each=0, pairs=0, outside=0, defects=0)[0], 3)
     place = tmp_path / "record_0000"
     write(place, made)
     before = (place / "truth.json").stat().st_mtime_ns

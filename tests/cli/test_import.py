@@ -125,6 +125,29 @@ def test_runs_one_behind_the_other_become_recordings(folder, capsys):
         np.testing.assert_allclose(recording["flow"], VALUES[50 * number :][:50] / 3600.0)
 
 
+def test_fewer_runs_leave_none_of_an_earlier_import(folder):
+    def export_of(runs):
+        rows = [[f"{10 * (row % 50)}" for row in range(50 * runs)], [VALUES[: 50 * runs]]]
+        (folder / "export.csv").write_text(wide_text(["FIC1.PV [m3/h]"], *rows))
+
+    (folder / "recording_9.csv").write_text("of nobody's import")
+    for runs, left in ((4, [1, 2, 3, 4]), (2, [1, 2]), (1, [])):
+        export_of(runs)
+        assert main(["import", "export.csv", "--out", "recording.csv"]) == 0
+        names = [f"recording_{number}.csv" for number in (*left, 9)]
+        single = ["recording.csv"] if not left else []
+        assert sorted(os.listdir(".")) == sorted(["export.csv", "recording.import.json", *names, *single])
+
+
+def test_a_run_that_is_imported_again_is_kept(folder):
+    rows = [[f"{10 * (row % 50)}" for row in range(200)], [VALUES]]
+    (folder / "export.csv").write_text(wide_text(["FIC1.PV [m3/h]"], *rows))
+    assert main(["import", "export.csv", "--out", "recording.csv"]) == 0
+    assert main(["import", "recording_1.csv", "--out", "recording.csv"]) == 0
+    assert (folder / "recording_1.csv").exists()
+    assert not (folder / "recording_2.csv").exists()
+
+
 def test_what_is_asked_of_the_lines_and_the_times(folder):
     text = wide_text(["stamp", "FIC1.PV"], iso(TIMES), [10.0 * np.arange(200), VALUES])
     (folder / "export.csv").write_text("A title\n\n" + text)

@@ -9,7 +9,7 @@ from sklvalve.mismatch.loop.process import responses
 _BENDS = 3  # degrees of freedom of the six gains below, beside that of the process itself
 
 
-def beside_a_bend(columns, fit, stem, loop, sense, waves=None):
+def beside_a_bend(columns, fit, stem, ahead, loop, sense, waves=None):
     r"""A fit once more where the gain of the valve may change, with its position and over the record.
 
     Beside the process :math:`G = \sum_i c_i G_i` of the fit stand processes :math:`G` behind a gain of
@@ -23,8 +23,9 @@ def beside_a_bend(columns, fit, stem, loop, sense, waves=None):
     columns : ndarray of shape (m, k, n)
         Responses to each stem.
     fit : LoopFit
-    stem : ndarray of shape (n,)
-        Position of its stem [fraction of travel].
+    stem, ahead : ndarray of shape (n,)
+        Position of its stem [fraction of travel], and as foreseen from the rows before: the command of the
+        same row holds the controller's answer to the value.
     loop : LoopSignals
     sense : int
         Sign of the response.
@@ -36,21 +37,21 @@ def beside_a_bend(columns, fit, stem, loop, sense, waves=None):
     likelihood : float
         Log likelihood, with three taken off for the gains; that of `fit` where they help less.
     """
-    time = np.linspace(-1.0, 1.0, len(stem))
-    moved = stem - stem.mean()
-    place = moved / (np.abs(moved).max() or 1.0)
-    bent = np.stack(
-        [
-            place + 0.5 * place**2,
-            place - 0.5 * place**2,
-            *(gain * place for gain in (1.0 + time, 1.0 - time, time**2, 1.0 - time**2)),
-        ]
-    )
     # `mixture` has the sign of the process, and weights are multiplied by it again
-    answers = np.einsum("k,mkn->mn", sense * fit.mixture, responses(bent, bent, not loop.is_flow))
+    bent = [_bent(moved, stem) for moved in (stem, ahead)]
+    answers = np.einsum("k,mkn->mn", sense * fit.mixture, responses(*bent, not loop.is_flow))
     if not answers.any():
         return fit.log_likelihood
     answers *= np.abs(columns[fit.stem]).max() / np.abs(answers).max()
     wider = np.concatenate([columns[fit.stem], answers])[None]
     other = refined(wider, 0, loop.value, loop.used, sense, fit.noise, waves)
     return max(fit.log_likelihood, other.log_likelihood - _BENDS)
+
+
+def _bent(moved, stem):
+    """What the gains make of a position, each over the record of the stem."""
+    time = np.linspace(-1.0, 1.0, len(stem))
+    middle = stem.mean()
+    place = (moved - middle) / (np.abs(stem - middle).max() or 1.0)
+    drifting = (gain * place for gain in (1.0 + time, 1.0 - time, time**2, 1.0 - time**2))
+    return np.stack([place + 0.5 * place**2, place - 0.5 * place**2, *drifting])

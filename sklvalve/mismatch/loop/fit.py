@@ -118,7 +118,7 @@ def fit_stems(columns, value, used, sense, eligible):
     """
     plain = _compared(columns, value, used, sense, eligible, None)
     noises = {plain.command.noise, plain.stem.noise}
-    tried = rhythms(value)
+    tried = rhythms(value, used)
     if not tried:  # too few rows for any wave
         return plain
     fits = [

@@ -123,11 +123,12 @@ def looked(loop):
 
 def _gain_beside_a_bend(compared, columns, tried, loop, sense):
     """How much better the stem fits than the command where the valve may be curved and its gain may drift."""
-    stem, command = (
-        beside_a_bend(columns, fit, tried.stem[fit.stem], loop, sense, compared.waves if fit.rhythm else None)
-        for fit in (compared.stem, compared.command)
-    )
-    return stem - command
+
+    def beside(fit):
+        waves = compared.waves if fit.rhythm else None
+        return beside_a_bend(columns, fit, tried.stem[fit.stem], tried.ahead[fit.stem], loop, sense, waves)
+
+    return beside(compared.stem) - beside(compared.command)
 
 
 def _slow_share(columns, mixture):

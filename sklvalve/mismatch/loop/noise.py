@@ -73,12 +73,14 @@ def autoregression(residual):
     return best
 
 
-def rhythms(value):
+def rhythms(value, used=None):
     """Oscillations that may come from outside: at the strongest frequency, beside it, and at its harmonics.
 
     Parameters
     ----------
     value : ndarray of shape (n,)
+    used : ndarray of bool, shape (n,), optional
+        Rows that were recorded; all unless given.
 
     Returns
     -------
@@ -86,6 +88,7 @@ def rhythms(value):
         The wider ones only where the swings are many.
     """
     n = len(value)
+    recorded = n if used is None else int(used.sum())
     time = np.arange(n) / n
     swings = value - np.polyval(np.polyfit(time, value, 2), time)
     power = np.abs(np.fft.rfft(swings * np.hanning(n))) ** 2
@@ -97,7 +100,7 @@ def rhythms(value):
             continue
         turns = {h * peak + i for h in range(1, harmonics + 1) for i in range(-width, width + 1)}
         turns = sorted(turn for turn in turns if 0 < turn < n // 2)
-        if 2 * len(turns) * _ROWS_EACH > n:
+        if 2 * len(turns) * _ROWS_EACH > recorded:
             continue
         angle = 2.0 * np.pi * np.outer(turns, time)
         out.append(np.concatenate([np.cos(angle), np.sin(angle)]))

@@ -75,9 +75,9 @@ class LoopSignals:
         count = min(_STRETCHES, max(2, n // _STRETCH))
         begins = np.linspace(0, n - _STRETCH, count).astype(int)
         cut = [slice(begin, begin + _STRETCH) for begin in begins]
-        fresh = [rows for rows in cut if self.used[rows].sum() >= _FEWEST]
-        # where all that is fresh lies between the stretches, the whole is looked at
-        return [self._slice(rows) for rows in fresh] or [self]
+        parts = [self._slice(rows) for rows in cut]
+        # where all that is fresh and moves lies between the stretches, the whole is looked at
+        return [part for part in parts if part.used.sum() >= _FEWEST and part.span > 0.0] or [self]
 
     def _slice(self, rows):
         every = slice(rows.start * self.every, rows.stop * self.every)
@@ -89,7 +89,7 @@ class LoopSignals:
             value=self.value[rows],
             setpoint=None if self.setpoint is None else self.setpoint[rows],
             used=self.used[rows],
-            span=max(_span(whole), 1e-9),
+            span=_span(whole),
             whole=whole,
         )
 

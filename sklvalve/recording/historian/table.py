@@ -80,7 +80,7 @@ def read_table(
         holds values, or `skip_rows` and `header` leave nothing.
     """
     separator, text = _separator(read, skip_rows)
-    rows = [(line, cells) for line, cells in _cells(read.file, text, separator) if line > skip_rows]
+    rows = _cells(read.file, text, separator, skip_rows)
     if not rows:
         raise InputError(
             f"{read.file}: its lines hold {SEPARATORS.get(separator, 'separators')} and nothing between "
@@ -164,22 +164,27 @@ def _width(line: str, separator: str) -> int:
         return 0
 
 
-def _cells(file: Path, text: str, separator: str) -> list[tuple[int, list[str]]]:
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, skipinitialspace=True)
+def _cells(file: Path, text: str, separator: str, skip_rows: int) -> list[tuple[int, list[str]]]:
+    stream = io.StringIO(text, newline="")
+    # left out before cells are made of them: a quote that stands alone there would swallow the table
+    for _ in range(skip_rows):
+        stream.readline()
+    reader = csv.reader(stream, delimiter=separator, skipinitialspace=True)
     rows = []
     try:
         for cells in reader:
             if len(cells) > MOST_COLUMNS:
                 raise InputError(
-                    f"{file}, line {reader.line_num}: {len(cells)} cells, more than {MOST_COLUMNS}; export "
-                    "fewer signals"
+                    f"{file}, line {skip_rows + reader.line_num}: {len(cells)} cells, more than "
+                    f"{MOST_COLUMNS}; export fewer signals"
                 )
             stripped = [cell.strip() for cell in cells]
             if any(stripped):
-                rows.append((reader.line_num, stripped))
+                rows.append((skip_rows + reader.line_num, stripped))
     except csv.Error as error:
         raise InputError(
-            f"{file}, line {reader.line_num}: this is no line of a table ({error}); export it again"
+            f"{file}, line {skip_rows + reader.line_num}: this is no line of a table ({error}); export it "
+            "again"
         ) from None
     return rows
 

@@ -129,3 +129,9 @@ def test_few_rows_bear_few_coefficients_and_few_waves():
         assert all(len(waves) <= rows // 20 for waves in rhythms(slow[:rows]))
     assert len(autoregression(residual)) > 14
     assert max(len(waves) for waves in rhythms(slow)) > 50
+
+
+def test_only_recorded_rows_bear_waves():
+    slow = np.sin(2 * np.pi * np.arange(2000) / 50.0)
+    recorded = np.arange(2000) % 4 == 0
+    assert max(len(waves) for waves in rhythms(slow, recorded)) <= recorded.sum() // 20

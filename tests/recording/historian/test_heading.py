@@ -111,6 +111,11 @@ def test_lines_left_out_as_asked(made):
     assert imported.account["files"][0]["lines_above"] == 0
 
 
+def test_a_lone_quote_in_a_line_left_out_swallows_nothing(made):
+    imported = made('12" valve\n' + NAMES + ROWS, skip_rows=1)
+    _is_the_course(imported, "FIC40102.PV")
+
+
 def test_line_of_the_names_as_asked(made):
     doubled = "Sample,A,B,C\nMoment,FIC1.OP,FIC1.PV,FIC1.MODE\n"
     assert "A" in made(doubled + ROWS).columns

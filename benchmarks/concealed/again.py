@@ -1,0 +1,116 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Judge records of a published run again by the present code, and hold both judgements beside each other.
+
+    python -m benchmarks.concealed.again FOLDER --seed 69400423
+
+Only records with one effect that the generator calls distinguishable are drawn, unless other kinds are asked
+for: a run of 650 takes hours, and the figure in question is of these. Each record is drawn by the plan of its
+run and held to its published seal. Stopped and started again, it goes on where it was.
+"""
+
+import argparse
+import json
+import sys
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+from scipy.stats import binomtest
+
+from benchmarks.concealed.cases import plan
+from benchmarks.concealed.draw import made_of, write
+from benchmarks.concealed.judging import line_of
+from benchmarks.concealed.report.history import RESULTS, SCORES
+from benchmarks.concealed.report.markdown import table
+from benchmarks.concealed.run import code
+from benchmarks.concealed.scoring.agreement import paired
+from benchmarks.concealed.scoring.lines import KINDS, distinguishable, kind_of, read_lines
+from benchmarks.concealed.scoring.outcome import judge
+from benchmarks.concealed.scoring.rates import rate_of
+
+
+def main(arguments=None):
+    """Draw, judge, compare; returns the exit status."""
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.concealed.again", description=__doc__.splitlines()[0]
+    )
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--seed", required=True, help="of a run in benchmarks/concealed/results")
+    parser.add_argument("--kinds", nargs="+", choices=KINDS, default=["single"])
+    parser.add_argument("--all", action="store_true", help="also what nobody could distinguish")
+    parser.add_argument("--part", type=int, nargs=2, default=(1, 1), metavar=("I", "OF"))
+    parser.add_argument("--table", action="store_true", help="only print the tables of what is judged")
+    options = parser.parse_args(arguments)
+    run = RESULTS / f"seed_{options.seed}"
+    before = [
+        line
+        for line in read_lines(run / SCORES)
+        if kind_of(line) in options.kinds and (options.all or distinguishable(line))
+    ]
+    scores = options.folder / "scores_sklvalve.jsonl"
+    if not options.table:
+        again(options.folder, run, before[options.part[0] - 1 :: options.part[1]], scores)
+    print(compared(before, read_lines(scores)))
+    return 0
+
+
+def again(folder, run, lines, scores):
+    """Draw and judge the records of these lines, those without a judgement of today."""
+    told = json.loads((run / "plan.json").read_text(encoding="utf-8"))
+    cases = {case.name: case for case in plan(told["seed"], **told["sizes"])}
+    folder.mkdir(parents=True, exist_ok=True)
+    done = {line["record"] for line in read_lines(scores)} if scores.exists() else set()
+    for line in lines:
+        name = line["record"]
+        if name in done:
+            continue
+        place = folder / name
+        if not place.exists():
+            write(place, made_of(cases[name], told["seed"]))
+        judged = line_of(place, "sklvalve") | {"code": code()}
+        with scores.open("a", encoding="utf-8") as stream:
+            stream.write(json.dumps(judged, default=float) + "\n")
+        print(f"{name}: {judge(line)} -> {judge(judged)}", flush=True)
+
+
+def same_record(published, today):
+    """Whether two truths tell of one record: every number to a millionth, distances apart."""
+    if isinstance(published, dict) and isinstance(today, dict):
+        keys = (published.keys() | today.keys()) - {"distances", "distinguishable"}
+        return all(same_record(published.get(key), today.get(key)) for key in keys)
+    if isinstance(published, list) and isinstance(today, list):
+        return len(published) == len(today) and all(map(same_record, published, today))
+    if isinstance(published, float) and isinstance(today, float | int):
+        return bool(np.isclose(published, today, rtol=1e-6, atol=0.0, equal_nan=True))
+    return published == today
+
+
+def compared(before, today):
+    """Outcomes of both judgements on the same records, and how likely chance alone makes their difference."""
+    pairs = paired(before, today)
+    first, second = [judge(a) for a, _ in pairs], [judge(b) for _, b in pairs]
+    lost = sum(a == "right" != b for a, b in zip(first, second, strict=True))
+    won = sum(b == "right" != a for a, b in zip(first, second, strict=True))
+    moved = Counter(zip(first, second, strict=True))
+    by_chance = binomtest(lost, lost + won).pvalue if lost + won else 1.0
+    same = sum(same_record(a["truth"], b["truth"]) for a, b in pairs)
+    rates = [str(rate_of(word == "right" for word in words)) for words in (first, second)]
+    return "\n\n".join(
+        (
+            f"{len(pairs)} records, {same} of them with the published truth.",
+            table(
+                ["outcome", "then", "today"],
+                [[word, first.count(word), second.count(word)] for word in sorted({*first, *second})],
+            ),
+            f"Right: {rates[0]} then, {rates[1]} today; {won} won, {lost} lost. Chance alone makes it as "
+            f"uneven with a probability of {by_chance:.2f}.",
+            table(
+                ["then", "today", "records"],
+                [[a, b, many] for (a, b), many in sorted(moved.items()) if a != b],
+            ),
+        )
+    )
+
+
+if __name__ == "__main__":
+    sys.exit(main())
