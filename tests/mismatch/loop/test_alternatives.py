@@ -20,15 +20,16 @@ def wander():
     return 0.5 + 0.05 * swings + 0.001 * rng.standard_normal(ROWS)
 
 
-def gains(value, stem):
+def gains(value, stem, ahead=None):
     """Log likelihood of a stem without and with the bends, for a value [1] that it moves."""
     command = wander()
     noisy = value + 0.001 * np.random.default_rng(4).standard_normal(ROWS)
     loop = loop_signals(Recording.from_frame({"time": np.arange(ROWS), "command": command, "flow": noisy}))
     assert loop.every == 1
-    columns = responses(stem, stem, False)[None]
+    ahead = stem if ahead is None else ahead
+    columns = responses(stem, ahead, False)[None]
     fit = refined(columns, 0, loop.value, loop.used, 1, (0.9, 0.0))
-    return fit.log_likelihood, beside_a_bend(columns, fit, stem, loop, 1)
+    return fit.log_likelihood, beside_a_bend(columns, fit, stem, ahead, loop, 1)
 
 
 def after(stem):
@@ -62,3 +63,15 @@ def test_a_reversed_gain_is_not_allowed():
     falling = 1.0 - after(command)
     plain, bent = gains(falling, command)
     assert bent == pytest.approx(plain)
+
+
+def test_a_bend_reads_no_answer_of_the_same_row():
+    command = wander()
+    # what a controller of high gain makes of the value in the same row, and the rows before do not foresee
+    answers = 0.02 * np.random.default_rng(6).standard_normal(ROWS)
+    gain = np.linspace(0.0, 2.0, ROWS)
+    value = 1.0 + after(command) + gain * answers
+    fooled = np.subtract(*gains(value, command + answers)[::-1])
+    foreseen = np.subtract(*gains(value, command + answers, command)[::-1])
+    assert fooled > 100.0
+    assert foreseen < 10.0
