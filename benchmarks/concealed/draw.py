@@ -74,12 +74,16 @@ def only_of(folder, seed, sizes):
 
 def made_of(case, seed):
     for attempt in range(ATTEMPTS):
-        own = zlib.crc32(f"{seed} {case.number} {attempt}".encode())
         try:
-            return make(case, own)
+            return make(case, seed_of(case, seed, attempt))
         except Impossible:
             continue
     return None
+
+
+def seed_of(case, seed, attempt):
+    """Seed of one attempt at a case."""
+    return zlib.crc32(f"{seed} {case.number} {attempt}".encode())
 
 
 def write(place, made):
