@@ -5,7 +5,8 @@
 
 Only records with one effect that the generator calls distinguishable are drawn, unless other kinds are asked
 for: a run of 650 takes hours, and the figure in question is of these. Each record is drawn by the plan of its
-run, run, with the sizes that its published truth tells; the table says how many came out as published. Stopped and started again, it goes on where it was.
+run, with the sizes that its published truth tells; the table says how many came out as published. Stopped and
+started again, it goes on where it was.
 """
 
 import argparse
