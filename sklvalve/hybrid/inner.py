@@ -32,6 +32,12 @@ def mechanism_or_default(mechanism):
     return ValveMechanismTransformer() if mechanism is None else mechanism
 
 
+def mechanism_of(hybrid):
+    """The mechanism that a hybrid works with: the fitted one, or the one that a fit would take."""
+    fitted = getattr(hybrid, "mechanism_", None)
+    return mechanism_or_default(hybrid.mechanism) if fitted is None else fitted
+
+
 def regressor_or_default(regressor):
     """The regressor itself, or an LS-SVM of scaled columns, because Pa and openings differ by ten decades."""
     if regressor is not None:
@@ -123,6 +129,11 @@ def take_columns(X, columns):
             f"regressor_columns holds {outside[0]!r}, but X has {X.shape[1]} columns, from 0 on."
         )
     return _safe_indexing(X, [names.index(c) if isinstance(c, str) else int(c) for c in columns], axis=1)
+
+
+def kept_columns(columns):
+    """Columns as a list of one's own, which nobody changes after the fit; None is all."""
+    return None if columns is None else list(columns)
 
 
 def seen_columns(columns, names):

@@ -17,7 +17,9 @@ from sklvalve.hybrid.inner import (
     clone_model,
     fit_keywords,
     fit_router,
+    kept_columns,
     keywords_of_rows,
+    mechanism_of,
     mechanism_or_default,
     one_per_row,
     regressor_or_default,
@@ -28,7 +30,7 @@ from sklvalve.hybrid.inner import (
 
 
 def _mechanism_has(*methods):
-    return lambda self: all(hasattr(mechanism_or_default(self.mechanism), method) for method in methods)
+    return lambda self: all(hasattr(mechanism_of(self), method) for method in methods)
 
 
 class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
@@ -61,6 +63,8 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         Fitted copy of the mechanism.
     regressor_ : object
         Fitted copy of the regressor.
+    regressor_columns_ : list of str or int, or None
+        The `regressor_columns` of the fit, by which the hybrid predicts.
     parameter_ : float or None
         Parameter used in ``forward``; None where ``predict`` is used.
     n_features_in_ : int
@@ -157,6 +161,7 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         )
         if hasattr(self.mechanism_, "fit"):
             self.mechanism_.fit(X, y, **for_mechanism)
+        self.regressor_columns_ = kept_columns(self.regressor_columns)
         self.parameter_ = self._choose_parameter(X, y, weight)
         residual = y - self._mechanism_prediction(X)
         rows = usable_rows(
@@ -165,7 +170,7 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
             "check units and columns, and the mechanism's parameters",
         )
         self.regressor_ = regressor.fit(
-            take_columns(take_rows(X, rows), self.regressor_columns),
+            take_columns(take_rows(X, rows), self.regressor_columns_),
             residual[rows],
             **keywords_of_rows(X, for_regressor, rows),
         )
@@ -275,7 +280,7 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         return one_per_row(self.mechanism_.forward(X, parameter), X, "forward of the mechanism")
 
     def _residual(self, X):
-        values = self.regressor_.predict(take_columns(X, self.regressor_columns))
+        values = self.regressor_.predict(take_columns(X, self.regressor_columns_))
         return one_per_row(values, X, "predict of the regressor")
 
 
