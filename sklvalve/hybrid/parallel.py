@@ -16,6 +16,7 @@ from sklvalve.hybrid.inner import (
     checked_table,
     clone_model,
     fit_keywords,
+    fit_regressor,
     fit_router,
     kept_columns,
     keywords_of_rows,
@@ -151,7 +152,8 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         Warns
         -----
         sklvalve.mechanism.ValidityWarning
-            If the mechanism predicts a number in some rows only, with their number.
+            If the mechanism predicts a number in some rows only, with their number; if columns that the
+            regressor sees have one value in all rows, such as a constant outlet pressure.
         """
         X, y = checked_table(self, X, y, reset=True)
         self.mechanism_ = clone_model(mechanism_or_default(self.mechanism))
@@ -169,10 +171,12 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
             "The mechanism predicts a number",
             "check units and columns, and the mechanism's parameters",
         )
-        self.regressor_ = regressor.fit(
-            take_columns(take_rows(X, rows), self.regressor_columns_),
+        self.regressor_ = fit_regressor(
+            regressor,
+            take_rows(X, rows),
             residual[rows],
-            **keywords_of_rows(X, for_regressor, rows),
+            self.regressor_columns_,
+            keywords_of_rows(X, for_regressor, rows),
         )
         return self
 

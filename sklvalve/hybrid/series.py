@@ -17,6 +17,7 @@ from sklvalve.hybrid.inner import (
     clone_model,
     could_take_weights,
     fit_keywords,
+    fit_regressor,
     fit_router,
     kept_columns,
     keywords_of_rows,
@@ -206,7 +207,8 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
         -----
         sklvalve.mechanism.ValidityWarning
             If the mechanism can be inverted in some rows only, with their number; if parameters are raised to
-            the `floor`.
+            the `floor`; if columns that the regressor sees have one value in all rows, such as a constant
+            outlet pressure.
         UserWarning
             If metadata routing is on and the regressor does not ask for the weights that it could take.
         """
@@ -243,7 +245,7 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
                 )
             keywords.update(weights)
         target = np.log(parameter) if self.link == "log" else parameter
-        self.regressor_ = regressor.fit(take_columns(X_rows, self.regressor_columns_), target, **keywords)
+        self.regressor_ = fit_regressor(regressor, X_rows, target, self.regressor_columns_, keywords)
         return self
 
     def predict_parameter(self, X):
