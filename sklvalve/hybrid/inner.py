@@ -178,8 +178,9 @@ def fit_regressor(regressor, X, target, columns, keywords):
     told = ", ".join(shown(names[k]) for k in constant[:_TOLD])
     more = f" and {len(constant) - _TOLD} more" if len(constant) > _TOLD else ""
     warnings.warn(
-        f"Of the columns of X that the regressor sees, {told}{more} had one value in all {len(values)} rows of "
-        "the fit, so that it knows nothing of other values; leave out by regressor_columns what may change.",
+        f"Of the columns of X that the regressor sees, {told}{more} had one value in all {len(values)} rows "
+        "of the fit, so that it knows nothing of other values; leave out by regressor_columns what may "
+        "change.",
         ValidityWarning,
         stacklevel=5,
     )
