@@ -59,6 +59,11 @@ def run(args: Namespace) -> int:
     if not Path(args.model).exists():
         raise InputError(f"{args.model}: no such file; give the corrected_model.skops of a diagnosis")
     model = load_model(args.model)
+    if not isinstance(model, dict):
+        raise InputError(
+            f"{args.model}: this holds a {type(model).__name__} and no diagnosis; give the "
+            "corrected_model.skops of a diagnosis"
+        )
     valve = model["corrected"].valve
     recording = read_for_prediction(args.recording, valve)
     predicted = model["nominal" if args.nominal else "corrected"].simulate(recording)
