@@ -22,7 +22,10 @@ EXCLUDED_CHECKS = {
         "check_methods_sample_order_invariance": _MEMORY,
         "check_methods_subset_invariance": _MEMORY,
     },
-    "FinderOfMatrix": {},
+    "FinderOfMatrix": {
+        "check_methods_sample_order_invariance": _MEMORY,
+        "check_methods_subset_invariance": _MEMORY,
+    },
 }
 #: Parameters of LSSVMRegressor that every fit refuses, so that no check of a fit can pass.
 EXCLUDED_PARAMETERS = [

@@ -223,7 +223,10 @@ def _made_simulation(value, known, depth):
     effects = tuple(known[key] for key in keys)
     require_sound_state(value["state"], effects)
     made = ValveSimulation.from_state(Valve.from_dict(value["valve"]), value["state"], effects)
-    made.given_ = None if value["given"] is None else _made(value["given"], known, depth + 1)
+    given = None if value["given"] is None else _made(value["given"], known, depth + 1)
+    if given is not None and not isinstance(given, BaseEstimator):
+        raise ValueError("the simulation of one's own is no estimator")
+    made.given_ = given
     return made
 
 
