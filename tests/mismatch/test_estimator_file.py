@@ -21,6 +21,8 @@ from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
 from sklvalve.lssvm import LSSVMRegressor, LSSVMRegressorCV
 from sklvalve.mechanism import ValveMechanismTransformer
 from sklvalve.mismatch import MissingPhysicsFinder, load_model, save_model
+from sklvalve.mismatch.estimator_file import content_of_estimator
+from sklvalve.mismatch.model_file import _built_estimator
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import ValveSimulation
 
@@ -273,3 +275,54 @@ def test_predict_of_the_command_line_says_what_it_needs(path, tmp_path, monkeypa
     save_model(path, LSSVMRegressor().fit(X, FLOW))
     assert main(["predict", "later.csv", "--model", "model.skops", "--out", "predictions.csv"]) == 2
     assert "model.skops: this holds a LSSVMRegressor and no diagnosis" in capsys.readouterr().err
+
+
+ODD = [
+    None, True, -1, 10**30, 1e308, float("nan"), "text", [], {}, (), np.zeros(0), np.zeros(3),
+    np.full((2, 2), np.nan),
+    {"sklvalve": "dict", "items": []}, {"sklvalve": "slice", "ends": [0, 0, 0]},
+    {"sklvalve": "random state", "state": []}, {"sklvalve": "dtype", "name": "O"},
+    {"sklvalve": "texts", "values": ["a"], "shape": [1]},
+    {"sklvalve": "estimator", "class": "LSSVMRegressor", "state": {}},
+]  # fmt: skip
+
+
+def _places(node, path=()):
+    pairs = (
+        node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list | tuple) else ()
+    )
+    for key, inner in pairs:
+        yield (*path, key)
+        yield from _places(inner, (*path, key))
+
+
+def _with(node, path, value):
+    if not path:
+        return value
+    key, *rest = path
+    inner = _with(node[key], rest, value)
+    if isinstance(node, dict):
+        return node | {key: inner}
+    return type(node)(inner if k == key else each for k, each in enumerate(node))
+
+
+@pytest.mark.parametrize(
+    "name", ["scaled LS-SVM", "uncertain", "mechanism", "series of names", "mixed", "columns"]
+)
+def test_a_file_with_any_part_exchanged_is_refused_or_predicts(name):
+    model = ESTIMATORS[name]()
+    content = content_of_estimator(model)
+    places = [path for path in _places(content) if path[0] != "format"]
+    rng = np.random.default_rng(0)
+    refused = 0
+    for _ in range(120):
+        path = places[rng.integers(len(places))]
+        changed = _with(content, path, copy.deepcopy(ODD[rng.integers(len(ODD))]))
+        try:
+            loaded = _built_estimator("model.skops", changed, {})
+        except InputError:
+            refused += 1
+            continue
+        with np.errstate(all="ignore"):
+            given(loaded, X * 1.01)
+    assert refused > 30
