@@ -27,14 +27,12 @@ EXCLUDED_CHECKS = {
         "check_methods_subset_invariance": _MEMORY,
     },
 }
-#: Parameters of LSSVMRegressor that every fit refuses, so that no check of a fit can pass.
+#: Parameters of LSSVMRegressor with which a check cannot pass, whatever the others are: a fit refuses them.
 EXCLUDED_PARAMETERS = [
     ({"kernel": "precomputed", "solver": "pcg"}, "its preconditioner is made of rows, and a matrix has none"),
     ({"kernel": "precomputed", "solver": "nystrom"}, "its landmarks are rows, and a matrix has none"),
     ({"kernel": "precomputed", "uncertainty": True}, "its landmarks are rows, and a matrix has none"),
 ]
-
-
 def affine(a, b):
     # a quick one: it is called for every pair of rows
     return a @ b + 1.0

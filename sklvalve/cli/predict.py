@@ -116,8 +116,11 @@ def error_of(recording: "Recording", predicted: dict) -> dict | None:
     if span > 0.0:
         # a flow that is nothing in all rows has no percentages
         error |= {"mape": mape(recorded, made), "err_max": err_max(recorded, made)}
-        of_span = {"rmse": rmse, "mape": mape, "err_max": err_max}
-        error["of_span"] = {name: metric(recorded, made, span=span) for name, metric in of_span.items()}
+        error["of_span"] = {
+            "rmse": rmse(recorded, made, span=span),
+            "mape": mape(recorded, made, span=span),
+            "err_max": err_max(recorded, made, span=span),
+        }
     return error
 
 
