@@ -223,8 +223,8 @@ def _of_span(y_true, y_pred, span, min_flow):
             "min_flow leaves out rows of small flow, and span needs none left out; give only one."
         )
     span = _span(y_true, span)
-    # each part by itself: a difference may overflow where neither value does
-    return 100.0 * np.abs(y_true / span - y_pred / span)
+    # of halves: a difference may overflow where neither value does
+    return 200.0 * (np.abs(0.5 * y_true - 0.5 * y_pred) / span)
 
 
 def _span(y_true, span):
