@@ -3,7 +3,7 @@
 
 The three figures are equations 18 to 20 of the paper. Its two percentages divide by the signed measured value
 and are undefined at zero flow; here they divide by the magnitude, and rows whose magnitude is under a cut-off
-are left out.
+are left out. With a span all three are percentages of that, which have a meaning at zero flow too.
 """
 
 import numpy as np
@@ -16,7 +16,7 @@ __all__ = ["SCORERS", "err_max", "mape", "neg_err_max_scorer", "neg_mape_scorer"
 DEFAULT_CUT_OFF = 0.01
 
 
-def rmse(y_true, y_pred, *, sample_weight=None):
+def rmse(y_true, y_pred, *, span=None, sample_weight=None):
     r"""Root mean square error.
 
     Parameters
@@ -25,18 +25,22 @@ def rmse(y_true, y_pred, *, sample_weight=None):
         Measured values. [any unit]
     y_pred : array-like of shape (n_samples,)
         Predicted values. [same unit]
+    span : float or "measured", default=None
+        Tell the error in percent of this, in the unit of `y_true`; "measured" is the largest less the
+        smallest measured value.
     sample_weight : array-like of shape (n_samples,), default=None
         Non-negative weights of the rows.
 
     Returns
     -------
     error : float
-        In the unit of `y_true`.
+        In the unit of `y_true`, or in percent of the span.
 
     Raises
     ------
     ValueError
-        If the lengths differ, a value is missing or infinite, or the weights are negative or all zero.
+        If the lengths differ, a value is missing or infinite, the weights are negative or all zero, or the
+        span is not above 0.
 
     Notes
     -----
@@ -49,8 +53,13 @@ def rmse(y_true, y_pred, *, sample_weight=None):
     >>> from sklvalve.metrics import rmse
     >>> rmse([3.0, 4.0, 5.0, 6.0], [3.0, 6.0, 5.0, 6.0])
     1.0
+    >>> rmse([3.0, 4.0, 5.0, 6.0], [3.0, 6.0, 5.0, 6.0], span=20.0)
+    5.0
     """
     y_true, y_pred, weight = _columns(y_true, y_pred, sample_weight)
+    if span is not None:
+        unit = 100.0 / _span(y_true, span)
+        y_true, y_pred = unit * y_true, unit * y_pred
     error = np.abs(y_true - y_pred)
     largest = error.max()
     if largest == 0.0:
@@ -59,8 +68,8 @@ def rmse(y_true, y_pred, *, sample_weight=None):
     return float(largest * np.sqrt(np.average((error / largest) ** 2, weights=weight)))
 
 
-def mape(y_true, y_pred, *, min_flow=None, sample_weight=None):
-    r"""Mean absolute percentage error. [%]
+def mape(y_true, y_pred, *, min_flow=None, span=None, sample_weight=None):
+    r"""Mean absolute percentage error, of each value or of the span. [%]
 
     Parameters
     ----------
@@ -71,6 +80,9 @@ def mape(y_true, y_pred, *, min_flow=None, sample_weight=None):
     min_flow : float, default=None
         Rows with :math:`|y|` under this are left out, in the unit of `y_true`. By default 1 % of the largest
         :math:`|y|`. Exact zeros are left out always.
+    span : float or "measured", default=None
+        Divide by this, in the unit of `y_true`, and leave no row out; "measured" is the largest less the
+        smallest measured value. It takes the place of `min_flow`.
     sample_weight : array-like of shape (n_samples,), default=None
         Non-negative weights of the rows.
 
@@ -82,23 +94,27 @@ def mape(y_true, y_pred, *, min_flow=None, sample_weight=None):
     Raises
     ------
     ValueError
-        If no row reaches `min_flow`, the lengths differ, a value is missing or infinite, or the weights of
-        the rows that remain are all zero.
+        If no row reaches `min_flow`, the lengths differ, a value is missing or infinite, the weights of the
+        rows that remain are all zero, the span is not above 0, or both `span` and `min_flow` are given.
 
     Notes
     -----
     .. math:: \mathrm{MAPE} = 100 \, \frac{\sum_i w_i |y_i - \hat y_i| / |y_i|}{\sum_i w_i}
 
     Equation 19 of the paper with the magnitude in the denominator. It never exceeds :func:`err_max` with the
-    same cut-off.
+    same cut-off, nor with the same span.
 
     Examples
     --------
     >>> from sklvalve.metrics import mape
     >>> mape([10.0, 20.0, 0.0], [11.0, 20.0, 0.5])
     5.0
+    >>> mape([10.0, 20.0, 0.0], [11.0, 20.0, 0.5], span=25.0)
+    2.0
     """
     y_true, y_pred, weight = _columns(y_true, y_pred, sample_weight)
+    if span is not None:
+        return float(np.average(_of_span(y_true, y_pred, span, min_flow), weights=weight))
     rows = _rows_with_flow(y_true, min_flow)
     if weight is not None:
         weight = weight[rows]
@@ -110,8 +126,8 @@ def mape(y_true, y_pred, *, min_flow=None, sample_weight=None):
     return float(np.average(_percentage(y_true[rows], y_pred[rows]), weights=weight))
 
 
-def err_max(y_true, y_pred, *, min_flow=None):
-    r"""Largest absolute percentage error. [%]
+def err_max(y_true, y_pred, *, min_flow=None, span=None):
+    r"""Largest absolute percentage error, of its value or of the span. [%]
 
     Parameters
     ----------
@@ -122,6 +138,9 @@ def err_max(y_true, y_pred, *, min_flow=None):
     min_flow : float, default=None
         Rows with :math:`|y|` under this are left out, in the unit of `y_true`. By default 1 % of the largest
         :math:`|y|`. Exact zeros are left out always.
+    span : float or "measured", default=None
+        Divide by this, in the unit of `y_true`, and leave no row out; "measured" is the largest less the
+        smallest measured value. It takes the place of `min_flow`.
 
     Returns
     -------
@@ -131,7 +150,8 @@ def err_max(y_true, y_pred, *, min_flow=None):
     Raises
     ------
     ValueError
-        If no row reaches `min_flow`, the lengths differ, or a value is missing or infinite.
+        If no row reaches `min_flow`, the lengths differ, a value is missing or infinite, the span is not
+        above 0, or both `span` and `min_flow` are given.
 
     Notes
     -----
@@ -145,8 +165,12 @@ def err_max(y_true, y_pred, *, min_flow=None):
     >>> from sklvalve.metrics import err_max
     >>> err_max([10.0, 20.0, 0.0], [11.0, 20.0, 0.5])
     10.0
+    >>> err_max([10.0, 20.0, 0.0], [11.0, 20.0, 0.5], span="measured")
+    5.0
     """
     y_true, y_pred, _ = _columns(y_true, y_pred, None)
+    if span is not None:
+        return float(_of_span(y_true, y_pred, span, min_flow).max())
     rows = _rows_with_flow(y_true, min_flow)
     return float(_percentage(y_true[rows], y_pred[rows]).max())
 
@@ -191,6 +215,24 @@ def _rows_with_flow(y_true, min_flow):
 
 def _percentage(y_true, y_pred):
     return 100.0 * np.abs((y_true - y_pred) / y_true)
+
+
+def _of_span(y_true, y_pred, span, min_flow):
+    if min_flow is not None:
+        raise ValueError(
+            "min_flow leaves out rows of small flow, and span needs none left out; give only one."
+        )
+    span = _span(y_true, span)
+    # of halves: a difference may overflow where neither value does
+    return 200.0 * (np.abs(0.5 * y_true - 0.5 * y_pred) / span)
+
+
+def _span(y_true, span):
+    known = np.ptp(y_true) if isinstance(span, str) and span == "measured" else span
+    if isinstance(known, bool | str) or not (np.isfinite(known) and known > 0.0):
+        told = "all measured values are equal" if span == "measured" else f"got {span!r}"
+        raise ValueError(f'span must be a number above 0 or "measured", and {told}.')
+    return float(known)
 
 
 neg_rmse_scorer = make_scorer(rmse, greater_is_better=False)

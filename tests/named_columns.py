@@ -56,3 +56,7 @@ class FinderOfMatrix(MissingPhysicsFinder):
         # repeated, one row would look like many
         X, y = validate_data(self, X, y, y_numeric=True, ensure_min_samples=2)
         return super().fit(signals_of(X, y.astype(float), _ROWS))
+
+    def predict(self, X):
+        check_is_fitted(self)
+        return super().predict(signals_of(validate_data(self, X, reset=False)))

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from sklearn.linear_model import LinearRegression
-from sklearn.metrics import mean_absolute_percentage_error, root_mean_squared_error
+from sklearn.metrics import make_scorer, mean_absolute_percentage_error, root_mean_squared_error
 from sklearn.model_selection import GridSearchCV, cross_val_score, cross_validate
 
 from sklvalve.metrics import (
@@ -144,3 +144,56 @@ def test_all_scorers_go_by_name_into_a_search():
     grid = {"fit_intercept": [False, True]}
     search = GridSearchCV(LinearRegression(), grid, scoring=SCORERS, refit="neg_mape", cv=4).fit(X, y)
     assert search.best_score_ == search.cv_results_["mean_test_neg_mape"].max()
+
+
+@settings(deadline=None, max_examples=50)
+@given(measured_and_predicted(), st.floats(1e-3, 1e6))
+def test_percent_of_a_span_leaves_no_row_out(pair, span):
+    y_true, y_pred = pair
+    error = np.abs(y_true - y_pred)
+    np.testing.assert_allclose(
+        mape(y_true, y_pred, span=span), 100.0 * error.mean() / span, rtol=1e-9, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        err_max(y_true, y_pred, span=span), 100.0 * error.max() / span, rtol=1e-9, atol=1e-9
+    )
+    np.testing.assert_allclose(
+        rmse(y_true, y_pred, span=span), 100.0 * rmse(y_true, y_pred) / span, rtol=1e-9, atol=1e-9
+    )
+    assert mape(y_true, y_pred, span=span) <= rmse(y_true, y_pred, span=span) * (1 + 1e-9) + 1e-9
+
+
+@pytest.mark.parametrize("metric", [rmse, mape, err_max])
+def test_the_measured_span(metric):
+    y_true, y_pred = [-1.0, 0.0, 3.0], [-1.0, 0.5, 3.0]
+    assert metric(y_true, y_pred, span="measured") == metric(y_true, y_pred, span=4.0)
+    assert metric([0.0, 0.0], [0.0, 1.0], span=10.0) > 0.0
+    assert np.isfinite(metric([1e308, -1e308], [-1e308, 1e308], span=1e308))
+
+
+@pytest.mark.parametrize("metric", [rmse, mape, err_max])
+@pytest.mark.parametrize("span", [0.0, -1.0, np.nan, np.inf, "range", True])
+def test_a_span_that_is_none_is_told(metric, span):
+    with pytest.raises(ValueError, match='span must be a number above 0 or "measured", and got'):
+        metric([1.0, 2.0], [1.0, 2.0], span=span)
+
+
+@pytest.mark.parametrize("metric", [rmse, mape, err_max])
+def test_equal_values_have_no_span(metric):
+    with pytest.raises(ValueError, match="all measured values are equal"):
+        metric([2.0, 2.0], [1.0, 2.0], span="measured")
+
+
+@pytest.mark.parametrize("metric", [mape, err_max])
+def test_a_span_and_a_least_flow_are_two_answers(metric):
+    with pytest.raises(ValueError, match="give only one"):
+        metric([1.0, 2.0], [1.0, 2.0], span=1.0, min_flow=0.1)
+
+
+def test_weights_and_scorers_with_a_span():
+    assert mape([1.0, 2.0], [2.0, 2.0], span=10.0, sample_weight=[3.0, 1.0]) == pytest.approx(7.5)
+    assert rmse([1.0, 2.0], [2.0, 2.0], span=10.0, sample_weight=[1.0, 0.0]) == pytest.approx(10.0)
+    X, y = np.arange(8.0)[:, None], np.array([0.0, 1, 2, 3, 4, 5, 6, 8])
+    scorer = make_scorer(err_max, greater_is_better=False, span="measured")
+    fitted = LinearRegression().fit(X, y)
+    assert scorer(fitted, X, y) == -err_max(y, fitted.predict(X), span=8.0)

@@ -30,7 +30,8 @@ def add_parser(commands) -> None:
         "predict",
         help="predict opening and flow with a corrected model",
         description="Write time, opening (free run from the command), flow (from the recorded opening; from "
-        "the command where none was recorded) and flow_from_command, in the recording's own units.",
+        "the command where none was recorded) and flow_from_command, in the recording's own units. Where the "
+        "recording holds the flow, RMSE, MAPE and Err_max of the predicted one are printed.",
         epilog=_EXAMPLES,
         formatter_class=RawDescriptionHelpFormatter,
     )
@@ -42,7 +43,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--nominal", action="store_true", help="leave the found effects out: the calibrated data sheet alone"
     )
-    add_json_argument(parser, "what was written")
+    add_json_argument(parser, "what was written, and the error,")
     parser.set_defaults(run=run)
 
 
@@ -58,6 +59,11 @@ def run(args: Namespace) -> int:
     if not Path(args.model).exists():
         raise InputError(f"{args.model}: no such file; give the corrected_model.skops of a diagnosis")
     model = load_model(args.model)
+    if not isinstance(model, dict):
+        raise InputError(
+            f"{args.model}: this holds a {type(model).__name__} and no diagnosis; give the "
+            "corrected_model.skops of a diagnosis"
+        )
     valve = model["corrected"].valve
     recording = read_for_prediction(args.recording, valve)
     predicted = model["nominal" if args.nominal else "corrected"].simulate(recording)
@@ -76,12 +82,60 @@ def run(args: Namespace) -> int:
             write_table(file, recording.stamps, columns)
         staging.commit()
     notes = [] if args.nominal else _not_yet(model["corrected"], recording)
+    error = error_of(recording, predicted)
     if args.json:
         told = {"written": str(out), "rows": len(recording), "columns": ["time", *columns], "notes": notes}
-        show(as_json({"schema": "sklvalve.predict/1"} | told))
+        show(as_json({"schema": "sklvalve.predict/1"} | told | {"error": error}))
     else:
-        show("\n".join([f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})", *notes]))
+        lines = [f"Written: {out} ({len(recording)} rows of time, {', '.join(columns)})"]
+        show("\n".join([*lines, *_error_words(error), *notes]))
     return 0
+
+
+def error_of(recording: "Recording", predicted: dict) -> dict | None:
+    """Errors of the predicted flow against the recorded one, in recorded units; None without either."""
+    import numpy as np
+
+    from sklvalve.metrics import err_max, mape, rmse
+    from sklvalve.simulation.calibration import span_of
+
+    if "flow" not in recording or predicted.get("flow") is None:
+        return None
+    recorded, made = (recording.in_recorded_units("flow", v) for v in (recording["flow"], predicted["flow"]))
+    rows = np.isfinite(recorded) & np.isfinite(made)
+    if not rows.any():
+        return None
+    recorded, made = recorded[rows], made[rows]
+    span = span_of(recorded)
+    error = {
+        "rows": len(recorded),
+        "unit": recording.unit("flow"),
+        "rmse": rmse(recorded, made),
+        "span": span,
+    }
+    if span > 0.0:
+        # a flow that is nothing in all rows has no percentages
+        error |= {"mape": mape(recorded, made), "err_max": err_max(recorded, made)}
+        error["of_span"] = {
+            "rmse": rmse(recorded, made, span=span),
+            "mape": mape(recorded, made, span=span),
+            "err_max": err_max(recorded, made, span=span),
+        }
+    return error
+
+
+def _error_words(error: dict | None) -> list[str]:
+    if error is None:
+        return []
+    words = f"Against the recorded flow ({error['rows']} rows): RMSE {error['rmse']:.3g} {error['unit']}"
+    if "of_span" not in error:
+        return [f"{words}."]
+    of_span = error["of_span"]
+    return [
+        f"{words}, MAPE {error['mape']:.3g} %, Err_max {error['err_max']:.3g} % of the recorded value; "
+        f"{of_span['rmse']:.3g} %, {of_span['mape']:.3g} %, {of_span['err_max']:.3g} % of the span of "
+        f"{error['span']:.3g} {error['unit']}."
+    ]
 
 
 def _not_yet(simulation, recording: "Recording") -> list[str]:

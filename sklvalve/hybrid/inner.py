@@ -25,11 +25,21 @@ from sklearn.utils.validation import (
 
 from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.mechanism import ValidityWarning, ValveMechanismTransformer
+from sklvalve.recording.errors import shown
+
+# columns that a message names
+_TOLD = 5
 
 
 def mechanism_or_default(mechanism):
     """The mechanism itself, or that of a valve with its columns in the order opening, p1, p2."""
     return ValveMechanismTransformer() if mechanism is None else mechanism
+
+
+def mechanism_of(hybrid):
+    """The mechanism that a hybrid works with: the fitted one, or the one that a fit would take."""
+    fitted = getattr(hybrid, "mechanism_", None)
+    return mechanism_or_default(hybrid.mechanism) if fitted is None else fitted
 
 
 def regressor_or_default(regressor):
@@ -125,6 +135,11 @@ def take_columns(X, columns):
     return _safe_indexing(X, [names.index(c) if isinstance(c, str) else int(c) for c in columns], axis=1)
 
 
+def kept_columns(columns):
+    """Columns as a list of one's own, which nobody changes after the fit; None is all."""
+    return None if columns is None else list(columns)
+
+
 def seen_columns(columns, names):
     """Positions of the columns that `take_columns` takes of a table with these names."""
     names = list(names)
@@ -146,6 +161,31 @@ def usable_rows(values, meaning, remedy):
             stacklevel=5,
         )
     return rows
+
+
+def fit_regressor(regressor, X, target, columns, keywords):
+    """Fit a regressor to its columns of X; columns with one value are told in one warning.
+
+    A scaler that is given weights takes the root of what rounding leaves of the variance of such a column,
+    which may be negative; it knows and mends that, so numpy's own warning would only be noise.
+    """
+    table = take_columns(X, columns)
+    values = np.asarray(table)
+    constant = np.flatnonzero((values == values[:1]).all(axis=0)) if len(values) > 1 else []
+    if not len(constant):
+        return regressor.fit(table, target, **keywords)
+    names = getattr(table, "columns", range(X.shape[1]) if columns is None else list(columns))
+    told = ", ".join(shown(names[k]) for k in constant[:_TOLD])
+    more = f" and {len(constant) - _TOLD} more" if len(constant) > _TOLD else ""
+    warnings.warn(
+        f"Of the columns of X that the regressor sees, {told}{more} had one value in all {len(values)} rows "
+        "of the fit, so that it knows nothing of other values; leave out by regressor_columns what may "
+        "change.",
+        ValidityWarning,
+        stacklevel=5,
+    )
+    with np.errstate(invalid="ignore"):
+        return regressor.fit(table, target, **keywords)
 
 
 def one_per_row(values, X, what):

@@ -7,15 +7,15 @@ import numpy as np
 from sklearn.utils.metaestimators import available_if
 from sklearn.utils.validation import check_is_fitted
 
-from sklvalve.hybrid.inner import clone_model, mechanism_or_default, seen_columns
+from sklvalve.hybrid.inner import clone_model, mechanism_of, seen_columns
 
 
 def _mechanism_has_outputs(hybrid):
-    return hasattr(mechanism_or_default(hybrid.mechanism), "for_output")
+    return hasattr(mechanism_of(hybrid), "for_output")
 
 
 class OutputsMixin:
-    """`for_output` of a hybrid that has `mechanism_`, `regressor_` and `regressor_columns`."""
+    """`for_output` of a hybrid that has `mechanism_`, `regressor_` and `regressor_columns_`."""
 
     @available_if(_mechanism_has_outputs)
     def for_output(self, output, column=None):
@@ -62,7 +62,7 @@ class OutputsMixin:
         other = copy(self)
         other.mechanism_ = self.mechanism_.for_output(output, column)
         names = getattr(self, "feature_names_in_", np.arange(self.n_features_in_))
-        seen = seen_columns(self.regressor_columns, names)
+        seen = seen_columns(self.regressor_columns_, names)
         changing = seen & {*self.mechanism_.output_columns, *other.mechanism_.output_columns}
         if changing and output != self.mechanism_.output:
             raise ValueError(

@@ -16,8 +16,11 @@ from sklvalve.hybrid.inner import (
     checked_table,
     clone_model,
     fit_keywords,
+    fit_regressor,
     fit_router,
+    kept_columns,
     keywords_of_rows,
+    mechanism_of,
     mechanism_or_default,
     one_per_row,
     regressor_or_default,
@@ -28,7 +31,7 @@ from sklvalve.hybrid.inner import (
 
 
 def _mechanism_has(*methods):
-    return lambda self: all(hasattr(mechanism_or_default(self.mechanism), method) for method in methods)
+    return lambda self: all(hasattr(mechanism_of(self), method) for method in methods)
 
 
 class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
@@ -61,6 +64,8 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         Fitted copy of the mechanism.
     regressor_ : object
         Fitted copy of the regressor.
+    regressor_columns_ : list of str or int, or None
+        The `regressor_columns` of the fit, by which the hybrid predicts.
     parameter_ : float or None
         Parameter used in ``forward``; None where ``predict`` is used.
     n_features_in_ : int
@@ -147,7 +152,8 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         Warns
         -----
         sklvalve.mechanism.ValidityWarning
-            If the mechanism predicts a number in some rows only, with their number.
+            If the mechanism predicts a number in some rows only, with their number; if columns that the
+            regressor sees have one value in all rows, such as a constant outlet pressure.
         """
         X, y = checked_table(self, X, y, reset=True)
         self.mechanism_ = clone_model(mechanism_or_default(self.mechanism))
@@ -157,6 +163,7 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         )
         if hasattr(self.mechanism_, "fit"):
             self.mechanism_.fit(X, y, **for_mechanism)
+        self.regressor_columns_ = kept_columns(self.regressor_columns)
         self.parameter_ = self._choose_parameter(X, y, weight)
         residual = y - self._mechanism_prediction(X)
         rows = usable_rows(
@@ -164,10 +171,12 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
             "The mechanism predicts a number",
             "check units and columns, and the mechanism's parameters",
         )
-        self.regressor_ = regressor.fit(
-            take_columns(take_rows(X, rows), self.regressor_columns),
+        self.regressor_ = fit_regressor(
+            regressor,
+            take_rows(X, rows),
             residual[rows],
-            **keywords_of_rows(X, for_regressor, rows),
+            self.regressor_columns_,
+            keywords_of_rows(X, for_regressor, rows),
         )
         return self
 
@@ -275,7 +284,7 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
         return one_per_row(self.mechanism_.forward(X, parameter), X, "forward of the mechanism")
 
     def _residual(self, X):
-        values = self.regressor_.predict(take_columns(X, self.regressor_columns))
+        values = self.regressor_.predict(take_columns(X, self.regressor_columns_))
         return one_per_row(values, X, "predict of the regressor")
 
 

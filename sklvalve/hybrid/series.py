@@ -17,7 +17,9 @@ from sklvalve.hybrid.inner import (
     clone_model,
     could_take_weights,
     fit_keywords,
+    fit_regressor,
     fit_router,
+    kept_columns,
     keywords_of_rows,
     mechanism_or_default,
     one_per_row,
@@ -71,6 +73,10 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
 
     Attributes
     ----------
+    link_ : {"identity", "log"}
+        The `link` of the fit, by which the hybrid predicts.
+    regressor_columns_ : list of str or int, or None
+        The `regressor_columns` of the fit, likewise.
     floor_ : float or None
         The `floor` of the fit; None with the link "identity".
     mechanism_ : object
@@ -201,7 +207,8 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
         -----
         sklvalve.mechanism.ValidityWarning
             If the mechanism can be inverted in some rows only, with their number; if parameters are raised to
-            the `floor`.
+            the `floor`; if columns that the regressor sees have one value in all rows, such as a constant
+            outlet pressure.
         UserWarning
             If metadata routing is on and the regressor does not ask for the weights that it could take.
         """
@@ -214,6 +221,7 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
         if hasattr(self.mechanism_, "fit"):
             self.mechanism_.fit(X, y, **for_mechanism)
         parameter = one_per_row(self.mechanism_.invert(X, y), X, "invert of the mechanism")
+        self.link_, self.regressor_columns_ = self.link, kept_columns(self.regressor_columns)
         self.floor_ = None
         if self.link == "log":
             parameter = self._above_floor(parameter)
@@ -237,7 +245,7 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
                 )
             keywords.update(weights)
         target = np.log(parameter) if self.link == "log" else parameter
-        self.regressor_ = regressor.fit(take_columns(X_rows, self.regressor_columns), target, **keywords)
+        self.regressor_ = fit_regressor(regressor, X_rows, target, self.regressor_columns_, keywords)
         return self
 
     def predict_parameter(self, X):
@@ -275,9 +283,9 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
         return one_per_row(self.mechanism_.forward(X, self._parameter(X)), X, "forward of the mechanism")
 
     def _parameter(self, X):
-        values = self.regressor_.predict(take_columns(X, self.regressor_columns))
+        values = self.regressor_.predict(take_columns(X, self.regressor_columns_))
         values = one_per_row(values, X, "predict of the regressor")
-        return np.exp(values) if self.link == "log" else values
+        return np.exp(values) if self.link_ == "log" else values
 
     def _above_floor(self, parameter):
         """Parameters whose logarithm is learnt: NaN where negative, and raised to the floor."""

@@ -102,7 +102,7 @@ def predicted(estimator, X):
     step, parts = max(1, _BLOCK // alpha.shape[0]), []
     for start in range(0, X.shape[0], step):
         values = X[start : min(start + step, X.shape[0]), :]
-        if estimator.kernel != "precomputed":
+        if estimator._kernel_["kernel"] != "precomputed":
             values = _kernel(estimator, xp, values, estimator._right_)
         parts.append(values @ alpha + estimator.intercept_)
     found = xp.concat(parts)
@@ -135,21 +135,21 @@ def _moved(estimator, xp, X):
 
 def _kernel(estimator, xp, X, right):
     """Kernel values of rows with what `_own_kernel` keeps of those of the fit."""
-    A, gamma = _moved(estimator, xp, X)
-    if estimator.kernel == "laplacian":
+    (A, gamma), fitted = _moved(estimator, xp, X), estimator._kernel_
+    if fitted["kernel"] == "laplacian":
         total = 0.0
         for k in range(A.shape[1]):
             total = total + xp.abs(A[:, k, None] - right[None, :, k])
         return xp.exp(-gamma * total)
-    if estimator.kernel == "rbf":
+    if fitted["kernel"] == "rbf":
         squares = -gamma * xp.sum(A * A, axis=1)[:, None]
         exponent = xp.concat([2.0 * gamma * A, squares, xp.ones_like(squares)], axis=1) @ right.T
         # rounding leaves squared distances of equal rows a little below zero
         return xp.exp(xp.where(exponent < 0.0, exponent, xp.zeros_like(exponent)))
     product = A @ right.T
-    return (
-        product if estimator.kernel == "linear" else (gamma * product + estimator.coef0) ** estimator.degree
-    )
+    if fitted["kernel"] == "linear":
+        return product
+    return (gamma * product + fitted["coef0"]) ** fitted["degree"]
 
 
 def _solved(xp, gram, y, ridge, estimator):

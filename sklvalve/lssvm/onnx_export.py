@@ -144,8 +144,9 @@ def _fitted(model):
         )
     check_is_fitted(model)
     estimator = model.estimator_ if isinstance(model, LSSVMRegressorCV) else model
-    if callable(estimator.kernel) or estimator.kernel == "precomputed":
-        what = "a callable" if callable(estimator.kernel) else "'precomputed'"
+    kernel = estimator._kernel_["kernel"]
+    if callable(kernel) or kernel == "precomputed":
+        what = "a callable" if callable(kernel) else "'precomputed'"
         raise ValueError(
             "kernel must be rbf, laplacian, linear, polynomial or poly to be written as a graph, got "
             f"{what}; fit with one of these."
@@ -186,7 +187,8 @@ def _model(onnx, estimator, dtype):
 
 def _function(graph, estimator):
     """Names of two factors whose product is the function without its bias."""
-    d, alpha, kernel = estimator.n_features_in_, estimator._alpha(), estimator.kernel
+    d, alpha, fitted = estimator.n_features_in_, estimator._alpha(), estimator._kernel_
+    kernel = fitted["kernel"]
     coordinates = estimator._coordinates()
     Z = graph.node("Sub", ["X", graph.constant("offset", coordinates.offset)], "from_offset")
     gamma, _ = estimator._gamma_and_scale()
@@ -203,7 +205,7 @@ def _function(graph, estimator):
     right = rows.T if coordinates.scale is None else coordinates.scale[:, None] * rows.T
     if kernel == "linear":
         return Z, graph.constant("coef", right @ alpha)
-    values = _polynomial(graph, Z, gamma * right, estimator.degree, estimator.coef0)
+    values = _polynomial(graph, Z, gamma * right, fitted["degree"], fitted["coef0"])
     return values, graph.constant("dual_coef", alpha)
 
 

@@ -129,11 +129,13 @@ class Predicting:
                 "There are no rows to choose from: the kernel is precomputed, or the rows lie elsewhere than "
                 "in numpy arrays."
             )
-        more = {"solver": "nystrom", "uncertainty": False, "robust_passes": 0, "C": min(1e3 * self.C, 1e300)}
-        more["gamma"] = self._kernel_["gamma"]
+        more = {"solver": "nystrom", "uncertainty": False, "robust_passes": 0}
+        more |= self._kernel_ | {"C": min(1e3 * self._kernel_["C"], 1e300)}
         fewer = clone(self).set_params(n_landmarks=int(n_landmarks), **more)
         Z = self._coordinates()(self.X_fit_)
-        fewer.fit(self.X_fit_, self._as_targets(self._function(Z))).set_params(C=self.C, gamma=self.gamma)
+        fewer.fit(self.X_fit_, self._as_targets(self._function(Z))).set_params(
+            C=self._kernel_["C"], gamma=self.gamma
+        )
         for name in ("n_features_in_", "feature_names_in_"):
             if hasattr(self, name):
                 setattr(fewer, name, getattr(self, name))

@@ -16,10 +16,11 @@ _READS = {"flow": "p2", "outlet_pressure": "flow"}
 class MechanismMixin:
     """Methods of a mechanism, over the rows that the class with the parameters binds.
 
-    That class gives ``_check(X)``, the checked array, and ``_rows(X, warn=None)``, its rows.
+    That class gives ``_check(X)``, the checked array, ``_rows(X, warn=None)``, its rows, and ``_settings_``,
+    the parameters of the fit.
     """
 
-    @available_if(lambda self: self.kv_rated is not None)
+    @available_if(lambda self: _setting(self, "kv_rated") is not None)
     def predict(self, X):
         """Output of the valve by its own characteristic; there with `kv_rated` only.
 
@@ -81,7 +82,7 @@ class MechanismMixin:
         X = self._check(X)
         y = per_row(y, X, "y")
         rows = self._rows(X)
-        if self.output == "flow":
+        if self._settings_["output"] == "flow":
             return rows.kv_for(y, rows.signal("p1"), rows.signal("p2"))
         kv = rows.kv_for(rows.signal("flow"), rows.signal("p1"), y)
         # a choked valve gives the same flow at any lower p2, and no valve lets flow run against its drop
@@ -107,7 +108,9 @@ class MechanismMixin:
         X = self._check(X)
         rows = self._rows(X, warn=False)
         kv = per_row(parameter, X, "parameter")
-        return rows.flow_slope(kv) if self.output == "flow" else rows.outlet_pressure_slope(kv)
+        if self._settings_["output"] == "flow":
+            return rows.flow_slope(kv)
+        return rows.outlet_pressure_slope(kv)
 
     @property
     def output_columns(self):
@@ -149,9 +152,8 @@ class MechanismMixin:
         check_is_fitted(self)
         if output not in _READS:
             raise ValueError(f"output must be one of {', '.join(_READS)}; got {output!r}.")
-        other = copy(self)
-        other.output = output
-        wanted, freed = _READS[output], _READS[self.output]
+        other, settings = copy(self), self._settings_ | {"output": output}
+        wanted, freed = _READS[output], _READS[self._settings_["output"]]
         if not {wanted, freed} & set(self.columns_):
             raise ValueError(f"{output} needs a column of {wanted}, and there is none: set {wanted}=...")
         if wanted not in self.columns_:
@@ -160,14 +162,23 @@ class MechanismMixin:
                 names = np.array(self.feature_names_in_, dtype=object)
                 names[at] = wanted if column is None else column
                 other.feature_names_in_ = names
-            by_name = isinstance(getattr(self, freed), str)
-            setattr(other, wanted, other.feature_names_in_[at] if by_name else at)
-            setattr(other, freed, None)
+            by_name = isinstance(settings[freed], str)
+            settings |= {wanted: other.feature_names_in_[at] if by_name else at, freed: None}
             other.columns_ = {role: where for role, where in self.columns_.items() if role != freed}
             other.columns_[wanted] = at
+        other._settings_ = settings
+        # of the copy both say the same, so that one can fit it anew
+        other.set_params(**settings | {"warn": self.warn})
         rows = other._rows(np.full((1, self.n_features_in_), np.nan), warn=False)
         other.features_ = [name for name in self.features_ if rows.can_give(name)]
         return other
 
     def _forward(self, rows, kv):
-        return rows.flow_through(kv) if self.output == "flow" else rows.outlet_pressure_behind(kv)
+        if self._settings_["output"] == "flow":
+            return rows.flow_through(kv)
+        return rows.outlet_pressure_behind(kv)
+
+
+def _setting(estimator, name):
+    """A parameter of the fit, or of the one to come where there was none."""
+    return getattr(estimator, "_settings_", {}).get(name, getattr(estimator, name))

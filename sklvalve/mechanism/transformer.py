@@ -235,6 +235,7 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
             for role in ROLES
             if (where := getattr(self, role)) is not None
         }
+        self._settings_ = self.get_params(deep=False)
         # the first row tells at once what can be had from these roles and this fluid, and what is wrong
         rows = self._rows(X[:1], warn=False)
         rows.check()
@@ -282,18 +283,19 @@ class ValveMechanismTransformer(MechanismMixin, TransformerMixin, BaseEstimator)
         return validate_data(self, X, reset=False, dtype=np.float64, ensure_all_finite="allow-nan")
 
     def _rows(self, X, warn=None):
-        settings = SimpleNamespace(**self.get_params(deep=False))
+        # those of the fit: a parameter that is set behind it counts from the next fit on, but for `warn`
+        settings = SimpleNamespace(**self._settings_)
         settings.warn = self.warn if warn is None else warn
         signals = {role: X[:, at] for role, at in self.columns_.items()}
-        foreign = OF_LIQUID if self.fluid == "gas" else OF_GAS
-        given = [name for name in foreign if getattr(self, name) is not None]
+        foreign = OF_LIQUID if settings.fluid == "gas" else OF_GAS
+        given = [name for name in foreign if getattr(settings, name) is not None]
         if given:
             raise ValueError(
-                f"{given[0]} does not belong to fluid={self.fluid!r}: leave it out, or set another fluid."
+                f"{given[0]} does not belong to fluid={settings.fluid!r}: leave it out, or set another fluid."
             )
-        if self.fluid == "gas":
+        if settings.fluid == "gas":
             return GasRows(signals, settings, None)
-        fluid = fluid_from(self.fluid, **{name: getattr(self, name) for name in OF_LIQUID})
+        fluid = fluid_from(settings.fluid, **{name: getattr(settings, name) for name in OF_LIQUID})
         return LiquidRows(signals, settings, fluid)
 
     def __sklearn_tags__(self):

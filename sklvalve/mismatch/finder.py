@@ -7,6 +7,7 @@ from typing import ClassVar
 from sklearn.base import BaseEstimator, _fit_context
 from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import HasMethods, Interval
+from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
 from sklvalve._refits import whole_or_nothing
@@ -166,6 +167,35 @@ class MissingPhysicsFinder(BaseEstimator):
         # fits of a score of parameters gain nothing from threads, and lose much to their waiting
         with threadpool_limits(1, user_api="blas"), with_threads(self.n_jobs):
             return self._fit(X, y, until)
+
+    def predict(self, X):
+        """Flow as the meter would show it, by the corrected simulation.
+
+        Parameters
+        ----------
+        X : Recording, or DataFrame with role names as columns, in SI
+            The recording of the fit, or a later one of the same valve.
+
+        Returns
+        -------
+        flow : ndarray of shape (n,)
+            [m3/s, or kg/s]; NaN where a signal that it needs is a gap. ``corrected_simulation_`` has more:
+            `simulate` for all signals, `score` for :math:`R^2` against the recorded flow.
+
+        Raises
+        ------
+        NotFittedError
+            If the finder is not fitted.
+        InputError
+            If a loop was diagnosed, of which there is no simulation; if X holds neither opening nor command.
+        """
+        check_is_fitted(self, "diagnosis_")
+        if not hasattr(self, "corrected_simulation_"):
+            raise InputError(
+                "this finder diagnosed a loop without pressures, of which there is no simulation; fit it to "
+                "a recording with p1, p2 and the opening or the command"
+            )
+        return self.corrected_simulation_.predict(X)
 
     def _fit(self, X, y, until):
         ours = self.simulation if isinstance(self.simulation, ValveSimulation) else None

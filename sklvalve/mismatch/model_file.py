@@ -6,7 +6,13 @@ import os
 import secrets
 from pathlib import Path
 
+from sklearn.base import BaseEstimator
+from sklearn.exceptions import NotFittedError
+from sklearn.utils.validation import check_is_fitted
+
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
+from sklvalve.mismatch.estimator_file import FORMAT, content_of_estimator, estimator_of_content
+from sklvalve.mismatch.finder import MissingPhysicsFinder
 from sklvalve.mismatch.packed_model import require_plain_archive
 from sklvalve.recording import InputError, Valve
 from sklvalve.recording.errors import shown
@@ -18,33 +24,47 @@ _FORMAT = "sklvalve.model/1"
 _LARGEST = 256 << 20  # bytes
 
 
-def save_model(path, finder):
-    """Save what a finder found, as a skops file.
+def save_model(path, model, *, rows=None):
+    """Save what a finder found, or another fitted estimator, as a skops file of plain data.
 
     Parameters
     ----------
     path : str or path-like
-    finder : MissingPhysicsFinder
-        Fitted.
+    model : MissingPhysicsFinder or another estimator
+        Fitted. Estimators of the package, and pipelines and hybrids of them; beside them scikit-learn's
+        pipelines, preprocessing, linear models, and others that predict with numpy alone.
+    rows : array-like of shape (n_samples, n_features), default=None
+        Rows, some of the fit for example, on which an estimator is tried whenever the file is read; the first
+        eight are kept in it, with what it predicts of them. None makes some up. A finder needs none.
 
     Raises
     ------
+    InputError
+        If the model holds what a model file does not: a function, or an estimator of another kind. So it is
+        for a finder that was handed such a simulation.
+    NotFittedError
+        If the model is not fitted.
     ImportError
         If skops is not installed.
+
+    Examples
+    --------
+    >>> import tempfile, pathlib
+    >>> import numpy as np
+    >>> from sklearn.pipeline import make_pipeline
+    >>> from sklearn.preprocessing import StandardScaler
+    >>> from sklvalve import LSSVMRegressor
+    >>> from sklvalve.mismatch import load_model, save_model
+    >>> opening = np.linspace(0.0, 1.0, 21)[:, None]
+    >>> model = make_pipeline(StandardScaler(), LSSVMRegressor()).fit(opening, opening[:, 0] ** 2)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     save_model(pathlib.Path(folder) / "trim.skops", model, rows=opening)
+    ...     again = load_model(pathlib.Path(folder) / "trim.skops")
+    >>> bool(np.all(again.predict(opening) == model.predict(opening)))
+    True
     """
     skops_io = _skops()
-    content = {
-        "format": _FORMAT,
-        "valve": finder.corrected_simulation_.valve_.to_dict(),
-        "corrected": finder.corrected_simulation_.to_state(),
-        "nominal": finder.nominal_simulation_.to_state(),
-        "diagnosis": finder.diagnosis_.to_dict(),
-    }
-    recordings = content["diagnosis"].get("provenance", {}).get("recordings", [])
-    if any(each["assumed"] for each in recordings):
-        # the clock on which an onset stands was made up: later recordings hold what has begun by now
-        for kind in ("corrected", "nominal"):
-            content[kind] = content[kind] | {"onsets": {}, "seen": None}
+    content = _content_of_finder(model) if hasattr(model, "diagnosis_") else _content_of(model, rows)
     path = Path(path)
     # not by tempfile, whose files are the owner's alone: a result is as readable as the umask has it
     draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
@@ -54,6 +74,51 @@ def save_model(path, finder):
     except BaseException:
         draft.unlink(missing_ok=True)
         raise
+
+
+def _content_of(model, rows):
+    if isinstance(model, MissingPhysicsFinder):
+        check_is_fitted(model, "diagnosis_")
+    if not isinstance(model, BaseEstimator):
+        raise InputError(f"expected a fitted estimator, got {type(model).__name__}")
+    return content_of_estimator(model, rows)
+
+
+def _content_of_finder(finder):
+    if not hasattr(finder, "corrected_simulation_"):
+        raise InputError(
+            "this finder diagnosed a loop without pressures, and there is no simulation to save; save the "
+            "diagnosis, by diagnosis_.save(...)"
+        )
+    content = {
+        "format": _FORMAT,
+        "valve": finder.corrected_simulation_.valve_.to_dict(),
+        "corrected": finder.corrected_simulation_.to_state(),
+        "nominal": finder.nominal_simulation_.to_state(),
+        "given": _content_of_given(finder.corrected_simulation_.given_),
+        "diagnosis": finder.diagnosis_.to_dict(),
+    }
+    recordings = content["diagnosis"].get("provenance", {}).get("recordings", [])
+    if any(each["assumed"] for each in recordings):
+        # the clock on which an onset stands was made up: later recordings hold what has begun by now
+        for kind in ("corrected", "nominal"):
+            content[kind] = content[kind] | {"onsets": {}, "seen": None}
+    return content
+
+
+def _content_of_given(given):
+    """The user's own simulation, without which the corrected one cannot go on; refused here and not then."""
+    if given is None:
+        return None
+    try:
+        return content_of_estimator(given)
+    except (InputError, NotFittedError, TypeError) as error:
+        what = f"a {type(given).__name__}" if hasattr(given, "predict") else "a function"
+        raise InputError(
+            f"the simulation handed to the finder is {what}, which a model file cannot hold; record what it "
+            "predicts as the column simulated_flow, or simulated_opening, and diagnose that, or keep the "
+            "finder by joblib.dump"
+        ) from error
 
 
 def load_model(path, effects=()):
@@ -67,14 +132,15 @@ def load_model(path, effects=()):
 
     Returns
     -------
-    model : dict
-        ``corrected`` and ``nominal``, each a `ValveSimulation`; ``diagnosis``, a dict.
+    model : dict or estimator
+        Of a finder ``corrected`` and ``nominal``, each a `ValveSimulation`, and ``diagnosis``, a dict; else
+        the estimator that was saved.
 
     Raises
     ------
     InputError
-        If the file is missing or no model of this package, or holds an effect that is neither of the
-        catalogue nor among `effects`.
+        If the file is missing or no model of this package, holds an effect that is neither of the catalogue
+        nor among `effects`, is damaged, or predicts otherwise than when it was saved.
     ImportError
         If skops is not installed.
     """
@@ -88,7 +154,7 @@ def load_model(path, effects=()):
     try:
         require_plain_archive(packed)
         content = skops_io.loads(packed, trusted=[])
-        if content.get("format") != _FORMAT:
+        if content.get("format") not in (_FORMAT, FORMAT):
             raise ValueError("it has another format")
     except Exception as error:
         more = f" ({error})" if type(error) is ValueError and len(str(error)) < 100 else ""
@@ -96,7 +162,8 @@ def load_model(path, effects=()):
             f"{path}: this is no model file of sklvalve{more}; give the corrected_model.skops that a "
             "diagnosis wrote"
         ) from error
-    return _built(path, content, {e.key: e for e in (*CATALOGUE, *EVENTS, *LATE, *effects)})
+    known = {e.key: e for e in (*CATALOGUE, *EVENTS, *LATE, *effects)}
+    return (_built if content["format"] == _FORMAT else _built_estimator)(path, content, known)
 
 
 def _built(path, content, known):
@@ -119,15 +186,31 @@ def _built(path, content, known):
             effects = tuple(known[key] for key in several)
             require_sound_state(content[kind], effects)
             made[kind] = ValveSimulation.from_state(valve, content[kind], effects)
+        given = content.get("given")
+        if given is not None:
+            own = estimator_of_content(given, known)
+            for simulation in made.values():
+                simulation.given_ = own
     except InputError:
         raise
     except Exception as error:
-        more = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
-        raise InputError(
-            f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{more}); "
-            "diagnose the recording again"
-        ) from error
+        raise _damaged(path, error, "diagnose the recording again") from error
     return made | {"diagnosis": diagnosis}
+
+
+def _built_estimator(path, content, known):
+    """The estimator that a file holds, checked and tried before it is used."""
+    try:
+        return estimator_of_content(content, known)
+    except Exception as error:
+        raise _damaged(path, error, "save the model again") from error
+
+
+def _damaged(path, error, mend):
+    more = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
+    return InputError(
+        f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{more}); {mend}"
+    )
 
 
 def _effect_keys(state):

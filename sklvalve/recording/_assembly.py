@@ -2,13 +2,14 @@
 """Columns and a valve's roles to signals in SI, and the checks that need the signals."""
 
 from collections.abc import Mapping
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.recording._agreement import require_liquid_at_inlet
+from sklvalve.recording._layout import read_role
 from sklvalve.recording.columns import to_numbers
 from sklvalve.recording.errors import InputError, hint, listed, shown
 from sklvalve.recording.signal import OPENING_ROLES, ROLES, Signal, si_signal
@@ -151,7 +152,7 @@ def frame_columns(frame: object, time: str) -> dict[str, object]:
     index = getattr(frame, "index", None)
     if time not in columns and index is not None:
         values = np.asarray(index)
-        dates = values.dtype.kind == "M" or (len(values) > 0 and isinstance(values[0], datetime))
+        dates = values.dtype.kind in "Mm" or (len(values) > 0 and isinstance(values[0], datetime | timedelta))
         if getattr(index, "name", None) == time or dates:
             columns[time] = values
     return columns
@@ -165,3 +166,24 @@ def named_roles(columns: Mapping[str, object], where: str) -> dict[str, Signal]:
             f"{where}: no column is named after a role ({', '.join(ROLES)}); rename some, or give a Valve"
         )
     return roles
+
+
+def roles_in_units(
+    columns: Mapping[str, object], units: Mapping[str, object], valve: Valve, where: str
+) -> dict[str, Signal]:
+    """Signals of the columns that are named after a role, in units given by role; in SI where none is."""
+    if valve.roles:
+        raise InputError(
+            f"units are given beside {valve.source}, which says the units of its roles; leave one of them out"
+        )
+    given = f"{where}: units"
+    told: dict[str, Signal] = {}
+    for role, value in units.items():
+        entry = {"unit": value} if isinstance(value, str) else value
+        if isinstance(entry, Mapping) and "constant" not in entry:
+            entry = {"column": role, **entry}
+        told[str(role)] = read_role(str(role), entry, valve.travel, given)
+    named = {role: si_signal(role) for role in columns if role in ROLES and role not in told}
+    # in the order of the columns, as without units
+    order = {name: place for place, name in enumerate(columns)}
+    return dict(sorted((told | named).items(), key=lambda item: order.get(item[1].column or "", len(order))))

@@ -3,21 +3,19 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
-from typing import TYPE_CHECKING, overload
+from typing import overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sklvalve.recording._assembly import Parts, assemble, frame_columns, named_roles
+from sklvalve.recording._assembly import Parts, assemble, frame_columns, named_roles, roles_in_units
+from sklvalve.recording._selecting import Selecting
+from sklvalve.recording._showing import Showing
 from sklvalve.recording.dead_bands import DeadBand
 from sklvalve.recording.errors import InputError, hint
 from sklvalve.recording.signal import ROLES, Signal, si_signal
-from sklvalve.recording.timebase import read_time, seconds_at
+from sklvalve.recording.timebase import read_time
 from sklvalve.recording.valve import Valve
-
-if TYPE_CHECKING:
-    from pandas import DataFrame
 
 # A role that was not recorded is written as the role that is its nearest kin
 _KIN = {
@@ -50,8 +48,8 @@ class Piece:
     assumed: bool = False
 
 
-@dataclass(frozen=True, eq=False)
-class Recording:
+@dataclass(frozen=True, eq=False, repr=False)
+class Recording(Selecting, Showing):
     """Signals of one valve by role, in SI, on one time base; gaps are NaN and stay so.
 
     Parameters
@@ -88,6 +86,10 @@ class Recording:
     (5, 1.0, False)
     >>> recording.until(2.0)["flow"]
     array([0.001, 0.001,   nan])
+    >>> recording[1.0:3.0]["flow"]
+    array([0.001,   nan, 0.002])
+    >>> recording
+    <Recording data frame: 5 rows, 1 s apart, from 0 s to 4 s; command [1], flow [m3/s]>
     """
 
     time: NDArray[np.float64]
@@ -110,15 +112,6 @@ class Recording:
     def __iter__(self) -> Iterator[str]:
         return iter(self.signals)
 
-    def __getitem__(self, role: str) -> NDArray[np.float64]:
-        if role not in self.signals:
-            if role not in ROLES:
-                raise InputError(f"{role!r} is no role; {hint(role, ROLES)}")
-            raise InputError(
-                f"{self.source}: there is no {role}; the recording holds {', '.join(self.signals)}"
-            )
-        return self.signals[role]
-
     @overload
     def get(self, role: str) -> NDArray[np.float64] | None: ...
     @overload
@@ -134,59 +127,6 @@ class Recording:
     def sample_time(self) -> float:
         """Median step between samples [s]; NaN for fewer than two samples."""
         return float(np.median(np.diff(self.time))) if len(self) > 1 else float("nan")
-
-    def slice(self, start: int | None, stop: int | None) -> "Recording":
-        """Rows from `start` up to, not including, `stop`; the clock stays that of the whole recording."""
-        rows = slice(start, stop)
-        signals = {role: values[rows] for role, values in self.signals.items()}
-        return replace(self, time=self.time[rows], stamps=self.stamps[rows], signals=signals)
-
-    @property
-    def spans(self) -> list[tuple[int, int]]:
-        """First row, and the row behind the last, of each recording that was joined and has any rows here."""
-        inner = np.searchsorted(self.time, [piece.begins for piece in self.pieces[1:]])
-        edges = [0, *inner.tolist(), len(self)]
-        return [(low, high) for low, high in pairwise(edges) if high > low]
-
-    def index_until(self, time_value: float | str) -> int:
-        """Number of rows up to and including a time given as the recording writes its own.
-
-        Parameters
-        ----------
-        time_value : float or str
-            A number of the time column, or an ISO 8601 text where the recording has these; of the last one
-            where several were joined that know no common clock.
-
-        Returns
-        -------
-        rows : int
-
-        Raises
-        ------
-        InputError
-            If the value is no time of this recording's kind.
-        """
-        row = self.spans[-1][0]
-        seconds = seconds_at(time_value, self.stamps[row], float(self.time[row]))
-        # a stamp given to its last printed digit must include its own row
-        return int(np.searchsorted(self.time, seconds + 1e-9 * max(1.0, abs(seconds)), side="right"))
-
-    def until(self, time_value: float | str) -> "Recording":
-        """Rows up to and including a time; `InputError` where there is none."""
-        stop = self.index_until(time_value)
-        if stop == 0:
-            raise InputError(f"{self.source}: no row stands at or before time {time_value}; {self._span()}")
-        return self.slice(0, stop)
-
-    def after(self, time_value: float | str) -> "Recording":
-        """Rows after a time; `InputError` where there is none."""
-        start = self.index_until(time_value)
-        if start == len(self):
-            raise InputError(f"{self.source}: no row stands after time {time_value}; {self._span()}")
-        return self.slice(start, None)
-
-    def _span(self) -> str:
-        return f"give a time between {self.stamps[0]} and {self.stamps[-1]}"
 
     def signal(self, role: str) -> Signal:
         """How a role stands in the recording, or would by its nearest kin; in SI where there is none."""
@@ -244,31 +184,28 @@ class Recording:
         step = np.diff(distinct).min() * self.signal(role).slope if len(distinct) > 1 else 0.0
         return float(f"{step:.11g}")
 
-    def to_frame(self) -> "DataFrame":
-        """Data frame with a column for each role, in SI, and the seconds from the first sample as index.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
-        """
-        try:
-            from pandas import DataFrame, Index
-        except ImportError:
-            raise ImportError('a data frame needs pandas: pip install "sklvalve[io]"') from None
-        return DataFrame(dict(self.signals), index=Index(self.time, name="time"))
-
     @classmethod
-    def from_frame(cls, frame: object, valve: Valve | None = None) -> "Recording":
+    def from_frame(
+        cls,
+        frame: object,
+        valve: Valve | None = None,
+        *,
+        units: Mapping[str, object] | None = None,
+    ) -> "Recording":
         """Recording of a data frame, or of a mapping of column names to arrays.
 
         Parameters
         ----------
         frame : pandas or polars DataFrame, or mapping
             Without a valve, or with one that names no roles, the columns are role names and hold SI values
-            (other columns are left out); otherwise the valve says which column is which, and in which unit.
-            Times come from the valve's time column (``"time"``), or from an index of that name or of dates.
+            unless `units` says otherwise (other columns are left out); otherwise the valve says which column
+            is which, and in which unit. Times come from the valve's time column (``"time"``), or from an
+            index of that name, of dates or of time differences. Dates keep their time zone.
         valve : Valve or None
+        units : mapping or None, default=None
+            Role -> unit of its column, such as ``{"flow": "m3/h", "p1": "bar"}``, pressures being absolute;
+            or role -> what a section of valve.toml says of it, such as ``{"unit": "bar", "gauge": True}``.
+            Roles that it does not name are in SI.
 
         Returns
         -------
@@ -277,11 +214,22 @@ class Recording:
         Raises
         ------
         InputError
-            If there is no time, no role, or a column cannot be used.
+            If there is no time, no role, or a column cannot be used; if a unit is none of its role's; if
+            `units` are given beside a valve that names roles.
+
+        Examples
+        --------
+        >>> from sklvalve.recording import Recording
+        >>> frame = {"time": [0.0, 1.0], "p1": [5.0, 6.0], "command": [50.0, 25.0]}
+        >>> recording = Recording.from_frame(frame, units={"p1": "bar", "command": "%"})
+        >>> recording["p1"].tolist(), recording["command"].tolist()
+        ([500000.0, 600000.0], [0.5, 0.25])
         """
         sheet = valve or Valve()
         columns, where = frame_columns(frame, sheet.time), "data frame"
-        if not sheet.roles:
+        if units is not None:
+            sheet = replace(sheet, roles=roles_in_units(columns, units, sheet, where))
+        elif not sheet.roles:
             sheet = replace(sheet, roles=named_roles(columns, where))
         return cls.from_columns(columns, sheet, where)
 

@@ -2,7 +2,7 @@
 """One time base: seconds from the first sample, out of seconds or ISO 8601 stamps."""
 
 import re
-from datetime import datetime
+from datetime import date, datetime, timedelta
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +28,8 @@ def read_time(values: object, where: str) -> TimeBase:
     Parameters
     ----------
     values : array-like of shape (n,)
-        Numbers [s], ISO 8601 texts, or dates. Rows may be missing between them, times may not.
+        Numbers [s], ISO 8601 texts, dates, or time differences. Rows may be missing between them, times may
+        not. Dates keep their time zone.
     where : str
         File and column, for messages.
 
@@ -43,7 +44,7 @@ def read_time(values: object, where: str) -> TimeBase:
         If a time is missing, is neither seconds nor ISO 8601, repeats or runs backwards, or if only some of
         the times carry an offset from UTC.
     """
-    column = _as_texts(np.asarray(values))
+    column = _as_texts(_as_array(values))
     if column.dtype.kind in "fiu" or _looks_numeric(column):
         stamps = to_numbers(column, where, "correct the time or drop the row")
         bad = np.flatnonzero(~np.isfinite(stamps))
@@ -79,7 +80,7 @@ def seconds_at(value: object, first: object, offset: float) -> float:
 
     Parameters
     ----------
-    value : float or str
+    value : float, str, datetime or timedelta
         A time as in the time column; a number may come as text.
     first : float or str
         A stamp of the recording.
@@ -110,7 +111,7 @@ def seconds_at(value: object, first: object, offset: float) -> float:
             )
         return offset + (moment - start).total_seconds()
     try:
-        number = float(value)  # type: ignore[arg-type]
+        number = float(_seconds_of(value))  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         number = np.nan
     if not np.isfinite(number):
@@ -120,18 +121,44 @@ def seconds_at(value: object, first: object, offset: float) -> float:
     return offset + (number - float(first))  # type: ignore[arg-type]
 
 
+def is_day(value: object) -> bool:
+    """Whether a time is a date without a time of day."""
+    if isinstance(value, str):
+        return re.fullmatch(r"\d{4}-\d\d-\d\d", value.strip()) is not None
+    return isinstance(value, date) and not isinstance(value, datetime)
+
+
+def _as_array(values: object) -> NDArray:
+    """A column as an array; numpy knows no time zones, so dates that have one stay Python's."""
+    of_polars, of_arrow = getattr(values, "dtype", None), getattr(values, "type", None)
+    if getattr(of_polars, "time_zone", None) is not None and hasattr(values, "to_list"):
+        return np.array(values.to_list(), dtype=object)
+    if getattr(of_arrow, "tz", None) is not None and hasattr(values, "to_pylist"):
+        return np.array(values.to_pylist(), dtype=object)
+    return np.asarray(values)
+
+
 def _as_texts(column: NDArray) -> NDArray:
-    """Dates to ISO texts; numbers and texts as they are."""
+    """Dates to ISO texts, time differences to seconds; numbers and texts as they are."""
     if column.dtype.kind == "m":
         return column / np.timedelta64(1, "s")
     if column.dtype.kind == "M":
         whole = column.astype("datetime64[s]")
         return np.datetime_as_string(whole if (whole == column).all() else column).astype(object)
     if column.dtype.kind in "OU":
-        return np.array(
-            [item.isoformat() if isinstance(item, datetime) else item for item in column], dtype=object
-        )
+        return np.array([_plain(item) for item in column], dtype=object)
     return column
+
+
+def _plain(item: object) -> object:
+    return item.isoformat() if isinstance(item, datetime) else _seconds_of(item)
+
+
+def _seconds_of(item: object) -> object:
+    """Seconds of a time difference; anything else as it is."""
+    if isinstance(item, timedelta):
+        return item.total_seconds()
+    return item / np.timedelta64(1, "s") if isinstance(item, np.timedelta64) else item
 
 
 def _looks_numeric(column: NDArray) -> bool:

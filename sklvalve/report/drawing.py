@@ -146,33 +146,6 @@ def _short_numbers(attribute: re.Match[str]) -> str:
     return f'{attribute[1]}="{words}"'
 
 
-def decimate(x: NDArray, y: NDArray, points: int = 1500) -> tuple[NDArray, NDArray]:
-    """Thin a course to about `points` while every peak stays: lowest and highest value of each bucket.
-
-    Parameters
-    ----------
-    x, y : ndarray of shape (n,)
-        NaN in `y` is a gap and stays one where a whole bucket is NaN.
-    points : int, default=1500
-
-    Returns
-    -------
-    x, y : ndarray of shape (m,)
-        m is at most `points`, or n where that is less.
-    """
-    n = len(x)
-    if n <= points:
-        return x, y
-    size = -(-n // (points // 2))
-    whole = n // size * size
-    blocks = y[:whole].reshape(-1, size)
-    start = np.arange(0, whole, size)
-    low = start + np.argmin(np.where(np.isnan(blocks), np.inf, blocks), axis=1)
-    high = start + np.argmax(np.where(np.isnan(blocks), -np.inf, blocks), axis=1)
-    rows = np.sort(np.concatenate([low, high, [n - 1]]))
-    return x[rows], y[rows]
-
-
 def thin(rows: int, points: int = 900) -> NDArray[np.intp]:
     """Rows for a cloud of points, spread evenly, so that no part of the recording is favoured."""
     return np.unique(np.linspace(0, rows - 1, min(rows, points)).round().astype(np.intp))

@@ -51,6 +51,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         Every parameter's value, in SI.
     trim_ : SheetTrim or LearntTrim
     valve_ : Valve
+    effects_, onsets_ : tuple of Effect and dict
+        Those of the fit.
     correction_ : dict or None
         What data say beyond the physics, an LS-SVM in parallel as plain arrays.
 
@@ -101,6 +103,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         self.valve_ = self.valve or recording.valve
         self.trim_ = choose_trim(recording, self.valve_, tolerance)
         self.choking_ = "choked_flow" in self.valve_.physics
+        self.effects_, self.onsets_ = tuple(self.effects), dict(self.onsets or {})
         self.correction_ = self.given_ = self.seen_ = None
         # those of a fit before would ask this recording for what that one held
         self.values_ = {}
@@ -111,7 +114,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         if "flow" in channels:
             choking = self.choking_ and chain.margin is not None
             parameters += flow_parameters(recording, self.valve_, tolerance, self.trim_, choking=choking)
-        for effect in self.effects:
+        for effect in self.effects_:
             for q in effect.quantities(chain):
                 parameters.append(q.parameter_of(effect.key))
         noise = {c: PlainNoise(0.003 * (1.0 if c == "opening" else span_of(recording[c]))) for c in channels}
@@ -130,6 +133,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         """
         made = cls(valve, None, tuple(effects), dict(onsets or {}))
         made.valve_, made.trim_, made.values_ = valve, trim, dict(values)
+        made.effects_, made.onsets_ = tuple(effects), dict(onsets or {})
         made.choking_, made.correction_, made.given_ = choking, correction, given
         made.seen_ = None if seen is None else (float(seen[0]), float(seen[1]))
         return made
@@ -141,8 +145,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         return {
             "values": dict(self.values_),
             "choking": bool(self.choking_),
-            "effects": [e.key for e in self.effects],
-            "onsets": dict(self.onsets or {}),
+            "effects": [e.key for e in self.effects_],
+            "onsets": dict(self.onsets_),
             "seen": None if self.seen_ is None else list(self.seen_),
             "trim": {
                 "knots": self.trim_.knots if learnt else None,
@@ -193,7 +197,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             or, without one, from the command; ``flow_from_command``, free run through the whole chain.
         """
         check_is_fitted(self, "values_")
-        recording = as_recording(X, valve=self.valve)
+        recording = as_recording(X, valve=self.valve_)
         chain, made = self.chain_of(recording), {}
         drives = "actuator_filter" in self.values_
         if drives and {"command", "simulated_opening"} & set(recording):
@@ -241,7 +245,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             If there is no flow to compare with, or it is known in fewer than two rows.
         """
         if y is None:
-            recording = as_recording(X, valve=self.valve)
+            check_is_fitted(self, "values_")
+            recording = as_recording(X, valve=self.valve_)
             if "flow" not in recording:
                 raise InputError("a score needs a recorded flow; give a recording that holds one, or y")
             y = recording["flow"]
@@ -283,8 +288,8 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
             recording,
             self.valve_,
             self.trim_,
-            effects=self.effects,
-            onsets=going_on(self.effects, self.onsets, getattr(self, "seen_", None), recording),
+            effects=self.effects_,
+            onsets=going_on(self.effects_, self.onsets_, getattr(self, "seen_", None), recording),
             choking=self.choking_ and "p1" in recording and "p2" in recording,
         )
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import csv
+import json
 import os
 from types import SimpleNamespace
 
@@ -8,6 +9,7 @@ import pytest
 
 from sklvalve.cli import main
 from sklvalve.cli.predict import _not_yet
+from sklvalve.metrics import err_max, mape, rmse
 from sklvalve.recording import Recording
 from tests.cli import stand_in
 
@@ -141,6 +143,56 @@ def test_water_that_boils_is_not_predicted(later, capsys):
     capsys.readouterr()
     assert main(PREDICT) == 2
     assert "where water boils, for p1" in capsys.readouterr().err
+
+
+def test_the_error_against_the_recorded_flow_is_printed(later, capsys):
+    flow = 0.36 * stand_in.columns()["X"] + np.where(np.arange(40) % 2, 0.36, 0.0)
+    flow[3] = np.nan
+    later(F=flow)
+    capsys.readouterr()
+    assert main(PREDICT) == 0
+    words = capsys.readouterr().out.splitlines()[1]
+    made = np.array([float(value) for value in _read()["flow"]])
+    rows = np.isfinite(flow)
+    figures = [f"{metric(flow[rows], made[rows]):.3g}" for metric in (rmse, mape, err_max)]
+    assert words.startswith(
+        f"Against the recorded flow (39 rows): RMSE {figures[0]} m3/h, MAPE {figures[1]} %, "
+        f"Err_max {figures[2]} % of the recorded value; "
+    )
+    span = np.quantile(flow[rows], 0.995)
+    figures = [f"{metric(flow[rows], made[rows], span=span):.3g} %" for metric in (rmse, mape, err_max)]
+    assert words.endswith(f"; {', '.join(figures)} of the span of {span:.3g} m3/h.")
+
+
+def test_the_error_in_json(later, capsys):
+    later(F=0.36 * stand_in.columns()["X"])
+    capsys.readouterr()
+    assert main([*PREDICT, "--nominal", "--json"]) == 0
+    error = json.loads(capsys.readouterr().out)["error"]
+    assert error["rows"] == 40
+    assert error["unit"] == "m3/h"
+    assert error["mape"] == pytest.approx(20.0)
+    assert error["err_max"] == pytest.approx(20.0)
+    assert error["of_span"]["err_max"] == pytest.approx(20.0, rel=0.02)
+
+
+@pytest.mark.parametrize("empty", [None, np.full(40, np.nan)], ids=["absent", "empty"])
+def test_without_a_recorded_flow_no_error_is_told(later, capsys, empty):
+    later(F=empty)
+    capsys.readouterr()
+    assert main(PREDICT) == 0
+    assert len(capsys.readouterr().out.splitlines()) == 1
+    assert main([*PREDICT, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["error"] is None
+
+
+def test_a_flow_of_nothing_has_no_percentages(later, capsys):
+    later(F=np.zeros(40))
+    capsys.readouterr()
+    assert main(PREDICT) == 0
+    words = capsys.readouterr().out.splitlines()[1]
+    assert words.startswith("Against the recorded flow (40 rows): RMSE ")
+    assert words.endswith(" m3/h.")
 
 
 def test_an_effect_that_is_yet_to_begin_is_told():

@@ -187,6 +187,8 @@ def test_modes_follow_the_umask(tmp_path, umask, mode):
     from sklvalve.mismatch import save_model
 
     class Part:
+        given_ = None
+
         def __getattr__(self, name):
             return self
 

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from sklearn.base import clone
+from sklearn.exceptions import NotFittedError
+from sklearn.metrics import r2_score
 
 from sklvalve.mechanism import ValidityWarning
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
@@ -95,6 +97,33 @@ def test_effect_is_named_with_its_size(name, strength, seed, onset, parameter, s
     assert entry["grade"]["level"] != "weak"
     assert entry["sentence"][0].isupper()
     assert entry["sentence"].endswith(".")
+
+
+# ---- what is predicted
+
+
+def test_predict_is_the_corrected_flow(found_leaking, leaking):
+    corrected = found_leaking.corrected_simulation_
+    np.testing.assert_array_equal(found_leaking.predict(leaking), corrected.predict(leaking))
+    np.testing.assert_array_equal(found_leaking.predict(leaking), corrected.simulate(leaking)["flow"])
+    table = leaking.to_frame()
+    np.testing.assert_allclose(found_leaking.predict(table), found_leaking.predict(leaking), rtol=1e-9)
+
+
+def test_the_corrected_simulation_has_a_score(found_leaking, leaking):
+    later = leaking.slice(ROWS, None)
+    score = found_leaking.corrected_simulation_.score(later)
+    assert score == pytest.approx(r2_score(later["flow"], found_leaking.predict(later)))
+    assert score > found_leaking.nominal_simulation_.score(later)
+
+
+def test_what_cannot_predict_says_so(leaking):
+    with pytest.raises(NotFittedError):
+        MissingPhysicsFinder().predict(leaking)
+    loop = Recording.from_frame(_signals(leaking, "command", "flow"))
+    finder = MissingPhysicsFinder().fit(loop)
+    with pytest.raises(InputError, match="a loop without pressures, of which there is no simulation"):
+        finder.predict(leaking)
 
 
 # ---- what it is made of

@@ -10,9 +10,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from sklvalve.recording.thinning import decimate
 from sklvalve.report import write_report
 from sklvalve.report.displays.improvement import improvements_of
-from sklvalve.report.drawing import decimate
 from sklvalve.report.html import render
 from sklvalve.report.intervals import interval_figures
 from sklvalve.report.signals import outline, residual_map, where_present

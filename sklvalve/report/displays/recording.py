@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from sklvalve.recording.thinning import decimate
 from sklvalve.report import signals
 from sklvalve.report.courses import Panel, recorded_panels, residual_panels
 from sklvalve.report.displays.base import Diagnosed, Display, faint, ink, legend_above, traces_of
-from sklvalve.report.drawing import COLOURS, decimate
+from sklvalve.report.drawing import COLOURS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
