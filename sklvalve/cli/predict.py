@@ -39,9 +39,7 @@ def add_parser(commands) -> None:
         "--model", required=True, metavar="MODEL.skops", help="corrected_model.skops of a diagnosis"
     )
     parser.add_argument("--out", required=True, metavar="FILE.csv", help="file for the predictions")
-    parser.add_argument(
-        "--nominal", action="store_true", help="leave the found effects out: the calibrated data sheet alone"
-    )
+    parser.add_argument("--nominal", action="store_true", help="predict without the effects that were found")
     add_json_argument(parser, "what was written")
     parser.set_defaults(run=run)
 
@@ -96,8 +94,8 @@ def _not_yet(simulation, recording: "Recording") -> list[str]:
     # the first of its times, where it comes and goes
     before = {names[key]: int((clock < np.min(times)).sum()) for key, times in onsets.items()}
     return [
-        f"{name} acts from a moment on, and {many} of these {len(clock)} rows stand before it, by the clock "
-        "of the recording that was diagnosed."
+        f"{name} begins at one time, and {many} of these {len(clock)} rows are before it, by the clock of "
+        "the diagnosed recording."
         for name, many in before.items()
         if many
     ]

@@ -38,7 +38,7 @@ class StemRest:
     windows, of : int
         Number of windows in which it strays, and of all that were asked.
     size : float
-        Rms of recorded less simulated opening in them [1].
+        Rms of recorded minus simulated opening in them [1].
     """
 
     rows: np.ndarray

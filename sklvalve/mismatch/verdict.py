@@ -114,7 +114,7 @@ def _at_bound(who, fitted, quantity):
 
 
 def _unknown_ends(quantity, ends):
-    """Ends of an interval that are only the bound of what is possible; that of no effect is an end."""
+    """Ends of an interval that are only the bound of what is tried; no effect, and nothing left, are ends."""
     if not ends:
         return []
     names = ("lower", ends[0], quantity.low), ("upper", ends[1], quantity.high)
@@ -122,7 +122,7 @@ def _unknown_ends(quantity, ends):
     return [
         name
         for name, end, bound in names
-        if bound != quantity.null and (end == bound or (name == "upper" and end >= bound - near))
+        if bound not in (quantity.null, 0.0) and (end == bound or (name == "upper" and end >= bound - near))
     ]
 
 

@@ -43,12 +43,12 @@ def recording_figure(traces: dict) -> Picture:
 
 
 def residual_figure(traces: dict) -> Picture | None:
-    """Recorded less simulated over time, before and after; None where nothing can be compared."""
+    """Recorded minus simulated over time, before and after; None where nothing can be compared."""
     display = RecordingDisplay.of_traces(traces, show="residual")
     if not display.panels:
         return None
     shown = either([role_words(role) for role in compared_roles(traces)], "and")
-    alt = f"Recorded less simulated {shown} over time{when(traces)}"
+    alt = f"Recorded minus simulated {shown} over time{when(traces)}"
     return _courses(display, "residual", alt + _FLAGGED)
 
 

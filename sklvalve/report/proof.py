@@ -37,7 +37,7 @@ def held_out_rows(d: dict) -> int:
 
 
 def heading(d: dict) -> str:
-    """What goes above a table of errors, to stand behind 'Error' or 'Proof'."""
+    """What goes above a table of errors, to stand after 'Error'."""
     count = held_out_rows(d)
     rows = f"{count} " if count else ""
     if d.get("proof") == LATER_ROWS:
@@ -54,7 +54,7 @@ def note(d: dict) -> str:
     chosen = "The verdict was reached on all rows; use --until to evaluate on untouched data."
     if d.get("proof") == FORWARD:
         return (
-            "Forecasts: fits to the first 40, 55, 70 and 85 % of the rows, each predicts the next 15 %. "
+            "Forecasts: fits to the first 40, 55, 70 and 85 % of the rows each predict the next 15 %. "
             f"{chosen}"
         )
     if d.get("proof") == FOUR_BLOCKS:

@@ -139,7 +139,7 @@ def time_words(traces: dict) -> str:
 
 
 def residual(traces: dict, role: str, model: str) -> Array | None:
-    """Recorded less simulated, in the recording's unit; None where one of the two is missing."""
+    """Recorded minus simulated, in the recording's unit; None where one of the two is missing."""
     recorded, simulated = traces["recorded"].get(role), traces[model].get(role)
     if recorded is None or simulated is None:
         return None

@@ -137,7 +137,7 @@ def to_markdown(d: dict) -> str:
     if rows.errors(d):
         cells = [(name, *values) for name, values in rows.errors(d)]
         table = _table((f"error {proof.heading(d)}", *rows.models(d).values()), cells)
-        parts.append("### Proof\n\n" + "\n\n".join([table, *map(_safe, rows.proof_notes(d))]))
+        parts.append("### Error\n\n" + "\n\n".join([table, *map(_safe, rows.proof_notes(d))]))
     if rows.untestable(d):
         lines = [f"- {_safe(words)}" for words in _by_need(d)]
         parts.append("### Not testable\n\n" + "\n".join(lines))

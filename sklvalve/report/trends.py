@@ -28,7 +28,8 @@ def trends(traces: dict) -> dict:
         ``time`` (little-endian float32, base64), ``end`` of the last row, ``unit`` and its ``seconds``, the
         ``start`` by the calendar [ms since 1970 by the recording's own clock; None without one], ``label``,
         ``flagged`` times from and to, ``begins`` of joined recordings, ``until``, and ``charts``: by name the
-        panels, each a list of courses with ``name``, ``unit``, ``colour``, ``low`` and ``high`` of the scale, and
+        panels, each a list of courses with ``name``, ``unit``, ``colour``, ``low`` and ``high`` of the scale,
+        and
         ``codes`` (little-endian uint16, base64: 0 is `low`, 65534 is `high`, 65535 a gap), one a time, or
         in buckets the lowest and then the highest of each.
     """

@@ -36,7 +36,7 @@ def unexplained_figure(d: dict, traces: dict) -> Picture | None:
                 markeredgewidth=0.0,
                 color=COLOURS["recorded"],
                 alpha=0.4,
-                label="recorded less simulated",
+                label="recorded minus simulated",
             )
             # one wild row must not press all others flat
             low, high = np.nanquantile(rest, [0.005, 0.995])

@@ -119,16 +119,18 @@ ROLES = {"p1": "inlet pressure", "p2": "outlet pressure", None: "times"}
 
 VERDICTS = {
     "no_mismatch": "nothing is missing",
-    "named": "missing physics found and named",
+    "named": "the missing physics is identified",
     "none_of_these": "missing physics that no known effect explains",
-    "cannot_tell": "something is missing, but this recording cannot tell what",
+    "cannot_tell": "something is missing; the recording does not identify what",
 }
 
 
 def verdict_words(d: dict) -> str:
     """Words for the verdict of a diagnosis."""
     if d["verdict"] == "cannot_tell" and not d["mismatch"].get("detected", True):
-        return "this recording cannot tell whether anything is missing"
+        if d.get("subject") == "loop":
+            return "this recording cannot show whether the valve sticks"
+        return "this recording cannot show whether anything is missing"
     return VERDICTS[d["verdict"]]
 
 

@@ -87,7 +87,7 @@ class RecordingDisplay(Display):
         ----------
         diagnosis : Diagnosis
         show : {"recorded", "residual"}, default="recorded"
-            The signals as recorded, or recorded less simulated, before and after the correction.
+            The signals as recorded, or recorded minus simulated, before and after the correction.
         ax : Axes or sequence of Axes, default=None
             One a panel; a new figure where None.
 

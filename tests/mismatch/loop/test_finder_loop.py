@@ -72,7 +72,7 @@ def test_page_of_a_loop(role, stick):
     diagnosis = MissingPhysicsFinder().fit(loop(role, stick)).diagnosis_
     page = render(diagnosis)
     assert 'id="recording' in page or "recorded signals over time" in page
-    assert f"Recorded less simulated {role.replace('_', ' ')} over time" in page
+    assert f"Recorded minus simulated {role.replace('_', ' ')} over time" in page
 
 
 def test_loop_that_follows_has_no_correction_to_show():
