@@ -66,9 +66,7 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--decimal", choices=("point", "comma"), help="what decimals begin with (default: detected)"
     )
-    parser.add_argument(
-        "--encoding", metavar="NAME", help="of the files, such as cp1250 (default: detected)"
-    )
+    parser.add_argument("--encoding", metavar="NAME", help="of the files, such as cp1250 (default: detected)")
     parser.add_argument("--keep-uncertain", action="store_true", help="keep values of uncertain quality")
     parser.add_argument(
         "--hold", action="append", default=[], metavar="TAG", help="hold the last value between its reports"

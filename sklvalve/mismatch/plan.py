@@ -217,6 +217,8 @@ def _listed(names, joined):
 
 
 def _short(d):
+    if d < 0.05:
+        return "0"
     return f"{d:.0f}" if d >= 9.5 else f"{d:.2g}"
 
 

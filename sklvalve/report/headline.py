@@ -116,7 +116,8 @@ def _unknown(d: dict) -> str:
     where = brief_place(d, d["location"]["blocks"])
     unknown = d.get("unknown") or {}
     size = moves({unknown.get("signal"): unknown.get("size")}, d)
-    acts = " and ".join(words for words in (f"acts {where}" if where else "", size) if words)
+    joined = ", and " if "," in where else " and "
+    acts = joined.join(words for words in (f"acts {where}" if where else "", size) if words)
     return f"{begin} is missing that no known effect explains.{f' It {acts}.' if acts else ''}"
 
 

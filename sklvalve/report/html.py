@@ -2,7 +2,6 @@
 """A diagnosis as one HTML file that needs nothing else: no network, no fonts, no script but its own."""
 
 import os
-import re
 import secrets
 from base64 import b64encode
 from hashlib import sha256
@@ -19,7 +18,7 @@ from sklvalve.report.intervals import interval_figures
 from sklvalve.report.signals import as_shown
 from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
-from sklvalve.report.words import lacks_sheet, verdict_words
+from sklvalve.report.words import lacks_sheet, verdict_words, with_units
 
 
 def write_report(
@@ -81,7 +80,7 @@ def render(diagnosis: Diagnosed, *, title: str | None = None, source: str | None
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["with_units"] = _with_units
+    environment.filters["with_units"] = with_units
     d = proof.with_proof(diagnosis.to_dict(), diagnosis.traces)
     # the parts share names, and leave none behind
     script = f'"use strict";\n(() => {{\n{_part("reading.js")}{_part("trends.js")}}})();\n'
@@ -181,12 +180,3 @@ def _everywhere(traces: dict) -> bool:
 
 def _part(name: str) -> str:
     return files("sklvalve.report").joinpath("templates", name).read_text(encoding="utf-8")
-
-
-def _with_units(words: str) -> str:
-    """Words whose numbers stay on one line with their units."""
-    return re.sub(
-        r"(?<=\d) (?=(?:%|s|h|m3/h|kPa)(?!\w))|(?<=\bp) (?=[<=])|(?<=\bp [<=]) (?=\d)",
-        "\N{NO-BREAK SPACE}",
-        words,
-    )

@@ -202,9 +202,9 @@ def _span(low: float, high: float, location: dict, around: float | None = None) 
     if stamps[0] is not None and stamps[1] is not None:
         near = None if around is None else _stamp(around, location)
         shown = []
-        for stamp in stamps:
-            same = near is not None and near.date() == stamp.date()
-            shown.append(f"{stamp:%H:%M:%S}" if same else f"{stamp:{_STAMP}}")
+        for stamp in (stamps[0], stamps[1]):
+            day = None if near is None else near.date()
+            shown.append(f"{stamp:%H:%M:%S}" if day == stamp.date() else f"{stamp:{_STAMP}}")
             near = stamp
         return " to ".join(shown)
     begin, end = moment(low, location), moment(high, location)

@@ -134,13 +134,8 @@ def beyond_noise(d: dict) -> str:
             f"{_count(pulses['against'])}: noise does not do that"
         )
     if beyond and not inputs:
-        size, noise = (
-            in_recorded(d, unknown.get("signal", "flow"), beyond[key]) for key in ("size", "noise")
-        )
-        return (
-            f"follows from nothing recorded, but its slow part ({size}) is more than slow noise can be where "
-            f"the quick noise is {noise}"
-        )
+        size = in_recorded(d, unknown.get("signal", "flow"), beyond["size"])
+        return f"follows from nothing recorded, but its slow part ({size}) is larger than slow noise can be"
     told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
     return f"follows from {told}, so it is no noise"
 

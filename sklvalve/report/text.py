@@ -9,7 +9,7 @@ from textwrap import fill
 from sklvalve.report import proof, rows
 from sklvalve.report.headline import glance, headline
 from sklvalve.report.sentence import summary_sentence
-from sklvalve.report.words import either
+from sklvalve.report.words import either, with_units
 
 __all__ = ["summary_sentence", "to_markdown", "to_text"]
 
@@ -153,14 +153,15 @@ def _line(label: str, words: str, width: int) -> str:
     # a long word, such as a path, is left whole rather than broken
     # a name from a file must not command the terminal
     words = "".join(letter if letter.isprintable() else " " for letter in words)
-    return fill(
-        words,
+    filled = fill(
+        with_units(words),
         width,
         initial_indent=f"{label:<{_INDENT}}",
         subsequent_indent=" " * _INDENT,
         break_long_words=False,
         break_on_hyphens=False,
     )
+    return filled.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _block(lines: list[str]) -> list[str]:

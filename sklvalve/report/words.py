@@ -8,7 +8,7 @@ from math import isfinite
 # a difference that comes by chance in as many recordings of a healthy valve is no sign of a fault
 _COMMON = 0.05
 # what effects need that only a data sheet can give, as `not_testable` has it
-_SHEET = "a data sheet with the trim's characteristic"
+_SHEET = "a data sheet that gives the trim's characteristic"
 EFFECTS = {
     "stiction": "stiction",
     "friction": "raised friction of the stem",
@@ -193,6 +193,15 @@ def number(value: float | None, digits: int = 3) -> str:
     if "e" in short and 1e-4 <= abs(value) < 1e7:
         short = f"{float(short):.7f}".rstrip("0").rstrip(".")
     return short
+
+
+def with_units(words: str) -> str:
+    """Words whose numbers stay on one line with their units."""
+    return re.sub(
+        r"(?<=\d) (?=(?:%|s|h|m3/h|kPa|bar|nats)(?!\w))|(?<=\bp) (?=[<=])|(?<=\bp [<=]) (?=\d)",
+        "\N{NO-BREAK SPACE}",
+        words,
+    )
 
 
 def with_unit(value: float | None, unit: str | None) -> str:

@@ -43,7 +43,7 @@ CASES = {
 def test_a_shape_is_said_by_its_own_formula(case):
     rest, words = CASES[case]
     told = described(learnt(1e-4 * rest - 2e-5, opening=OPENING), 3600.0, "m3/h")
-    assert told["formula"].startswith("rest of flow [m3/h] = ")
+    assert told["formula"].startswith("flow residual [m3/h] = ")
     assert words in told["formula"]
     assert told["share"] > 0.9
     curve = told["curve"]

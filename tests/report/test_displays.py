@@ -60,7 +60,7 @@ def test_draws_on_axes_that_are_given_and_again_on_others(diagnosis):
     figure, axes = plt.subplots(1, 2)
     made = SignatureDisplay.from_diagnosis(diagnosis, ax=axes)
     assert made.figure_ is figure
-    assert [ax.get_ylabel() for ax in axes] == ["opening [%]", "flow at a drop of 1 bar [m3/h]"]
+    assert [ax.get_ylabel() for ax in axes] == ["opening [%]", "flow at a drop of 100 kPa [m3/h]"]
     other = plt.figure()
     made.plot(other.subplots(1, 2))
     assert made.figure_ is other
