@@ -12,7 +12,6 @@ _FEWEST_ROWS = 20
 #: A grade is strong from this much evidence and this many turns of the command on, weak below the second
 #: pair.
 _STRONG, _MODERATE = (30.0, 10), (18.0, 5)
-_RAMP = "a slow ramp of the command in both directions would tell"
 
 
 def judged(looks, look, found, share=None):
@@ -44,8 +43,7 @@ def judged(looks, look, found, share=None):
         return "named", f"{band} explains the value better than the command itself."
     if max(one.answer for one in looks) <= _VISIBLE:
         return "cannot_tell", (
-            "The value does not visibly follow the command: the loop moves too little for its noise; "
-            f"{_RAMP}."
+            "The value does not visibly follow the command: the loop moves too little for its noise."
         )
     if all(map(_excludes, looks)):
         return "no_mismatch", (
@@ -54,26 +52,24 @@ def judged(looks, look, found, share=None):
         )
     if look.turns < FEWEST_TURNS:
         return "cannot_tell", (
-            "The command goes one way only, so a dead band looks the same as a supply or a gain that drifts; "
-            f"{_RAMP}."
+            "The command goes one way only, so a dead band looks the same as a supply or a gain that drifts."
         )
     if look.large < -_EXCLUDED:
         return "cannot_tell", (
             "Wide dead bands explain the value clearly worse than the command itself, but "
-            f"{_doubt(look)}, so they are not excluded; {_RAMP}."
+            f"{_doubt(look)}, so they are not excluded."
         )
     if evidence <= 0.0 and look.excess > 0.0:
         return "cannot_tell", (
             "A dead band explains the value better than the command itself with one noise model, and worse "
-            f"with another; {_RAMP}."
+            "with another."
         )
     if evidence <= 0.0:
         outside = look.compared.command.rhythm
         other = "an outside oscillation explains" if outside else "the command itself explains"
-        return "cannot_tell", f"Wide dead bands are not excluded, but {other} the value as well; {_RAMP}."
+        return "cannot_tell", f"Wide dead bands are not excluded, but {other} the value as well."
     return "cannot_tell", (
-        f"{band} explains the value somewhat better than the command itself, as in healthy loops too; "
-        f"{_RAMP}."
+        f"{band} explains the value somewhat better than the command itself, as in healthy loops too."
     )
 
 
@@ -165,7 +161,7 @@ def held_against(verdict, ahead):
     if verdict == "no_mismatch" and ahead.clearly_better:
         return "cannot_tell", [
             f"But a black box forecasts the value {ahead.ratio:.1f} times better, so something may be "
-            f"missing; {_RAMP}."
+            "missing."
         ]
     return verdict, []
 
@@ -244,7 +240,7 @@ def effect_of(kind, look, grade):
                 "unknown_ends": [unknown] if unknown else [],
             },
         },
-        "sentence": _stays(kind, look, unknown),
+        "sentence": _stays(kind, look, [*ends, unknown]),
         "separated_by": (
             "Ramp the command slowly through a reversal with the stem's position recorded: a jump is "
             "stiction, a smooth start is play."
@@ -252,11 +248,15 @@ def effect_of(kind, look, grade):
     }
 
 
-def _stays(kind, look, unknown):
+def _stays(kind, look, unknown_ends):
     """How far the command turns before the stem follows."""
     low, high = map(_percent, kind.sticks)
     at_least = " or more" if kind.stick >= 0.95 * look.loop.span else ""
-    within = f"{low} or more" if unknown else f"{low} to {high}"
+    within = f"{low} to {high}"
+    if "upper" in unknown_ends:
+        within = f"{low} or more"
+    elif "lower" in unknown_ends:
+        within = f"{high} or less"
     jump = (
         "follows; whether it jumps is not known"
         if "backlash" in kind.shares
