@@ -75,8 +75,8 @@ def reasons_of(judgement, mend, workbench, doubts=()):
     found += [] if doubts else [_doubtful(f) for f in judgement.findings if not _is_clear(f)]
     if judgement.unknown is not None:
         found.append(
-            f"A deviation of the {judgement.unknown.channel} by {in_recorded(workbench, *_of(judgement))} "
-            "can be predicted from the recorded signals, and no effect that was tried accounts for it."
+            "No effect that was tried accounts for a predictable deviation of the "
+            f"{judgement.unknown.channel} by {in_recorded(workbench, *_of(judgement))}."
         )
     found += compared
     return found or [

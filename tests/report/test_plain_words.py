@@ -9,9 +9,11 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import Diagnosis, MissingPhysicsFinder
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 from sklvalve.recording import Recording, Valve
 from sklvalve.report import summary_sentence, to_markdown, to_text
 from sklvalve.report.html import render
+from sklvalve.report.words import CLAUSES, EFFECTS
 from tests.report import examples
 
 # private or archaic, with word boundaries; "rest" is a word of its own only where it is a residual
@@ -155,6 +157,12 @@ def test_rows_of_the_table(row):
         words = " ".join(text.split())
         assert better in words
         assert before not in words
+
+
+def test_every_effect_has_a_name_and_a_clause():
+    names = {effect.name for effect in (*CATALOGUE, *EVENTS)}
+    assert names <= set(EFFECTS)
+    assert names <= set(CLAUSES)
 
 
 def test_a_zero_that_has_shifted_is_a_clause():
