@@ -119,7 +119,7 @@ ROLES = {"p1": "inlet pressure", "p2": "outlet pressure", None: "times"}
 
 VERDICTS = {
     "no_mismatch": "nothing is missing",
-    "named": "the missing physics is identified",
+    "named": "likely cause found",
     "none_of_these": "missing physics that no known effect explains",
     "cannot_tell": "something is missing; the recording does not identify what",
 }

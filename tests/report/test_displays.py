@@ -207,3 +207,26 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch, diagnosis):
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     with pytest.raises(ImportError, match="pictures need matplotlib"):
         ExplanationDisplay.from_diagnosis(diagnosis)
+
+
+def test_the_axis_has_the_calendar_where_the_recording_has_it(diagnosis):
+    traces = diagnosis.traces | {"first_stamp": "2024-03-01T13:28:00"}
+    made = RecordingDisplay.from_diagnosis(SimpleNamespace(to_dict=diagnosis.to_dict, traces=traces))
+    last = made.ax_[-1]
+    assert made.time[0] == np.datetime64("2024-03-01T13:28:00")
+    assert made.time[-1] - made.time[0] == np.timedelta64(2999, "s")
+    assert last.get_xlabel() == "time"
+    made.figure_.canvas.draw()
+    ticks = [label.get_text() for label in last.get_xticklabels()]
+    assert "13:30" in ticks
+    assert last.xaxis.get_offset_text().get_text() == "2024-03-01"
+    # joined recordings are drawn one after the other, and no clock runs through both
+    joined = traces | {"begins": [0, 1000]}
+    made = RecordingDisplay.from_diagnosis(SimpleNamespace(to_dict=diagnosis.to_dict, traces=joined))
+    assert made.ax_[-1].get_xlabel() == "time, the recordings one after the other [s]"
+
+
+def test_a_stamp_that_is_none_leaves_seconds(diagnosis):
+    traces = diagnosis.traces | {"first_stamp": "yesterday"}
+    made = RecordingDisplay.from_diagnosis(SimpleNamespace(to_dict=diagnosis.to_dict, traces=traces))
+    assert made.ax_[-1].get_xlabel() == "time from the first sample [s]"

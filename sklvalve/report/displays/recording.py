@@ -195,4 +195,6 @@ def _by_the_calendar(ax: "Axes") -> None:
 
     locator = AutoDateLocator(minticks=3, maxticks=8)
     ax.xaxis.set_major_locator(locator)
-    ax.xaxis.set_major_formatter(ConciseDateFormatter(locator))
+    days = "%Y-%m-%d"
+    beside = ["", "%Y", "%Y-%m", days, days, f"{days} %H:%M"]
+    ax.xaxis.set_major_formatter(ConciseDateFormatter(locator, offset_formats=beside))

@@ -44,7 +44,10 @@ function paint(chart) {
     }
     for (const [time, words] of timeTicks(view.from, view.to, Math.max(3, Math.floor(width / 90)))) {
       upright(time, "gridline");
-      if (end) draw("text", panel.svg, { x: x(time), y: HEIGHT + 11, "text-anchor": "middle" }, words);
+      if (!end) continue;
+      // a word at the right end would leave the picture
+      const half = 3.4 * words.length, at = Math.min(x(time), width - half);
+      draw("text", panel.svg, { x: at, y: HEIGHT + 11, "text-anchor": "middle" }, words);
     }
     if (end) {
       const words = timeLabel(view.from, view.to);
