@@ -84,6 +84,8 @@ def assessed(entries, verdict, p_value, skills, data, workbench):
 def _doubt(entry):
     """Why the strongest finding is no name, in a sentence that says which it is."""
     name, reason = entry["members"][0]["name"].replace("_", " "), entry["grade"]["reason"]
+    # what was not checked is said once, beside the grade
+    reason = f"{reason.split('; how often')[0].rstrip('.')}."
     return f"{name.capitalize()} is too uncertain to be named: {reason[:1].lower()}{reason[1:]}"
 
 
