@@ -190,14 +190,21 @@ def _sureness(content):
         parts += [f"{_sure(each)}{f' of {_name(each)}' if len(found) > 1 else ''}" for each in found]
     p_value = (content.get("mismatch") or {}).get("p_value")
     if p_value is not None:
-        small = p_value < _NO_SIGN or content["verdict"] in ("named", "none_of_these")
         by_chance = f"a difference as large comes by chance with {_p_words(p_value)}"
-        parts.append(by_chance if small else "no sign of a fault")
+        parts.append("no sign of a fault" if _no_sign(content) else by_chance)
     told = f"{'; '.join(parts)}." if parts else ""
     reasons = [] if content["verdict"] == "no_mismatch" else content.get("reasons") or []
     # what must be mended first is both the reason and what to do
     words = " ".join([told, *(r for r in reasons if r != content.get("next_test"))]).strip()
     return words[:1].upper() + words[1:]
+
+
+def _no_sign(content):
+    """Whether nothing was found, and a difference as large is common by chance."""
+    test = content["mismatch"]
+    detected = content["verdict"] == "cannot_tell" and test.get("detected", True)
+    found = detected or content["verdict"] in ("named", "none_of_these")
+    return test["p_value"] >= _NO_SIGN and test["p_value"] > (test.get("alpha") or 0.0) and not found
 
 
 def _sure(entry):

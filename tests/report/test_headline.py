@@ -5,6 +5,7 @@ import copy
 
 import pytest
 
+from sklvalve.mismatch import Diagnosis
 from sklvalve.mismatch.effects.capacity_error import CapacityError
 from sklvalve.mismatch.effects.erosion import Erosion
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
@@ -90,6 +91,21 @@ def test_a_difference_that_is_common_by_chance_is_no_sign_of_a_fault(p_value):
     undecided = made | {"verdict": "cannot_tell", "reasons": ["The value hardly moves."]}
     undecided["mismatch"] = made["mismatch"] | {"detected": False}
     assert _glance(undecided)["How sure"] == "No sign of a fault. The value hardly moves."
+
+
+@pytest.mark.parametrize("verdict", ["named", "none_of_these", "cannot_tell", "no_mismatch"])
+def test_where_something_was_detected_there_is_a_sign(verdict):
+    made = {"named": examples.named, "cannot_tell": examples.cannot_tell}.get(
+        verdict, examples.none_of_these
+    )()
+    made |= {"verdict": verdict}
+    # by a level that the user has raised
+    made["mismatch"] |= {"detected": verdict != "no_mismatch", "alpha": 0.2, "p_value": 0.1}
+    told = _glance(made)["How sure"]
+    assert "No sign of a fault" not in told
+    assert "10 % of recordings of a healthy valve (p = 0.1)" in told
+    page = Diagnosis(made)._repr_html_()
+    assert "no sign of a fault" not in page.lower()
 
 
 def test_a_rare_difference_keeps_its_chance():

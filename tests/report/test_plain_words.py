@@ -9,9 +9,11 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import Diagnosis, MissingPhysicsFinder
+from sklvalve.mismatch import diagnosis as of_notebooks
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 from sklvalve.recording import Recording, Valve
 from sklvalve.report import summary_sentence, to_markdown, to_text
+from sklvalve.report import words as of_reports
 from sklvalve.report.html import render
 from sklvalve.report.words import CLAUSES, EFFECTS
 from tests.report import examples
@@ -157,6 +159,10 @@ def test_rows_of_the_table(row):
         words = " ".join(text.split())
         assert better in words
         assert before not in words
+
+
+def test_notebook_and_report_agree_on_what_is_common_by_chance():
+    assert of_notebooks._NO_SIGN == of_reports._COMMON
 
 
 def test_every_effect_has_a_name_and_a_clause():
