@@ -86,6 +86,7 @@ def _not_yet(simulation, recording: "Recording") -> list[str]:
     """Effects that begin after some of the rows: a clock that begins anew must not go unnoticed."""
     import numpy as np
 
+    from sklvalve.report.words import spoken
     from sklvalve.simulation.chain import clock_of
 
     onsets = getattr(simulation, "onsets", None) or {}
@@ -94,11 +95,15 @@ def _not_yet(simulation, recording: "Recording") -> list[str]:
     # the first of its times, where it comes and goes
     before = {names[key]: int((clock < np.min(times)).sum()) for key, times in onsets.items()}
     return [
-        f"{name} begins at one time, and {many} of these {len(clock)} rows are before it, by the clock of "
-        "the diagnosed recording."
+        f"{_begun(spoken(name))} begins later: {many} of these {len(clock)} rows are before it, by the "
+        "clock of the diagnosed recording."
         for name, many in before.items()
         if many
     ]
+
+
+def _begun(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def read_for_prediction(path: str, valve: "Valve") -> "Recording":

@@ -89,7 +89,7 @@ def test_screen_says_the_same(alone, capsys):
     _named(alone)
     assert main(["screen", "recording.csv"]) == 0
     shown = capsys.readouterr()
-    assert "note: no --valve is given" in shown.err
+    assert "note: no --valve was given" in shown.err
     assert "- Flow (guessed): column 'FIC7.PV'" in shown.out
 
 

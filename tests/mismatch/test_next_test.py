@@ -114,7 +114,7 @@ def test_one_explanation_alone_gets_the_program_that_narrows_its_interval():
     # which of the two is ahead hangs on the last digits of the fit
     assert plan.name in ("square", "steps")
     assert 0.0 < plan.considered["square"] < 0.7 * plan.considered["reversals"]
-    assert "narrow the interval of the delay (dead time)" in plan.sentence
+    assert "narrow the 95 % interval of the delay (dead time)" in plan.sentence
     assert EFFECTS["dead_time"].separated_by in plan.sentence
 
 
