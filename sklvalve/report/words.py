@@ -131,6 +131,9 @@ def verdict_words(d: dict) -> str:
         if d.get("subject") == "loop":
             return "this recording cannot show whether the valve sticks"
         return "this recording cannot show whether anything is missing"
+    levels = {(effect.get("grade") or {}).get("level") for effect in d.get("effects") or []}
+    if d["verdict"] == "named" and levels == {"weak"}:
+        return "possible cause, weak evidence"
     return VERDICTS[d["verdict"]]
 
 

@@ -161,6 +161,15 @@ def test_rows_of_the_table(row):
         assert before not in words
 
 
+def test_weak_evidence_is_no_likely_cause():
+    d = examples.graded()
+    assert of_reports.verdict_words(d) == "likely cause found"
+    d["effects"] = [
+        d["effects"][0] | {"grade": {"level": "weak", "reason": "The command makes only 1 turn."}}
+    ]
+    assert of_reports.verdict_words(d) == "possible cause, weak evidence"
+
+
 def test_notebook_and_report_agree_on_what_is_common_by_chance():
     assert of_notebooks._NO_SIGN == of_reports._COMMON
 
