@@ -76,7 +76,11 @@ def again(folder, run, lines, scores):
 
 
 def drawn_again(case, seed, published):
-    """The record of a published truth; its sizes and distances, which take most of a draw, are not sought anew."""
+    """The record of a published truth.
+
+    Sizes and distances take most of a draw, so sizes are those published and distances are left out. A plant
+    that remembers how its size was found has other noise then, and is drawn in full.
+    """
     for attempt in range(ATTEMPTS):
         made = make(case, seed_of(case, seed, attempt), strengths=published["strengths"], distances=False)
         if same_record(published, made.truth):
