@@ -33,7 +33,7 @@ def ask(told: "RecordingColumns", answers: "Answers") -> "Answers":
     """
     from sklvalve.recording.draft import assign_roles
 
-    show("Enter takes what stands in [brackets]; - leaves it out.\n")
+    show("Enter accepts the value in [brackets]; - leaves it out.\n")
     answers = replace(answers, roles=_ask_roles(told, assign_roles(told, tag=answers.tag)))
     roles = assign_roles(told, tag=answers.tag, chosen=answers.roles)
     answers = replace(answers, units=_ask_units(roles))

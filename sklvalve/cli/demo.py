@@ -150,8 +150,8 @@ def tell(truth: dict) -> str:
         for name in truth["concealed"]
     ]
     since = f"from {duration(truth['onset'])} on" if truth["onset"] > 0.0 else "from the start"
-    alien = "" if truth["effects"] else ", which no catalogue holds"
-    return f"Concealed was {either(sizes, 'and')}, {since}{alien}."
+    alien = "" if truth["effects"] else ", which is not in the catalogue"
+    return f"Concealed: {either(sizes, 'and')}, {since}{alien}."
 
 
 def _unit(unit: str) -> str:
@@ -177,5 +177,5 @@ def _on_later(finder: "MissingPhysicsFinder", path: Path, valve: Path) -> str:
             ]
             good = np.isfinite(pair[0]) & np.isfinite(pair[1])
             errors.append(number(rmse(pair[0][good], pair[1][good])))
-        parts.append(f"{role} {errors[0]} nominal, {errors[1]} corrected {later.unit(role)}")
-    return f"\nLater rows    RMSE in later.csv, seen by no one so far: {'; '.join(parts)}"
+        parts.append(f"{role} {errors[0]} before, {errors[1]} after the correction [{later.unit(role)}]")
+    return f"\nLater rows    RMSE in later.csv, which no step has used: {'; '.join(parts)}"

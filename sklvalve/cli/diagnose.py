@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 RESULTS = ("diagnosis.json", "report.html", "corrected_model.skops")
 _EXTRAS = {"jinja2": "report", "matplotlib": "report", "skops": "skops"}
 _NO_MODEL = (
-    "No corrected_model.skops: a loop known by its command and its value only has no simulation of the valve "
+    "No corrected_model.skops: with only a command and a value recorded there is no simulation of the valve "
     "to correct."
 )
 _EXAMPLES = """examples:
@@ -58,8 +58,8 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--until",
         metavar="TIME",
-        help="in the recording's own time (of several, the last one's): rows after it serve for the final "
-        "held-out figures only",
+        help="in the recording's own time (of several, the last one's): rows after it are kept for the final "
+        "figures, which no step has used",
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the random draws (default: 0)")
     parser.add_argument(

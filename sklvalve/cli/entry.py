@@ -106,11 +106,11 @@ def _run(argv: Sequence[str] | None) -> int:
         return _complain(f"{error}{more}")
     except (ArithmeticError, LinAlgError) as error:
         return _complain(
-            f"the numbers of this recording break the computation down ({error}); look at them with "
+            f"the numbers of this recording break the computation ({error}); look at them with "
             "sklvalve screen, and correct units or values"
         )
     except MemoryError:
-        return _complain("the memory does not suffice; give a shorter recording or fewer samples a second")
+        return _complain("there is not enough memory; give a shorter recording or fewer samples a second")
     except Exception as error:
         if isinstance(error, BrokenPipeError) or (isinstance(error, OSError) and _output_fails()):
             raise
@@ -156,7 +156,7 @@ def _unforeseen(error: Exception) -> int:
     if os.environ.get("SKLVALVE_DEBUG") or sys.flags.dev_mode:
         raise error
     return _complain(
-        f"an error that nobody foresaw ({type(error).__name__}: {error}); check columns, units and values, "
+        f"an unexpected error ({type(error).__name__}: {error}); check columns, units and values, "
         "or set SKLVALVE_DEBUG=1 to see where it comes from, and report it"
     )
 

@@ -35,7 +35,7 @@ def add_parser(commands) -> None:
     parser.add_argument("--out", required=True, metavar="RECORDING", help="a .csv, .csv.gz or .parquet file")
     parser.add_argument("--timezone", metavar="ZONE", help="of local times: Europe/Warsaw, or +01:00")
     parser.add_argument(
-        "--time-column", type=column_name, metavar="NAME", help="column of the times (default: found out)"
+        "--time-column", type=column_name, metavar="NAME", help="column of the times (default: detected)"
     )
     parser.add_argument(
         "--skip-rows",
@@ -48,7 +48,7 @@ def add_parser(commands) -> None:
         "--header",
         type=_header,
         metavar="LINE",
-        help="line of the file, from 1, with the names of the columns, or none (default: found out)",
+        help="line of the file, from 1, with the names of the columns, or none (default: detected)",
     )
     parser.add_argument(
         "--period", type=_positive, metavar="S", help="seconds between rows (default: from the stamps)"
@@ -58,17 +58,15 @@ def add_parser(commands) -> None:
         type=_steps,
         default=5.0,
         metavar="N",
-        help="leave silences of more than N usual steps empty (default: 5)",
+        help="leave gaps of more than N usual steps empty (default: 5)",
     )
     parser.add_argument(
-        "--dates", choices=("day-first", "month-first"), help="how to read 03/04/2024 (default: found out)"
+        "--dates", choices=("day-first", "month-first"), help="how to read 03/04/2024 (default: detected)"
     )
     parser.add_argument(
-        "--decimal", choices=("point", "comma"), help="what decimals begin with (default: found out)"
+        "--decimal", choices=("point", "comma"), help="what decimals begin with (default: detected)"
     )
-    parser.add_argument(
-        "--encoding", metavar="NAME", help="of the files, such as cp1250 (default: found out)"
-    )
+    parser.add_argument("--encoding", metavar="NAME", help="of the files, such as cp1250 (default: detected)")
     parser.add_argument("--keep-uncertain", action="store_true", help="keep values of uncertain quality")
     parser.add_argument(
         "--hold", action="append", default=[], metavar="TAG", help="hold the last value between its reports"

@@ -26,7 +26,7 @@ def add_parser(commands) -> None:
         "init",
         help="draft the valve.toml of a recording",
         description="Guess from names and values which column is which signal, in which unit and sense; ask "
-        "what stays open, on a terminal; and write a valve.toml that says of each line why it stands there.",
+        "what stays open, on a terminal; and write a valve.toml that says why each line is there.",
         epilog=_EXAMPLES,
         formatter_class=RawDescriptionHelpFormatter,
     )
@@ -38,7 +38,7 @@ def add_parser(commands) -> None:
         "--tag", metavar="TAG", help="of the valve; needed where the recording holds several valves"
     )
     parser.add_argument(
-        "--time-column", type=column_name, metavar="NAME", help="column of the times (default: found out)"
+        "--time-column", type=column_name, metavar="NAME", help="column of the times (default: detected)"
     )
     parser.add_argument("--yes", action="store_true", help="ask nothing, take what is likeliest")
     parser.add_argument(
@@ -85,8 +85,8 @@ def _target(args: Namespace) -> Path:
         raise InputError(f"--out {out}: the draft is TOML; name the file .toml")
     if out.exists() and not args.force:
         raise InputError(
-            f"{out}: it is there already and may hold what you know; name another by --out, or replace it by "
-            "--force"
+            f"{out}: it exists already and may hold what you know; name another with --out, or replace it "
+            "with --force"
         )
     return out
 

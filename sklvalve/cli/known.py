@@ -40,8 +40,8 @@ def add_valve_argument(parser) -> None:
     parser.add_argument(
         "--valve",
         metavar="VALVE.toml",
-        help=f"what is known of the valve (default: {SHEET} beside the recording; without one, what the "
-        "columns' names and values tell, and the report says what was assumed)",
+        help=f"what is known of the valve (default: {SHEET} beside the recording; without one the columns' "
+        "names and values are used, and the report says what was assumed)",
     )
 
 
@@ -69,7 +69,7 @@ def known_valve(given: str | None, recording: str) -> Known:
         return Known(read_valve(given), [], "")
     beside = Path(recording).parent / SHEET
     if beside.is_file():
-        note = f"{beside}, which lies beside the recording, tells of the valve; give another by --valve"
+        note = f"{beside}, found beside the recording, describes the valve; give another with --valve"
         return Known(read_valve(beside), [], note)
     return _drafted(recording)
 
@@ -99,14 +99,14 @@ def to_fill_in(known: Known, recording: str, *, loop: bool) -> str:
     if known.assumed:
         return (
             f"Next: {_init(recording)} writes what was assumed into a {SHEET}; correct it, fill in the data "
-            "sheet, and give the same command again, which finds it there"
+            "sheet, and run the same command again"
         )
     valve = known.valve
     if loop or valve.kv_rated is not None or valve.characteristic is not None:
         return ""
     return (
-        f"Next: fill in the data sheet, kv_rated and characteristic in [valve] of {valve.source}; without "
-        "them no loss of capacity is told, and a leak or a worn trim passes for the trim"
+        f"Next: fill in the data sheet, kv_rated and characteristic in [valve] of {valve.source}. Without "
+        "the data sheet, wear or a leak cannot be told from the trim's shape, nor a loss of capacity detected"
     )
 
 
@@ -124,8 +124,8 @@ def _drafted(recording: str) -> Known:
     _require_a_command(draft, valve, recording)
     _require_enough(valve, told, recording)
     note = (
-        f"no --valve is given and no {SHEET} lies beside the recording, so that its columns are read by "
-        f"their names: {_taken(draft)}; all that is assumed stands among the findings about the data"
+        f"no --valve was given and no {SHEET} found beside the recording, so its columns are read by their "
+        f"names: {_taken(draft)}; the report lists all that is assumed, under Data"
     )
     return Known(valve, assumptions(draft), note)
 

@@ -40,9 +40,7 @@ def add_parser(commands) -> None:
         "--model", required=True, metavar="MODEL.skops", help="corrected_model.skops of a diagnosis"
     )
     parser.add_argument("--out", required=True, metavar="FILE.csv", help="file for the predictions")
-    parser.add_argument(
-        "--nominal", action="store_true", help="leave the found effects out: the calibrated data sheet alone"
-    )
+    parser.add_argument("--nominal", action="store_true", help="predict without the effects that were found")
     add_json_argument(parser, "what was written, and the error,")
     parser.set_defaults(run=run)
 
@@ -142,6 +140,7 @@ def _not_yet(simulation, recording: "Recording") -> list[str]:
     """Effects that begin after some of the rows: a clock that begins anew must not go unnoticed."""
     import numpy as np
 
+    from sklvalve.report.words import spoken
     from sklvalve.simulation.chain import clock_of
 
     onsets = getattr(simulation, "onsets", None) or {}
@@ -150,11 +149,15 @@ def _not_yet(simulation, recording: "Recording") -> list[str]:
     # the first of its times, where it comes and goes
     before = {names[key]: int((clock < np.min(times)).sum()) for key, times in onsets.items()}
     return [
-        f"{name} acts from a moment on, and {many} of these {len(clock)} rows stand before it, by the clock "
-        "of the recording that was diagnosed."
+        f"{_begun(spoken(name))} begins later: {many} of these {len(clock)} rows are before it, by the "
+        "clock of the diagnosed recording."
         for name, many in before.items()
         if many
     ]
+
+
+def _begun(words: str) -> str:
+    return words[:1].upper() + words[1:]
 
 
 def read_for_prediction(path: str, valve: "Valve") -> "Recording":

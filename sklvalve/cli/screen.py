@@ -21,7 +21,7 @@ def add_parser(commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "screen",
-        help="say what is wrong with the data themselves",
+        help="report what is wrong with the data",
         description="Look for gaps, frozen, clipped, coarse or compressed signals, swapped or mistaken units "
         "and shifted clocks; nothing is changed.",
         epilog=_EXAMPLES,

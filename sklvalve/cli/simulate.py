@@ -23,8 +23,8 @@ _DESCRIPTION = """\
 Record the actuator of the DAMADICS benchmark once a second, sound, in one of the benchmark's scenarios, or
 with a fault of your own, and write beside it the valve.toml with which sklvalve diagnose reads it. The
 column X_nominal is the stem of the sound actuator: the simulation that the diagnosis corrects. A --loop
-has none, for its command would be another one: it is diagnosed by its data sheet, and recorded only once
-it has settled."""
+has none, because its command would differ: it is diagnosed by its data sheet, and recorded only once it
+has settled."""
 _EPILOG = """\
 scenarios: a fault and its size, f7_big or f2_incipient; the fault begins after 900 s
   small, medium, big  f1 f7 f8 f10 f12 f13 f14 f16 f18 f19

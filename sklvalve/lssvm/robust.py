@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Weights that take from outliers their pull."""
+"""Weights that downweight outliers."""
 
 import numpy as np
 

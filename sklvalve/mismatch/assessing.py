@@ -84,7 +84,9 @@ def assessed(entries, verdict, p_value, skills, data, workbench):
 def _doubt(entry):
     """Why the strongest finding is no name, in a sentence that says which it is."""
     name, reason = entry["members"][0]["name"].replace("_", " "), entry["grade"]["reason"]
-    return f"{name.capitalize()} is too weak for a name: {reason[:1].lower()}{reason[1:]}"
+    # what was not checked is said once, beside the grade
+    reason = f"{reason.split('; how often')[0].rstrip('.')}."
+    return f"{name.capitalize()} is too uncertain to be named: {reason[:1].lower()}{reason[1:]}"
 
 
 def _skill(entry, skills):

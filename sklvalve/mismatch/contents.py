@@ -9,7 +9,7 @@ import numpy as np
 import sklvalve
 from sklvalve.mismatch.assessing import assessed
 from sklvalve.mismatch.dated import change_entry
-from sklvalve.mismatch.describing import described
+from sklvalve.mismatch.describing import described, scales_of
 from sklvalve.mismatch.events import events_of, told_by_events
 from sklvalve.mismatch.kinds import kind_of_class, with_kinds
 from sklvalve.mismatch.locate import acting_rows, location_of
@@ -17,6 +17,7 @@ from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.reasons import reasons_of
 from sklvalve.mismatch.referee import referee_entry, skills_ahead
 from sklvalve.mismatch.verdict import class_of, effect_entry
+from sklvalve.recording.calendar_time import begins_of, first_stamp
 from sklvalve.simulation.simulation import learnt_rest
 
 # what strays within this share of a recording is taken to have been there before
@@ -198,10 +199,15 @@ def content_of(
             "recording_sha256": whole.sha256,
             "rows": len(workbench.recording),
             "random_state": random_state,
-            **({"recordings": joined} if joined else _first_stamp(whole)),
+            **({"recordings": joined} if joined else {}),
+            **begins_of(whole),
         },
+        "units": {role: whole.unit(role) for role in whole},
+        # by these a size that is a share of its signal's span becomes one in the recording's own unit
+        "spans": {c: float(f"{workbench.spans[c] * abs(whole.per_si(c)):.4g}") for c in workbench.channels},
     }
-    content["reasons"] = reasons_of(judgement, mend, doubts)
+    content["reasons"] = reasons_of(judgement, mend, workbench, doubts)
+    content["details"] = [plan.details] if plan is not None and plan.details and not mend else []
     if judgement.referee is not None:
         content["referee"] = referee_entry(judgement.referee, whole)
     if rest is not None:
@@ -235,12 +241,6 @@ def _recordings(whole):
         }
         for p, many in zip(whole.pieces, rows, strict=True)
     ]
-
-
-def _first_stamp(whole):
-    """ISO 8601 time of the first sample, where the times are clock times."""
-    first = whole.stamps[0]
-    return {"begins": str(first).strip()} if isinstance(first, str) else {}
 
 
 def _unlearnt(left):
@@ -288,7 +288,7 @@ def _unknown_entry(whole, judgement):
         "correction": {"added": judgement.kept, "rmse_without": None, "rmse_with": None},
     }
     unit = whole.per_si(unknown.channel)
-    entry |= described(unknown.correction, unit, whole.unit(unknown.channel))
+    entry |= described(unknown.correction, unit, whole.unit(unknown.channel), scales_of(whole))
     if judgement.errors is not None:
         told = abs(unit) * np.array(judgement.errors)
         entry["correction"] |= {"rmse_without": float(told[0]), "rmse_with": float(told[1])}
@@ -324,4 +324,5 @@ def traces_of(whole, flagged, used, nominal, corrected):
         "flagged": shown,
         "begins": [low for low, _ in whole.spans],
         "until": None if used == len(whole) else used,
+        "first_stamp": first_stamp(whole),
     }

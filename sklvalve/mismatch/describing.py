@@ -19,7 +19,8 @@ _PLACES = 9
 _WIDTHS, _LENGTHS, _PHASES = (0.06, 0.12), np.geomspace(0.12, 1.0, 14), 8
 _BINS = 40
 _CYCLE = ("cosine", "sine")
-# name -> factor and offset from what the learnt rest is given to what is shown, unit shown
+# name -> factor and offset from what the learnt rest is given to what is shown, unit shown; where the
+# recording has no unit of its own
 _SHOWN = {
     "opening": (100.0, 0.0, "%"),
     "command": (100.0, 0.0, "%"),
@@ -27,6 +28,8 @@ _SHOWN = {
     "temperature": (1.0, -273.15, "degC"),
     "pressure_ratio": (1.0, 0.0, ""),
 }
+# what the learnt rest is given of a pressure drop [Pa]
+_BAR = 1e5
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +41,7 @@ class Term:
     signal: int
 
 
-def described(correction, slope, unit):
+def described(correction, slope, unit, scales=None):
     """Short formula of a learnt rest, and its course over the signal that tells most of it.
 
     Parameters
@@ -48,6 +51,8 @@ def described(correction, slope, unit):
     slope : float
         From SI to the unit of the signal.
     unit : str
+    scales : dict or None, default=None
+        As `scales_of` gives them.
 
     Returns
     -------
@@ -57,13 +62,15 @@ def described(correction, slope, unit):
     """
     rest = slope * learnt_at(correction, correction["support"])
     signals = correction["support"] * correction["scale"] + correction["centre"]
-    shown = [_shown(name, column) for name, column in zip(correction["inputs"], signals.T, strict=True)]
+    scales = _SHOWN if scales is None else scales
+    pairs = zip(correction["inputs"], signals.T, strict=True)
+    shown = [_shown(name, column, scales) for name, column in pairs]
     chosen, coefficients, share = _chosen(rest, _terms(shown))
     main = chosen[0].signal if chosen else 0
     name, values, own_unit = shown[main]
     formula = None
     if share >= _DESCRIBES:
-        left = f"rest of {correction['channel']}" + (f" [{unit}]" if unit != "1" else "")
+        left = f"{correction['channel']} residual" + (f" [{unit}]" if unit != "1" else "")
         formula = f"{left} = {_written(coefficients, chosen)}"
     return {
         "formula": formula,
@@ -72,13 +79,34 @@ def described(correction, slope, unit):
     }
 
 
-def _shown(name, column):
+def scales_of(recording):
+    """How signals are shown that a learnt rest hangs on: pressures and temperatures as they were recorded.
+
+    Parameters
+    ----------
+    recording : Recording
+
+    Returns
+    -------
+    scales : dict
+        Signal -> factor and offset from what the rest is given to what is shown, and the unit shown.
+    """
+    scales = dict(_SHOWN)
+    if "p1" in recording:
+        scales["dp"] = (_BAR * abs(recording.per_si("p1")), 0.0, recording.unit("p1"))
+    if "temperature" in recording:
+        zero = float(recording.in_recorded_units("temperature", np.zeros(1))[0])
+        scales["temperature"] = (recording.per_si("temperature"), zero, recording.unit("temperature"))
+    return scales
+
+
+def _shown(name, column, scales):
     """Words for a signal that remembers or not, its values as they are shown, and their unit."""
     signal, _, memory = name.partition(" ")
     if signal in _CYCLE:
         return f"{signal}(360 deg time / {memory})", column, ""
-    factor, offset, unit = _SHOWN.get(signal, (1.0, 0.0, ""))
-    words = signal.replace("_", " ") + (f" behind a lag of {memory}" if memory else "")
+    factor, offset, unit = scales.get(signal, (1.0, 0.0, ""))
+    words = signal.replace("_", " ") + (f" lagged by {memory}" if memory else "")
     return words, factor * column + offset, unit
 
 

@@ -8,6 +8,9 @@ import numpy as np
 
 from sklvalve.mismatch.diagnosis_file import read_diagnosis, write_diagnosis
 
+#: A difference that comes by chance as often as this is no sign of a fault.
+_NO_SIGN = 0.05
+
 
 class Diagnosis:
     """What was found in a recording; nothing changes it any more.
@@ -156,30 +159,39 @@ def _finding(content):
     verdict = content["verdict"]
     names = [_name(entry) for entry in content["effects"] if verdict != "named" or _may_be_named(entry)]
     if verdict == "named":
-        return f"The simulation leaves out {'; '.join(names)}."
+        return _named([entry for entry in content["effects"] if _may_be_named(entry)])
     if verdict == "none_of_these":
         besides = f"Besides {'; '.join(names)}, something" if names else "Something"
         return f"{besides} is missing that no known effect explains."
     if verdict == "cannot_tell":
         if not (content.get("mismatch") or {}).get("detected", True):
-            return "This recording cannot tell whether anything is missing."
-        likely = f"; likeliest is {'; '.join(names)}" if names else ""
-        return f"Something is missing, but this recording cannot tell what{likely}."
+            return "This recording cannot show whether anything is missing."
+        likely = f" Most likely: {'; '.join(names)}." if names else ""
+        return f"Something is missing; the recording does not identify what.{likely}"
     left = len(content.get("not_testable") or [])
-    unasked = f"; effects that could not be asked about: {left}, see not_testable" if left else ""
-    found = f"Nothing that matters was found missing{unasked}."
+    untested = f"; {left} effects could not be tested, see not_testable" if left else ""
+    found = f"Nothing relevant is missing{untested}."
     return " ".join([found, *(content.get("reasons") or [])])
 
 
+def _named(entries):
+    """Faults, and what the simulation lacks: never one for the other."""
+    faults = [_name(entry) for entry in entries if entry.get("kind") == "fault"]
+    lacking = [_name(entry) for entry in entries if entry.get("kind") != "fault"]
+    told = [f"Likely fault: {'; '.join(faults)}."] if faults else []
+    return " ".join([*told, *([f"The simulation lacks {'; '.join(lacking)}."] if lacking else [])])
+
+
 def _sureness(content):
-    """Probability of what was named, how large a chance the difference has, and what holds it back."""
+    """How often such a name was right, how large a chance the difference has, and what holds it back."""
     parts = []
     if content["verdict"] == "named":
         found = [each for each in content["effects"] if "probability" in each and _may_be_named(each)]
         parts += [f"{_sure(each)}{f' of {_name(each)}' if len(found) > 1 else ''}" for each in found]
     p_value = (content.get("mismatch") or {}).get("p_value")
     if p_value is not None:
-        parts.append(f"a difference as large comes by chance with {_p_words(p_value)}")
+        by_chance = f"a difference as large comes by chance with {_p_words(p_value)}"
+        parts.append("no sign of a fault" if _no_sign(content) else by_chance)
     told = f"{'; '.join(parts)}." if parts else ""
     reasons = [] if content["verdict"] == "no_mismatch" else content.get("reasons") or []
     # what must be mended first is both the reason and what to do
@@ -187,10 +199,18 @@ def _sureness(content):
     return words[:1].upper() + words[1:]
 
 
+def _no_sign(content):
+    """Whether nothing was found, and a difference as large is common by chance."""
+    test = content["mismatch"]
+    detected = content["verdict"] == "cannot_tell" and test.get("detected", True)
+    found = detected or content["verdict"] in ("named", "none_of_these")
+    return test["p_value"] >= _NO_SIGN and test["p_value"] > (test.get("alpha") or 0.0) and not found
+
+
 def _sure(entry):
     if entry["probability"] is None:
         return f"{(entry.get('grade') or {}).get('level') or 'unknown'} evidence"
-    return f"{_percent(entry['probability'])} sure"
+    return f"right in {_percent(entry['probability'])} of blind tests"
 
 
 def _may_be_named(entry):

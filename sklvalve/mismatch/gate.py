@@ -218,7 +218,7 @@ def _never_moves(finding):
 
 def _needs(name, role):
     if name == "swapped":
-        return "columns in their places"
+        return "columns that are not swapped"
     if name == "unit_suspect":
         return f"the right unit and sense of {role}"
     if name == "clock_shift":
@@ -243,7 +243,7 @@ def blocking(data):
     if not grave:
         return None
     seen = "; ".join(f"{each['role']} {each['detail']}" for each in grave)
-    return f"The data must be mended before physics is asked: {seen}. Correct the columns in the valve.toml."
+    return f"Correct the columns in valve.toml first; until then nothing can be diagnosed: {seen}."
 
 
 def without_findings(recording, data):

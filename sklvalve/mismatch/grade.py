@@ -47,7 +47,7 @@ def grade_of(probability, grounds, evidence, unchecked=""):
     lowered = int(skill is not None and skill <= 0.0)
     if unchecked:
         lowered += not evidence.get("late") and (skill is None or skill < EXPLAINS_MOST)
-        reason += f"; how often such names hold was not checked for {unchecked}"
+        reason += f"; how often such a diagnosis is right was not checked for {unchecked}"
         level = max(level - lowered, 0)
     elif level:
         # what is likely by its frequency stays named
@@ -61,17 +61,17 @@ def _why(grounds, evidence, level):
     """What speaks most against a finding; of a strong one, what speaks for it."""
     skill = evidence.get("skill")
     if grounds.may_vanish:
-        return f"the interval of its {_either(evidence['vanishes'])} holds the value at which it vanishes"
+        return f"the interval of its {_either(evidence['vanishes'])} includes the value of no effect"
     if evidence.get("at_first"):
-        return "it acts in the first rows alone, and what was before the recording is not known"
+        return "it acts in the first rows only, and what happened before the recording is not known"
     if skill is not None and skill <= 0.0:
-        return "its correction does not lower the error of rows ahead in time"
+        return "including it does not lower the error on forecast rows"
     if level < LEVELS.index(STRONG):
         return _weakest(grounds)
     words = "so large a difference is rare among healthy valves"
     if skill is None:
         return words
-    return f"{words}, and the correction explains {min(skill, 1.0):.0%} of it on rows ahead in time"
+    return f"{words}, and the correction explains {100.0 * min(skill, 1.0):.0f} % of it on forecast rows"
 
 
 def _weakest(grounds):
@@ -79,12 +79,12 @@ def _weakest(grounds):
     right, many = SEALED.held.get(grounds.leading, (0, 0))
     rarity, beside, coarse, _ = np.multiply(SEALED.of_grounds, grounds.columns)
     facts = {
-        f"of {many} classes led by this name {right} held the truth in blind tests on simulated valves": (
+        f"in blind tests on simulated valves {right} of {many} diagnoses led by this effect were right": (
             SEALED.of_name * log_odds_of_name(grounds.leading, SEALED.held)
         ),
         "so large a difference is not very rare among healthy valves": rarity,
-        "it stands beside a stronger finding": beside,
-        "the recorded values are thinned, or read in large steps": coarse,
+        "it was found beside a stronger finding": beside,
+        "the recorded values are compressed or coarsely quantised": coarse,
     }
     worst = min(facts, key=facts.__getitem__)
     return (

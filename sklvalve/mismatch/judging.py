@@ -146,7 +146,7 @@ def _judged(
     # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
     left, said = held_against_noise(workbench, explanation, model, findings, alpha)
     if said != FINE and left is not None:
-        why.append(too_much_left(left, findings))
+        why.append(too_much_left(left, findings, workbench))
     of_flow = any("flow" in workbench.channels_touched(f.member.effect) for f in findings)
     closest = []
     if said == REFUTED or (said != FINE and of_flow):

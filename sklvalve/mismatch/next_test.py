@@ -31,19 +31,22 @@ def next_test(classes, verdict, unknown, workbench, plan=None):
         return who.effect.separated_by
     if isinstance(unknown, LeftOver | Pulses):
         return (
-            "Hold the command for half an hour while the pressures go on: what still comes and goes hangs on "
-            "something that is not recorded; record what is near, such as pumps, gas, deposits or the meter."
+            "Hold the command for half an hour and keep recording: what still varies depends on something "
+            "not recorded. Record what may cause it, such as pumps, gas, deposits or the meter."
         )
     if unknown is not None and unknown.period is not None:
         return (
-            f"Look for what repeats every {unknown.period:.3g} s, such as a pump, another loop or a batch: "
-            "record it, or record the valve while it rests."
+            f"Look for something that repeats every {unknown.period:.3g} s, such as a pump, another loop or "
+            "a batch. Record it, or record the valve while it is off."
         )
     if unknown is not None:
         inputs = " and ".join(name.replace("_", " ") for name in unknown.inputs)
-        return f"Repeat a slow sweep of {inputs} at three levels of the other signals, both ways."
+        return f"Sweep {inputs} slowly up and down, at three levels of the other signals."
     if verdict == "no_mismatch" and "opening" not in workbench.recording:
-        return "Record the stem position too: without it actuator and trim cannot be told apart."
+        return (
+            "Record the stem position too: without it a fault of the actuator cannot be distinguished from "
+            "one of the trim."
+        )
     return None
 
 

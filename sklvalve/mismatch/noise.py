@@ -205,7 +205,7 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
     Parameters
     ----------
     residuals : ndarray of shape (n,)
-        Recorded less simulated; NaN in gaps.
+        Recorded minus simulated; NaN in gaps.
     simulated : ndarray of shape (n,)
         The simulated signal: the white part may grow with its movement and with its size.
     step : ndarray of shape (n,)

@@ -71,6 +71,8 @@ class TestPlan:
     considered : dict
         Kind of program -> least expected distance of the pairs that some program tells apart; of all pairs
         where none does.
+    details : str
+        The distances in a sentence for a specialist; empty where only one explanation is left.
     """
 
     # no test of a test suite, whatever its name looks like
@@ -84,6 +86,7 @@ class TestPlan:
     sensor: str | None = None
     pairs: tuple = ()
     considered: dict = field(default_factory=dict)
+    details: str = ""
 
     @property
     def decides(self):
@@ -156,13 +159,12 @@ def told(text, names, now, after, advice, *, alone=False):
     left = [(j, i) for i in range(k) for j in range(i) if sure[i, j] < SURE]
     new = [(j, i) for i in range(k) for j in range(i) if now[i, j] < DISTINGUISHABLE and after[i, j] >= SURE]
     if not new:
-        needed = f"{SURE:.0f} is needed to be sure"
         best = min(left, key=lambda pair: confusion(after[pair]) / confusion(now[pair]))
         others = _pairs_listed(names, [pair for pair in left if pair != best])
         return (
-            f"{text}: of the programs within the limits it takes {_listed([names[i] for i in best], 'and')} "
-            f"furthest apart, but only from D = {_short(now[best])} to {_short(after[best])}; {needed}"
-            f"{f', and it does not part {others}' if others else ''}. {advice[0]}"
+            f"{text}: within the limits this distinguishes {_listed([names[i] for i in best], 'and')} best, "
+            f"but one would still be taken for the other in {_percent(after[best])} of cases "
+            f"({_percent(now[best])} now){f', and it does not tell {others}' if others else ''}. {advice[0]}"
         )
     groups = apart(names, sure)
     where = {i: g for g, group in enumerate(groups) for i in group}
@@ -171,18 +173,38 @@ def told(text, names, now, after, advice, *, alone=False):
         spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
         shown, not_parted = min(across, key=lambda pair: after[pair]), ""
     else:
-        # a third explanation stands between those that part
+        # a third explanation stands between those that are told apart
         shown = max(new, key=lambda pair: after[pair])
         spoken = _pairs_listed(names, new, " and ")
-        not_parted = f" It does not part {_pairs_listed(names, left)}."
+        not_parted = f" It does not tell {_pairs_listed(names, left)}."
     said = (
-        f"{text}: this is expected to tell {spoken}{', which the command alone does not' if alone else ''} "
-        f"(distance D = {_short(now[shown])} now, {_short(after[shown])} with it: one would be taken for the "
-        f"other in {_percent(after[shown])} of cases instead of {_percent(now[shown])}).{not_parted} "
-        "Diagnose its record together with the present one."
+        f"{text}: this should tell {spoken}{', which moving the command alone does not' if alone else ''} "
+        f"(one would be taken for the other in {_percent(after[shown])} of cases, now in "
+        f"{_percent(now[shown])}).{not_parted} Diagnose the new recording together with the present one."
     )
     rest = dict.fromkeys(advice[group[0]] for group in groups if len(group) > 1)
-    return f"{said} For the rest: {' '.join(rest)}" if rest else said
+    return f"{said} For the others: {' '.join(rest)}" if rest else said
+
+
+def distances_told(names, now, after):
+    """Distances D of a plan for a specialist; the sentence of `told` has the chances that follow from them.
+
+    Parameters
+    ----------
+    names : sequence of str
+    now, after : ndarray of shape (k, k)
+        The same both ways.
+
+    Returns
+    -------
+    sentence : str
+    """
+    pairs = [(j, i) for i in range(len(names)) for j in range(i)]
+    each = [f"{_pairs_listed(names, [pair])} {_short(now[pair])} and {_short(after[pair])}" for pair in pairs]
+    return (
+        f"Distance D of explanations now and with the next test: {'; '.join(each)}. From "
+        f"{DISTINGUISHABLE:.0f} on two are told apart, and {SURE:.0f} is needed to expect it of a test."
+    )
 
 
 def _pairs_listed(names, pairs, joined=", nor "):
@@ -195,6 +217,8 @@ def _listed(names, joined):
 
 
 def _short(d):
+    if d < 0.05:
+        return "0"
     return f"{d:.0f}" if d >= 9.5 else f"{d:.2g}"
 
 

@@ -8,7 +8,15 @@ import numpy as np
 from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
 from sklvalve.mismatch.foreseen import Surroundings
-from sklvalve.mismatch.plan import SURE, Pair, TestPlan, appreciable, confusion, told
+from sklvalve.mismatch.plan import (
+    SURE,
+    Pair,
+    TestPlan,
+    appreciable,
+    confusion,
+    distances_told,
+    told,
+)
 from sklvalve.mismatch.programs import MOST_ROWS, TestLimits, as_now, library
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.given import ROLES as GIVEN
@@ -208,7 +216,7 @@ class _Choice:
         sentence = told(text, self.names, self.now, both, self._advice(), alone=alone)
         more = len(class_of(self.finding)) - len(self.names)
         if more > 0:
-            sentence += f" {more} less probable explanation{'s were' if more > 1 else ' was'} not looked at."
+            sentence += f" {more} less probable explanation{'s were' if more > 1 else ' was'} not considered."
         ranks = np.array(before)
         able = self._able(ranks)
         shown = ranks[:, able if able.any() else slice(None)].min(axis=1)
@@ -225,10 +233,11 @@ class _Choice:
             for i in range(k)
             for j in range(i)
         ]
-        return _plan(self.advisor, program, sentence, sensor, pairs, considered)
+        details = distances_told(self.names, self.now, both)
+        return _plan(self.advisor, program, sentence, sensor, pairs, considered, details)
 
 
-def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None):
+def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None, details=""):
     recording = advisor.workbench.recording
     surroundings = Surroundings(recording)
     return TestPlan(
@@ -240,6 +249,7 @@ def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None):
         sensor,
         tuple(pairs),
         considered or {},
+        details,
     )
 
 
@@ -260,7 +270,7 @@ def _for_its_size(advisor, finding, limits):
         return None
     what = f"the {quantity.name.replace('_', ' ')} ({member.effect.name.replace('_', ' ')})"
     sentence = (
-        f"{program.text}: this is expected to narrow the interval of {what} to {100 * share:.0f} % of its "
-        f"width. To be sure of the name: {member.effect.separated_by}"
+        f"{program.text}: this should narrow the 95 % interval of {what} to {100 * share:.0f} %. To confirm "
+        f"the cause: {member.effect.separated_by}"
     )
     return _plan(advisor, program, sentence, considered={p.name: float(s) for s, p in tried})

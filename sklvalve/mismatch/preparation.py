@@ -198,7 +198,7 @@ def candidates(workbench, wanted, data):
             untestable.setdefault(effect.name, workbench.plain.lacks(effect))
         elif effect.stage == "actuator" and workbench.coupled and not _knows_drive(workbench.plain):
             # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
-            untestable.setdefault(effect.name, "opening, or a data sheet of the actuator")
+            untestable.setdefault(effect.name, "a recorded opening, or a data sheet of the actuator")
         elif effect.possible(workbench.plain) and touched:
             steady = by_the_drop and touched == ("flow",) and effect.key in _PLAYS
             found.append(_throughout(effect) if steady else effect)

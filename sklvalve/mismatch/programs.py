@@ -126,9 +126,9 @@ def library(low, high, about, rows, step, limits):
     length, width = rows * step, high - low
     across, rising = f"{100 * low:.3g} % and {100 * high:.3g} %", np.linspace(low, high, 9)
     found = [
-        ("slow triangle", f"Ramp the command slowly between {across}, there and back once in {length:.0f} s",
+        ("slow triangle", f"Ramp the command slowly between {across}, up and down once in {length:.0f} s",
          _triangle(low, high, rows, 1)),
-        ("triangles", f"Ramp the command between {across}, there and back five times in {length:.0f} s",
+        ("triangles", f"Ramp the command between {across}, up and down five times in {length:.0f} s",
          _triangle(low, high, rows, 5)),
         ("staircase", f"Move the command between {across} in a staircase of eight steps up and down, "
          f"{length / 17:.0f} s each", _held(np.r_[rising, rising[-2::-1]], rows)),
@@ -145,7 +145,7 @@ def library(low, high, about, rows, step, limits):
     middle = _between(about, low + small[-1], high - small[-1])
     told = ", ".join(f"{100 * s:.3g}" for s in small)
     found.append(
-        ("reversals", f"Let the command ramp to and fro about {100 * middle:.3g} %, by {told} % to either "
+        ("reversals", f"Ramp the command up and down about {100 * middle:.3g} %, by {told} % to either "
          f"side, {length / len(small):.0f} s each", middle + _reversals(small, rows))
     )  # fmt: skip
     # a sound actuator comes to rest in between: haste shows what a simulation gets wrong of any
@@ -159,7 +159,7 @@ def library(low, high, about, rows, step, limits):
         levels = np.clip(levels, low, high)
         found.append(
             ("near the seat", f"Bring the command from {100 * levels[0]:.3g} % down to {100 * low:.3g} % in "
-             f"five steps, stay, and go back, {length / 12:.0f} s each", _held(levels, rows))
+             f"five steps, wait, and go back, {length / 12:.0f} s each", _held(levels, rows))
         )  # fmt: skip
     programs = [Program(name, text, _allowed(command, about, step, limits)) for name, text, command in found]
     return programs + _with_pressures(low, high, about, rows, step, limits)

@@ -3,28 +3,38 @@
 
 from sklvalve.mismatch.verdict import CLEAR_OF_OTHERS, class_of
 
+# of a larger class the likeliest are named
+_MANY = 4
 _NAMELESS = ("cannot_tell", "none_of_these")
 
 
 def not_upheld(findings):
-    """What is said where rows that a fit had not seen speak against all that was found."""
+    """The reason where rows that a fit had not seen speak against all that was found."""
     return (
-        f"{_names(findings)} fits all rows, but does not predict rows left out of the fit: at least half of "
-        "the excess error stays there. A longer recording with more movement would settle it."
+        f"{_begun(_names(findings))} fits all rows, but does not predict rows left out of the fit: at least "
+        "half of the excess error remains there. A longer recording with more movement would settle it."
     )
 
 
-def too_much_left(left, findings):
-    """What is said where the flow is further off than noise allows."""
+def too_much_left(left, findings, workbench):
+    """The reason where the flow is further off than noise allows, in the recording's own unit."""
     what = f"With {_names(findings)} the simulation" if findings else "The simulation"
+    size, allowed = (in_recorded(workbench, left.channel, share) for share in (left.size, left.allowed))
     return (
-        f"{what} leaves {_percent(left.size)} of the flow's span in rows that rest, {left.times:.2g} times "
-        f"the {_percent(left.allowed)} that noise and tolerance allow. A data sheet, or the signal that is "
-        "missing, would tell what it is."
+        f"{what} is off by {size} where the {left.channel} is steady, {left.times:.2g} times the {allowed} "
+        "that noise and tolerances allow. A data sheet, or the missing signal, would show why."
     )
 
 
-def reasons_of(judgement, mend, doubts=()):
+def in_recorded(workbench, channel, share):
+    """A share of a channel's span in words, in the unit in which it was recorded."""
+    recording = workbench.recording
+    size = share * workbench.spans[channel] * abs(recording.per_si(channel))
+    unit = recording.unit(channel)
+    return f"{100.0 * size:.2g} % of travel" if unit == "1" else f"{size:.2g} {unit}"
+
+
+def reasons_of(judgement, mend, workbench, doubts=()):
     """Reasons of a verdict, in plain sentences.
 
     Parameters
@@ -32,6 +42,7 @@ def reasons_of(judgement, mend, doubts=()):
     judgement : Judgement
     mend : str or None
         What must be done to the data first.
+    workbench : Workbench
     doubts : sequence of str
         Why what was found is too weak for a name.
 
@@ -49,36 +60,36 @@ def reasons_of(judgement, mend, doubts=()):
         found.append(judgement.strays.reason)
     if judgement.event is not None and not judgement.names_event:
         found.append(
-            "The last rows were held against a simulation fitted to those before: no effect that was tried "
-            "explains half of what is left over there. A recording that goes on would tell more."
+            "The last rows were compared with a simulation fitted to the rows before them: no effect that "
+            "was tried explains half of the difference. A longer recording would tell more."
         )
     elif judgement.change is not None:
         found.append(
-            "The recorded signal changed at one time, and no effect that was tried explains it from then on."
+            f"The {judgement.change.channel} changed at one time, and no effect that was tried explains it."
         )
     if judgement.pulses is not None:
         found.append(
-            f"The flow breaks out to one side in {judgement.pulses.many} moments and to the other in "
-            f"{judgement.pulses.against}: no effect of the catalogue comes and goes like that."
+            f"The flow deviates to one side at {judgement.pulses.many} moments and to the other at "
+            f"{judgement.pulses.against}: no effect of the catalogue behaves like that."
         )
     found += [] if doubts else [_doubtful(f) for f in judgement.findings if not _is_clear(f)]
     if judgement.unknown is not None:
         found.append(
-            f"A rest of the {judgement.unknown.channel} of {_percent(judgement.unknown.size)} of span can be "
-            "predicted from the recorded signals, and no effect that was tried accounts for it."
+            "No effect that was tried accounts for a predictable deviation of the "
+            f"{judgement.unknown.channel} by {in_recorded(workbench, *_of(judgement))}."
         )
     found += compared
     return found or [
-        "Simulation and recording differ by more than chance makes, but no single effect that was tried "
-        "explains enough of it to be named. The next test below asks for what is missing."
+        "Simulation and recording differ by more than chance, but no single effect that was tried explains "
+        "enough to be named."
     ]
 
 
 def _doubtful(finding):
     """Why one thing found is a candidate and no name."""
     return (
-        f"{_names([finding])} has {_percent(_share(finding))} among the explanations at hand, less than the "
-        f"{_percent(CLEAR_OF_OTHERS)} from which one is named."
+        f"{_begun(_names([finding]))} has a probability of {_percent(_share(finding))} among the "
+        f"explanations that were tried; {_percent(CLEAR_OF_OTHERS)} is needed to name it."
     )
 
 
@@ -90,9 +101,23 @@ def _share(finding):
     return sum(p for p, _, _ in class_of(finding).values())
 
 
+def _of(judgement):
+    return judgement.unknown.channel, judgement.unknown.size
+
+
 def _names(findings):
-    told = " and ".join(" or ".join(class_of(f)) for f in findings).replace("_", " ")
-    return told[:1].upper() + told[1:] if told else "The explanation"
+    """Names of what was found; of a large class the likeliest."""
+    told = []
+    for finding in findings:
+        names = [name.replace("_", " ") for name in class_of(finding)]
+        if len(names) > _MANY:
+            names = [*names[: _MANY - 1], f"one of {len(names) - _MANY + 1} others"]
+        told.append(" or ".join(names))
+    return " and ".join(told) or "the explanation"
+
+
+def _begun(words):
+    return words[:1].upper() + words[1:]
 
 
 def _percent(share):

@@ -38,7 +38,7 @@ class StemRest:
     windows, of : int
         Number of windows in which it strays, and of all that were asked.
     size : float
-        Rms of recorded less simulated opening in them [1].
+        Rms of recorded minus simulated opening in them [1].
     """
 
     rows: np.ndarray
@@ -60,9 +60,9 @@ class StemRest:
     def reason(self):
         """What it says, for people."""
         return (
-            f"In {self.windows} of {self.of} stretches of {_WINDOW} rows the stem is further from where the "
-            f"simulation has it than a sound one comes to ({100.0 * self.size:.2g} % of travel there), and "
-            "none of the effects that could be tried explains it."
+            f"In {self.windows} of {self.of} stretches of {_WINDOW} rows the stem is further from its "
+            f"simulation than a healthy stem gets ({100.0 * self.size:.2g} % of travel), and no effect that "
+            "could be tried explains it."
         )
 
 

@@ -79,7 +79,7 @@ def look_for_rest(workbench, model, *, alpha, random_state=0, channels=None):
     best, strengths = None, []
     for channel in workbench.channels if channels is None else channels:
         if channel == "flow" and drop_is_unknown(workbench.recording):
-            # a rest of the flow is first of all the drop's
+            # without a recorded pressure drop, a flow residual mostly reflects the unmeasured drop
             continue
         slow = slow_rest(workbench, model, channel)
         learnt = None

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From fits to words: classes of explanations that the recording cannot tell apart, and the verdict."""
 
+import re
+
 import numpy as np
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE
@@ -76,13 +78,15 @@ def effect_entry(finding, recording, workbench):
         "onset": None if who.onset is None else float(who.onset - fitted.chain.clock[0]),
         **({"spells": _spells(who, fitted)} if who.switches else {}),
         "parameters": {},
-        "sentence": _sentence(who, values),
+        "sentence": _sentence(who, values, who.effect.quantities(fitted.chain), recording),
         "separated_by": who.effect.separated_by,
     }
     for q in who.effect.quantities(fitted.chain):
         value = fitted.values[f"{who.effect.key}.{q.name}"]
         told = interval_of(workbench, who, fitted, q)
-        entry["parameters"][q.name] = _in_units(q, value, told, recording)
+        entry["parameters"][q.name] = _in_units(q, value, told, recording) | {
+            "unknown_ends": _unknown_ends(q, told)
+        }
     entry["evidence"] = {
         "gain": float(f"{finding.gain:.4g}"),
         "runner_up": _runner_up(finding, members),
@@ -109,6 +113,19 @@ def _at_bound(who, fitted, quantity):
     return bool(value >= high - near or (value <= low + near and quantity.low != quantity.null))
 
 
+def _unknown_ends(quantity, ends):
+    """Ends of an interval that are only the bound of what is tried; no effect, and nothing left, are ends."""
+    if not ends:
+        return []
+    names = ("lower", ends[0], quantity.low), ("upper", ends[1], quantity.high)
+    near = _NEAR_BOUND * (quantity.high - quantity.low)
+    return [
+        name
+        for name, end, bound in names
+        if bound not in (quantity.null, 0.0) and (end == bound or (name == "upper" and end >= bound - near))
+    ]
+
+
 def _spells(who, fitted):
     """From when to when an effect acts that comes and goes [s from the first sample]."""
     clock = fitted.chain.clock
@@ -116,14 +133,22 @@ def _spells(who, fitted):
     return [[float(a - clock[0]), float(b - clock[0])] for a, b in zip(times[::2], times[1::2], strict=True)]
 
 
-def _sentence(who, values):
-    text = who.effect.phrase.format(**values)
+def _sentence(who, values, quantities, recording):
+    """The effect's own words; pressures in the recording's own unit."""
+    unit, told = "Pa", dict(values)
+    if "p1" in recording:
+        unit, scale = recording.unit("p1"), abs(recording.per_si("p1"))
+        told |= {q.name: scale * values[q.name] for q in quantities if q.unit == "Pa"}
+    text = re.sub(r"(?<=\d)%", " %", who.effect.phrase.format(pressure_unit=unit, **told))
     return text[0].upper() + text[1:] + "."
 
 
 def _in_units(quantity, value, interval, recording):
-    """A parameter with its interval; a flow in the recording's own unit."""
+    """A parameter with its interval; a flow or a pressure in the recording's own unit."""
     unit, told = quantity.unit, [value, *(interval or ())]
+    if unit == "Pa" and "p1" in recording:
+        told = [float(v * abs(recording.per_si("p1"))) for v in told]
+        unit = recording.unit("p1")
     if unit.startswith(("m3/s", "kg/s")):
         zero = recording.in_recorded_units("flow", np.zeros(1))[0]
         told = [float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in told]

@@ -47,8 +47,8 @@ def withheld(judgement, data, recording):
         judgement = replace(judgement, left=None, closest=[])
     if judgement.pulses is not None and "flow" in spoilt:
         judgement = replace(judgement, pulses=None)
-    blamed = [f"what a historian left out of {role}" for role in redrawn]
-    blamed += [f"the coarse steps of {role}" for role in _roles(data, "quantised")]
+    blamed = [f"the historian's compression of {role}" for role in redrawn]
+    blamed += [f"the coarse reading of {role}" for role in _roles(data, "quantised")]
     # and no coarse reading is as far off as a stem that strays, or to one side only
     strays = judgement.strays is not None and "opening" not in spoilt
     beyond = unknown is not None or judgement.left is not None or strays or judgement.pulses is not None
@@ -58,8 +58,8 @@ def withheld(judgement, data, recording):
         judgement, verdict="cannot_tell", p_value=None, findings=[], model=judgement.nominal, strays=None
     )
     return silent, (
-        f"The recording differs from the simulation, but {' and '.join(blamed)} may be all of it: diagnose a "
-        "recording without that."
+        f"The recording differs from the simulation, but {' and '.join(blamed)} may explain all of it. "
+        "Diagnose a recording without that."
     )
 
 

@@ -207,7 +207,7 @@ class Workbench(Sharing, Sizes):
         )
 
     def residuals(self, model):
-        """Recorded less simulated, by channel."""
+        """Recorded minus simulated, by channel."""
         return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
 
     def use_noise(self, noise):

@@ -57,7 +57,7 @@ def recorded_panels(traces: dict) -> list[Panel]:
 
 
 def residual_panels(traces: dict) -> list[Panel]:
-    """Recorded less simulated, before and after the correction; none where nothing can be compared."""
+    """Recorded minus simulated, before and after the correction; none where nothing can be compared."""
     panels = []
     for role in compared_roles(traces):
         name, unit = _named(traces, role)

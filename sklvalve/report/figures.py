@@ -17,7 +17,7 @@ from sklvalve.report.displays.improvement import improvements_of
 from sklvalve.report.drawing import pyplot_free_figure, styled, to_svg
 from sklvalve.report.words import either, number, role_words
 
-_FLAGGED = "; shaded where what was found acts noticeably"
+_FLAGGED = "; shaded where what was found acts"
 
 
 class Picture(NamedTuple):
@@ -43,12 +43,12 @@ def recording_figure(traces: dict) -> Picture:
 
 
 def residual_figure(traces: dict) -> Picture | None:
-    """Recorded less simulated over time, before and after; None where nothing can be compared."""
+    """Recorded minus simulated over time, before and after; None where nothing can be compared."""
     display = RecordingDisplay.of_traces(traces, show="residual")
     if not display.panels:
         return None
     shown = either([role_words(role) for role in compared_roles(traces)], "and")
-    alt = f"Recorded less simulated {shown} over time{when(traces)}"
+    alt = f"Recorded minus simulated {shown} over time{when(traces)}"
     return _courses(display, "residual", alt + _FLAGGED)
 
 
@@ -60,8 +60,8 @@ def signature_figures(traces: dict) -> list[Picture]:
         pictures.append(_signature(travel, "travel", f"Opening against command{when(traces)}"))
     if capacity is not None:
         place = capacity.x_label.split(" [")[0]
-        freed = "1 bar" in capacity.y_label
-        told = f"Flow against {place}" + (", freed from the pressure drop by its root" if freed else "")
+        freed = " at a drop of " in capacity.y_label
+        told = f"Flow against {place}" + (", divided by the root of the pressure drop" if freed else "")
         pictures.append(_signature(capacity, "capacity", told + when(traces)))
     return pictures
 
@@ -71,7 +71,7 @@ def map_figures(traces: dict) -> list[Picture]:
     display = ResidualMapDisplay.of_traces(traces)
     if display is None:
         return []
-    outlined = "; outlined: bins in which what was found acts noticeably" if display.flagged.any() else ""
+    outlined = "; outlined: bins where what was found acts" if display.flagged.any() else ""
     pictures = []
     for model in display.means:
         when = {"nominal": " before the correction", "corrected": " after the correction"}[model]
@@ -91,7 +91,7 @@ def improvement_figures(d: dict) -> list[Picture]:
         dashed = "" if noise is None else f" Dashed: what noise alone leaves, {number(noise)}."
         alt = f"Error of {improvement.name} on held-out rows [{improvement.unit}]: {told}."
         display = FitImprovementDisplay([improvement])
-        caption = f"Error of {improvement.name} on rows held out of the fit; shorter is better.{dashed}"
+        caption = f"Error of {improvement.name} on rows left out of the fit; shorter is better.{dashed}"
         pictures.append(_picture(display.plot, f"improvement-{count}", alt + dashed, caption, (3.7, 1.5)))
     return pictures
 

@@ -1,26 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The top of a report: the finding in one short sentence, how sure it is, what it brings, what to do next."""
 
-from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, to_be_declared
+from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, to_be_declared, what_is_it
 from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
 from sklvalve.report.rows import moves
-from sklvalve.report.sentence import NOTHING_TO_BE_TOLD, closest, gain, helped, no_noise, size_words
+from sklvalve.report.sentence import NOTHING_TO_BE_TOLD, beyond_noise, closest, gain, helped, size_words
 from sklvalve.report.words import (
-    class_in_block,
+    block_words,
     class_words,
     either,
     lacks_sheet,
     likeliest_first,
     named_effects,
-    number,
+    no_sign,
     p_words,
     percent,
+    right,
     role_words,
-    sure,
     unsaid,
+    with_unit,
 )
 
+_BLIND = "In blind tests on simulated valves"
 _COUNTS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six"}
 
 
@@ -52,7 +54,7 @@ def headline(d: dict) -> str:
 
 
 def glance(d: dict) -> list[tuple[str, str]]:
-    """How sure the finding is, what to do next, what it brings and what was assumed: (question, answer).
+    """How sure the finding is, what to do next, what correcting it brings, what was assumed.
 
     Parameters
     ----------
@@ -62,7 +64,7 @@ def glance(d: dict) -> list[tuple[str, str]]:
     asked = {
         "How sure": _sureness(d),
         "What to do next": _next(d),
-        "What it brings": _brings(d),
+        "What correcting it brings": _brings(d),
         "What was assumed": _assumed(d),
     }
     return [(question, words) for question, words in asked.items() if words]
@@ -70,11 +72,11 @@ def glance(d: dict) -> list[tuple[str, str]]:
 
 def _agreement(d: dict) -> str:
     if d.get("subject") == "loop":
-        return "Sticking of a size that matters is excluded."
+        return "Sticking of a relevant size is excluded."
     if _differs(d):
         return (
-            "Nothing that matters is missing: simulation and recording differ by less than the data-sheet "
-            "tolerances and the size that counts."
+            "Nothing relevant is missing: simulation and recording differ by less than the data-sheet "
+            "tolerances."
         )
     if lacks_sheet(d):
         return f"{NOTHING_TO_BE_TOLD}."
@@ -85,10 +87,11 @@ def _named(d: dict) -> str:
     effects = faults_first(named_effects(d))
     if len(effects) == 1:
         effect = effects[0]
-        words = class_words(effect["members"])
-        found = f"{words} {brief_place(d, unsaid(words, effect['blocks']))}".rstrip()
+        words = what_is_it(effect)
+        where = brief_place(d, unsaid(words, effect["blocks"]))
         size = _size(effect, d)
-        return f"{begins(effect)} {found}{is_what(effect)}{f': {size}' if size else ''}."
+        found = f"{begins(effect)} {words}{is_what(effect)}{f', {where}' if where else ''}."
+        return f"{found} {size[:1].upper()}{size[1:]}." if size else found
     told = [
         f"{begin} {'; '.join(f'{count}. {_one_of_several(effect, d)}' for count, effect in group)}"
         for begin, group in by_beginning(effects)
@@ -99,9 +102,11 @@ def _named(d: dict) -> str:
 
 def _one_of_several(effect: dict, d: dict) -> str:
     """One of several effects, where it sits, what it is and its sizes."""
-    sizes = [size_words(effect, d, interval=False), moves(effect.get("size") or {})]
+    sizes = [size_words(effect, d, interval=False), moves(effect.get("size") or {}, d)]
     told = ", ".join(words for words in (is_what(effect).strip(" ()"), *sizes) if words)
-    words = class_in_block(effect)
+    words = what_is_it(effect)
+    where = block_words(unsaid(words, effect["blocks"]))
+    words = f"{words}, {where}" if where else words
     return f"{words} ({told})" if told else words
 
 
@@ -109,27 +114,31 @@ def _unknown(d: dict) -> str:
     known = either([class_words(effect["members"]) for effect in d.get("effects") or []], "and")
     begin = f"Besides {known}, something" if known else "Something"
     where = brief_place(d, d["location"]["blocks"])
-    size = moves({(d.get("unknown") or {}).get("signal"): (d.get("unknown") or {}).get("size")})
-    acts = f": it acts {where}" if where else ""
-    return f"{begin} is missing that no known effect explains{acts}{f', and {size}' if size else ''}."
+    unknown = d.get("unknown") or {}
+    size = moves({unknown.get("signal"): unknown.get("size")}, d)
+    joined = ", and " if "," in where else " and "
+    acts = joined.join(words for words in (f"acts {where}" if where else "", size) if words)
+    return f"{begin} is missing that no known effect explains.{f' It {acts}.' if acts else ''}"
 
 
 def _undecided(d: dict) -> str:
     if not d["mismatch"].get("detected", True):
-        return "This recording cannot tell whether anything is missing."
+        if d.get("subject") == "loop":
+            return "This recording cannot show whether the valve sticks."
+        return "This recording cannot show whether anything is missing."
+    sentence = "Something is missing; the recording does not identify what."
     where = brief_place(d, d["location"]["blocks"])
-    sentence = "Something is missing, but this recording cannot tell what"
     if where:
-        sentence += f": it acts {where}"
+        sentence += f" It acts {where}."
     members = [member for effect in d.get("effects") or [] for member in effect["members"]]
     if members:
-        sentence += f"; likeliest is {class_words(likeliest_first(members), limit=4)}"
-    return sentence + "."
+        sentence += f" Most likely: {class_words(likeliest_first(members), limit=4)}."
+    return sentence
 
 
 def _size(effect: dict, d: dict) -> str:
     """How far an effect moves the signals, and its own size."""
-    told, own = moves(effect.get("size") or {}), size_words(effect, d, interval=False)
+    told, own = moves(effect.get("size") or {}, d), size_words(effect, d, interval=False)
     if not told:
         return own
     return f"it {told} where it acts{f' ({own})' if own else ''}"
@@ -145,32 +154,42 @@ def _sureness(d: dict) -> str:
     parts = []
     if d["verdict"] == "named":
         parts.append(_named_sureness(faults_first(named_effects(d))))
-    if d["verdict"] == "cannot_tell" and d["mismatch"].get("detected", True):
-        parts.append("That something is missing is sure, what it is is not.")
-    if p_value is not None:
+    if no_sign(d):
+        parts.append("No sign of a fault.")
+    elif p_value is not None:
         parts.append(f"A difference as large comes by chance in {_times(p_value)} ({p_words(p_value)}).")
     if d["verdict"] == "none_of_these":
-        parts += [f"It {no_noise(d)}.", closest(d).strip()]
-    # what must be mended first is both the reason and what to do
-    parts += [reason for reason in d.get("reasons") or [] if reason != next_test]
+        parts += [f"It {beyond_noise(d)}.", closest(d).strip()]
+    # what must be mended first is both the reason and what to do; a grade's reason is said already
+    said = {next_test, *parts}
+    parts += [reason for reason in d.get("reasons") or [] if reason not in said]
     return " ".join(part for part in parts if part)
 
 
 def _named_sureness(effects: list[dict]) -> str:
-    if len(effects) > 1:
-        every = [f"{sure(e)} of {class_words(e['members'], limit=1 + len(e['members']))}" for e in effects]
-        return _begun(f"{'; '.join(every)}.")
-    effect, count = effects[0], len(effects[0]["members"])
-    words = sure(effect)
-    if effect.get("probability") is None:
-        return f"{_begun(words)}. {(effect.get('grade') or {}).get('reason', '')}".strip()
-    what = "of the name" if count == 1 else f"that it is one of these {_COUNTS.get(count, count)}"
-    share = "in blind tests on simulated valves this share of such identifications was correct"
-    return f"{_begun(words)} {what}: {share}."
+    """How often such a diagnosis was right where that was checked, else the grade and its reason."""
+    checked = [effect for effect in effects if effect.get("probability") is not None]
+    parts = []
+    if len(effects) == 1 and checked:
+        count = len(checked[0]["members"])
+        what = "" if count == 1 else f", one of these {_COUNTS.get(count, count)} causes,"
+        parts.append(
+            f"{_BLIND} such a diagnosis{what} was right in {right(checked[0]['probability'])} of cases."
+        )
+    elif checked:
+        each = [f"{right(e['probability'])} of cases for {_of(e)}" for e in checked]
+        parts.append(f"{_BLIND} such diagnoses were right in {either(each, 'and')}.")
+    for effect in effects:
+        grade = effect.get("grade") or {}
+        if effect.get("probability") is None:
+            of = f" of {_of(effect)}" if len(effects) > 1 else ""
+            level = f"{str(grade.get('level') or 'unknown').capitalize()} evidence{of}."
+            parts.append(f"{level} {grade.get('reason', '')}".strip())
+    return " ".join(parts)
 
 
-def _begun(words: str) -> str:
-    return f"{words[:1].upper()}{words[1:]}"
+def _of(effect: dict) -> str:
+    return class_words(effect["members"], limit=1 + len(effect["members"]))
 
 
 def _times(p_value: float) -> str:
@@ -183,8 +202,8 @@ def _next(d: dict) -> str:
     test = d.get("next_test") or ""
     if d["verdict"] == "no_mismatch":
         first = (
-            "Give the data sheet's capacity and characteristic: without them a leak, a worn trim or a wrong "
-            "capacity cannot be told."
+            "Give the data sheet's capacity and characteristic. Without the data sheet, wear or a leak "
+            "cannot be told from the trim's shape."
             if lacks_sheet(d)
             else "Nothing needs to be done."
         )
@@ -194,7 +213,7 @@ def _next(d: dict) -> str:
     if test:
         return test
     if d["verdict"] == "named":
-        return "No further test is needed to tell what it is: look for it at the valve."
+        return "No further test is needed: look for it at the valve."
     return ""
 
 
@@ -206,18 +225,18 @@ def _assumed(d: dict) -> str:
             found[each["finding"]].append(role_words(each["role"]))
     if not (found["assumed"] or found["guessed"]):
         return ""
-    told = "No data sheet was given, and the columns were read by their names and values."
+    told = "No data sheet was given; the columns were read by their names and values."
     if found["guessed"]:
         told += f" Partly a guess: {either(found['guessed'], 'and')}."
-    return f"{told} All of it stands below, under the data themselves."
+    return f"{told} The full list is below, under Data."
 
 
 def _brings(d: dict) -> str:
     lost = left_out(d)
-    words = f"nothing yet: {lost}" if lost and d["verdict"] == "none_of_these" else gain(d)
-    if not words or d["verdict"] == "no_mismatch":
+    if d["verdict"] == "no_mismatch":
         return ""
-    return f"{words[:1].upper()}{words[1:]}.{_beside(d)}"
+    words = f"nothing yet: {lost}" if lost and d["verdict"] == "none_of_these" else gain(d)
+    return f"{words[:1].upper()}{words[1:]}.{_beside(d)}" if words else ""
 
 
 def _beside(d: dict) -> str:
@@ -226,12 +245,12 @@ def _beside(d: dict) -> str:
     if role is None:
         return ""
     fit = d["fit"][role]
-    scale = 100.0 if fit["unit"] == "1" else 1.0
+    scale, unit = (100.0, "%") if fit["unit"] == "1" else (1.0, fit["unit"])
     told = [
-        f"{what} {number(scale * value)}"
+        f"{what} {with_unit(scale * value, unit)}"
         for what, value in (
-            ("a black box learnt from the same rows makes", fit["rmse"].get("black_box")),
-            ("noise alone", fit.get("noise_floor")),
+            ("a black box trained on the same rows has", fit["rmse"].get("black_box")),
+            ("noise alone gives", fit.get("noise_floor")),
         )
         if value is not None
     ]

@@ -2,7 +2,6 @@
 """A diagnosis as one HTML file that needs nothing else: no network, no fonts, no script but its own."""
 
 import os
-import re
 import secrets
 from base64 import b64encode
 from hashlib import sha256
@@ -19,7 +18,7 @@ from sklvalve.report.intervals import interval_figures
 from sklvalve.report.signals import as_shown
 from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
-from sklvalve.report.words import verdict_words
+from sklvalve.report.words import lacks_sheet, verdict_words, with_units
 
 
 def write_report(
@@ -81,7 +80,7 @@ def render(diagnosis: Diagnosed, *, title: str | None = None, source: str | None
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters["with_units"] = _with_units
+    environment.filters["with_units"] = with_units
     d = proof.with_proof(diagnosis.to_dict(), diagnosis.traces)
     # the parts share names, and leave none behind
     script = f'"use strict";\n(() => {{\n{_part("reading.js")}{_part("trends.js")}}})();\n'
@@ -105,11 +104,13 @@ def _words(d: dict) -> dict[str, Any]:
         "explanations": rows.explanations(d),
         "unexplained": rows.unexplained(d),
         "places": rows.places(d),
-        "models": list(rows.MODELS.values()),
+        "models": list(rows.models(d).values()),
         "errors": rows.errors(d),
         "proof": proof.heading(d),
         "notes": rows.proof_notes(d),
-        "untestable": [(needs, ", ".join(names)) for needs, names in rows.untestable_by_need(d)],
+        "details": rows.details(d),
+        "simulated": simulated(d),
+        "untestable": [(f"With {needs}", ", ".join(names)) for needs, names in rows.untestable_by_need(d)],
         "data": rows.data_findings(d),
         "provenance": rows.provenance(d),
     }
@@ -151,16 +152,25 @@ def _caption(d: dict, traces: dict) -> str:
     """What is marked in the recording."""
     words = "The signals as recorded."
     if _everywhere(traces):
-        words = "What was found acts noticeably in all rows, so that none are shaded."
+        words = "What was found acts in all rows, so none are shaded."
     elif np.asarray(traces["flagged"]).any():
         words = (
-            "Shaded: rows in which what was found acts noticeably, with a quarter or more of its largest "
-            "effect. In other rows of the times named above it is present, but shows little."
+            "Shaded: rows where what was found has a quarter or more of its largest effect. In other rows of "
+            "the times above it is present, but small."
         )
     if traces.get("until"):
-        used = "served for the final check only" if d.get("proof") == proof.LATER_ROWS else "were not used"
-        words += f" Dashed: the rows to its right {used}."
+        used = "are for the final check only" if d.get("proof") == proof.LATER_ROWS else "were not used"
+        words += f" Dashed: the rows to the right of it {used}."
     return words
+
+
+def simulated(d: dict) -> str:
+    """What the simulation before the correction is, for the captions of residuals."""
+    if d.get("subject") == "loop":
+        return "a stem that follows its command, with the loop's response fitted to this recording"
+    if lacks_sheet(d):
+        return "calibrated on this recording"
+    return "by the data sheet, calibrated on this recording within its tolerances"
 
 
 def _everywhere(traces: dict) -> bool:
@@ -170,12 +180,3 @@ def _everywhere(traces: dict) -> bool:
 
 def _part(name: str) -> str:
     return files("sklvalve.report").joinpath("templates", name).read_text(encoding="utf-8")
-
-
-def _with_units(words: str) -> str:
-    """Words whose numbers stay on one line with their units."""
-    return re.sub(
-        r"(?<=\d) (?=(?:%|s|h|m3/h|kPa)(?!\w))|(?<=\bp) (?=[<=])|(?<=\bp [<=]) (?=\d)",
-        "\N{NO-BREAK SPACE}",
-        words,
-    )

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The picture of parameters with their intervals: how well each is known, and whether it may be nought."""
+"""The picture of parameters with their intervals: how well each is known, and whether it may be zero."""
 
 from sklvalve.report.drawing import COLOURS, GRID, INK, pyplot_free_figure, styled, to_svg
 from sklvalve.report.figures import Picture
 from sklvalve.report.parameters import Parameter, shown_parameters
 
 _CAPTION = (
-    "Each value with its 95 % interval, on a scale of its own from nought, the upright line, to the far end "
-    "of the interval."
+    "Each value with its 95 % interval, on its own scale from zero, the vertical line, to the far end of the "
+    "interval."
 )
 # letters of a line of names, so that they leave room for the intervals on a telephone
 _LETTERS = 26
@@ -24,7 +24,7 @@ def interval_figures(d: dict) -> list[Picture | None]:
 def _figure(name: str, parameters: list[Parameter]) -> Picture | None:
     from textwrap import fill
 
-    known = [each for each in parameters if None not in (each.value, each.low, each.high)]
+    known = [p for p in parameters if None not in (p.value, p.low, p.high) and not p.unknown_ends]
     if not known:
         return None
     alt = "Parameters with their 95 % intervals: " + "; ".join(f"{each.name} {each.words}" for each in known)
@@ -51,7 +51,7 @@ def _figure(name: str, parameters: list[Parameter]) -> Picture | None:
 
 
 def _on_own_scale(parameter: Parameter) -> tuple[float, float, float]:
-    """Low end, value and high end as shares of the end that lies furthest from nought."""
+    """Low end, value and high end as shares of the end that lies furthest from zero."""
     assert parameter.low is not None
     assert parameter.value is not None
     assert parameter.high is not None

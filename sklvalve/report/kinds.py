@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fault or property, in words: what is to be mended, and what belongs into the sheet or the simulation."""
 
-from sklvalve.report.words import class_words, either, number
+from sklvalve.report.words import class_clause, class_words, either, number
 
 _BEGINS = {"fault": "Likely fault:", "property": "The simulation lacks", "either": "The simulation lacks"}
 _IS = {"property": "a property of a sound valve", "either": "a property of a sound valve, or a fault"}
 #: Diagnoses made before the kind was known have none.
-UNKNOWN = "The simulation leaves out"
+UNKNOWN = "Not in the simulation:"
 # a class of several kinds is likely of the one that holds this share of its probability
 _LIKELY = 0.8
 # effect -> key of [actuator], parameter, and the value to be declared from it
@@ -39,8 +39,14 @@ def begins(effect: dict) -> str:
     return _BEGINS.get(likely(effect), UNKNOWN)
 
 
+def what_is_it(effect: dict, limit: int = 3) -> str:
+    """What was found, as it follows `begins`: what has happened where it is a fault, else a name."""
+    words = class_clause if likely(effect) == "fault" else class_words
+    return words(effect["members"], limit)
+
+
 def is_what(effect: dict) -> str:
-    """What an effect is, in brackets; empty for a fault, of which the beginning tells."""
+    """What an effect is, in brackets; empty for a fault, which the beginning names."""
     words = _IS.get(likely(effect))
     return f" ({words})" if words else ""
 
@@ -70,10 +76,10 @@ def to_be_declared(effects: list[dict]) -> str:
         return ""
     names = either([class_words(effect["members"]) for effect in lacking], "and")
     keys = [words for words in map(_declaration, lacking) if words]
-    sheet = f", {either(keys, 'and')} in the [actuator] section of valve.toml," if keys else ""
-    told = f"Put {names} into the simulation{sheet} if the valve was built so."
+    sheet = f": {either(keys, 'and')} in the [actuator] section of valve.toml" if keys else ""
+    told = f"If the valve was built so, add {names} to the simulation{sheet}."
     if all(likely(effect) == "property" for effect in effects):
-        told += " No maintenance follows from it."
+        told += " No maintenance is needed."
     elif any(likely(effect) == "either" for effect in lacking):
         told += " If it was not, look for the fault at the valve."
     return told

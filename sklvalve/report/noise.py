@@ -1,14 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The noise that a recording tells of its signals by itself, in sentences."""
+"""What the noise of a recording, measured without a model, says of its fit, in sentences."""
 
-from sklvalve.report.place import change_words
-from sklvalve.report.words import number, role_words, with_unit
+from sklvalve.report.place import change_words, located
+from sklvalve.report.words import role_words
 
 
 def noise_told(d: dict) -> list[str]:
-    """Noise told without a model, a line a signal; none for a signal of which the recording tells nothing."""
-    change = (d.get("location") or {}).get("change") or {}
-    dated = {change["signal"]: change_words(d["location"])} if change else {}
+    """What measured noise says of each signal; nothing where it says nothing.
+
+    The one noise figure of a report is the floor beside the errors: what these sentences compare with is in
+    ``fit.<signal>.model_free`` of diagnosis.json.
+    """
+    location = located(d)
+    change = location.get("change") or {}
+    dated = {change["signal"]: change_words(location)} if change else {}
     return [
         words
         for role, fit in (d.get("fit") or {}).items()
@@ -17,27 +22,19 @@ def noise_told(d: dict) -> list[str]:
 
 
 def _of_channel(role: str, fit: dict, changed: str) -> str:
-    told = fit.get("model_free") or {}
-    scale, unit = (100.0, "%") if told.get("unit") == "1" else (1.0, told.get("unit"))
-    steady, repeats = told.get("steady") or {}, told.get("repeats") or {}
-    parts = []
-    if steady.get("value") is not None:
-        value = with_unit(scale * steady["value"], unit)
-        parts.append(f"{value} quick, where nothing moves ({steady['rows']} rows)")
-    if repeats.get("value") is not None:
-        value = with_unit(scale * repeats["value"], unit)
-        parts.append(f"{value} with wander, play and friction, where all comes back ({repeats['rows']} rows)")
-    if not parts:
-        return ""
-    words = [f"Noise of {role_words(role)}, told without a model: {'; '.join(parts)}."]
+    told, name = fit.get("model_free") or {}, role_words(role)
+    words = []
     if told.get("noise_model_above_steady"):
         words.append(
-            "The noise model is clearly above what rests show: it may have taken up physics that is missing."
+            f"The fitted noise of {name} exceeds the noise measured while the valve is at rest: it may have "
+            "absorbed missing physics."
         )
     if told.get("repeats_above_steady"):
-        why = f"it changed {changed}" if changed else "it remembers, or has changed in time"
-        words.append(f"What comes back differs by more than noise: {why}.")
-    error = (fit.get("rmse") or {}).get("corrected")
-    if told.get("at_repeats") and error is not None:
-        words.append(f"The error of {number(scale * error)} is no more: nothing is left to explain.")
+        why = f"it changed {changed}" if changed else "hysteresis or drift"
+        words.append(f"Repeated operating points of {name} differ by more than noise: {why}.")
+    if told.get("at_repeats"):
+        words.append(
+            f"The {name} error is no larger than the scatter at repeated operating points: nothing is left "
+            "to explain."
+        )
     return " ".join(words)

@@ -23,8 +23,8 @@ _SPOKEN: dict[tuple[str, str], _Words] = {
     ("half_width", "1"): ("dead band each way", 100.0, "% of travel"),
     ("reversal", "1"): ("dead band where it turns, as a multiple", 1.0, ""),
     ("limit", "1"): ("blocked at", 100.0, "% opening"),
-    ("stick", "1"): ("band in which the stem stays", 100.0, "%"),
-    ("slip", "1"): ("jump that ends it", 100.0, "%"),
+    ("stick", "1"): ("dead band plus stick band", 100.0, "% of travel"),
+    ("slip", "1"): ("slip jump", 100.0, "% of travel"),
     ("free", "1"): ("capacity that is left", 100.0, "%"),
     ("drop", "1"): ("loss of supply pressure", 100.0, "%"),
     ("bias", "1"): ("offset", 100.0, "% of travel"),
@@ -65,22 +65,55 @@ _OF_EFFECT: dict[tuple[str, str], _Words] = {
 }
 
 
+# a third digit says nothing where the interval is wider than this share of the value
+_WIDE = 0.2
+_ABOVE, _BELOW = "{} or more, upper bound unknown", "{} or less, lower bound unknown"
+
+
 class Parameter(NamedTuple):
-    """A parameter as it is shown: in `unit`, with the ends of its 95 % interval, None where it has none."""
+    """A parameter as it is shown: in `unit`, with the ends of its 95 % interval, None where it has none.
+
+    Ends that are no more than the bound of what is possible are in `unknown_ends`: lower, upper.
+    """
 
     name: str
     value: float | None
     low: float | None
     high: float | None
     unit: str
+    unknown_ends: tuple[str, ...] = ()
 
     @property
     def words(self) -> str:
-        """Value, unit and interval."""
-        text = number(self.value) + (f" {self.unit}" if self.unit else "")
-        if self.low is not None and self.high is not None:
-            text += f" [{number(self.low)} to {number(self.high)}]"
-        return text
+        """Value, unit and interval; an end that is not known is said to be so."""
+        digits = self._digits()
+        text = number(self.value, digits) + (f" {self.unit}" if self.unit else "")
+        if self.low is None or self.high is None:
+            return text
+        low, high = number(self.low, digits), number(self.high, digits)
+        if len(self.unknown_ends) > 1:
+            return f"{text} (bounds unknown)"
+        if "upper" in self.unknown_ends:
+            return f"{text} (upper bound unknown)" if self.low == 0.0 else f"{text} ({_ABOVE.format(low)})"
+        if "lower" in self.unknown_ends:
+            return f"{text} ({_BELOW.format(high)})"
+        return f"{text} [{low} to {high}]"
+
+    @property
+    def short(self) -> str:
+        """Value and unit; of the interval only what is not known of it."""
+        text = number(self.value, self._digits()) + (f" {self.unit}" if self.unit else "")
+        if self.low is None or self.high is None or not self.unknown_ends:
+            return text
+        ends = "bounds" if len(self.unknown_ends) > 1 else f"{self.unknown_ends[0]} bound"
+        return f"{text} ({ends} unknown)"
+
+    def _digits(self) -> int:
+        """Two digits where the interval is wide, else three."""
+        if self.value is None or self.low is None or self.high is None:
+            return 3
+        wide = self.unknown_ends or self.high - self.low > _WIDE * abs(self.value)
+        return 2 if wide else 3
 
 
 def parameters(effect: dict, d: dict) -> list[tuple[str, str]]:
@@ -119,7 +152,8 @@ def _shown(who: str, name: str, item: dict, d: dict) -> Parameter:
         factor, shown = float(from_si(to_si(1.0, unit, quantity), flow_unit, quantity)), flow_unit
         words = "offset" if name == "bias" else words
     value, low, high = (_turned(v, factor) for v in (item["value"], low, high))
-    return Parameter(words, value, low, high, shown)
+    unknown = tuple(item.get("unknown_ends") or ())
+    return Parameter(words, value, low, high, shown, unknown)
 
 
 def _turned(value: float | None, factor: float | Callable[[float], float]) -> float | None:

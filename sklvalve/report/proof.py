@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """On which rows the errors of a diagnosis were taken, in words.
 
-``proof`` of a diagnosis says it: ``later_rows``, behind those that served for finding, which no step has
-seen; ``forward``, rows ahead of those that the parameters were fitted to, while the effect was chosen on all
-rows; or ``four_blocks``, each predicted by fits to the other three.
+``proof`` of a diagnosis says it: ``later_rows``, after those used for finding, which no step has seen;
+``forward``, rows ahead of those that the parameters were fitted to, while the effect was chosen on all rows;
+or ``four_blocks``, each predicted by fits to the other three.
 """
 
 import numpy as np
@@ -37,31 +37,28 @@ def held_out_rows(d: dict) -> int:
 
 
 def heading(d: dict) -> str:
-    """What goes above a table of errors, to stand behind 'Error' or 'Proof'."""
+    """What goes above a table of errors, to stand after 'Error'."""
     count = held_out_rows(d)
     rows = f"{count} " if count else ""
     if d.get("proof") == LATER_ROWS:
         return f"on {rows}unseen rows"
     if d.get("proof") == FORWARD:
-        return f"on {rows}rows ahead in time"
+        return f"on {rows}forecast rows"
     return f"on {rows}rows, held out in turn" if d.get("proof") == FOUR_BLOCKS else f"on {rows}held-out rows"
 
 
 def note(d: dict) -> str:
     """What the errors prove, and what they do not; empty where that is not known."""
     if d.get("proof") == LATER_ROWS:
-        return "These rows served for nothing before: neither to find what is missing nor to fit it."
-    chosen = (
-        "The verdict, with any effect and its onset, was reached on all rows; use --until to evaluate on "
-        "untouched data."
-    )
+        return "No earlier step used these rows, neither to find what is missing nor to fit it."
+    chosen = "The verdict was reached on all rows; use --until to evaluate on untouched data."
     if d.get("proof") == FORWARD:
         return (
-            "Forecasts: parameters are fitted to the rows before 40, 55, 70 and 85 % of the recording and "
-            f"predict those up to the next of these. {chosen}"
+            "Forecasts: fits to the first 40, 55, 70 and 85 % of the rows each predict the next 15 %. "
+            f"{chosen}"
         )
     if d.get("proof") == FOUR_BLOCKS:
-        words = "Cross-validated in four blocks: each is predicted by parameters fitted to the other three."
+        words = "Cross-validated in four blocks: each is predicted by fits to the other three."
         return f"{words} {chosen}"
     return ""
 
@@ -72,7 +69,7 @@ def error_words(d: dict, role: str) -> str:
         return f"cross-validated {role_words(role)} error"
     count = ((d.get("fit") or {}).get(role) or {}).get("held_out_rows")
     if d.get("proof") == FORWARD:
-        return f"{role_words(role)} error on {f'{count} ' if count else ''}rows ahead in time"
+        return f"{role_words(role)} error on {f'{count} ' if count else ''}forecast rows"
     kind = "unseen" if d.get("proof") == LATER_ROWS else "held-out"
     return f"{role_words(role)} error on {f'{count} ' if count else ''}{kind} rows"
 
@@ -84,17 +81,17 @@ def left_out(d: dict) -> str:
     if correction.get("added", True):
         return ""
     role = unknown["signal"]
-    words = "it could not be learnt well enough to predict"
+    words = "it could not be modelled well enough to predict"
     without, learnt = correction.get("rmse_without"), correction.get("rmse_with")
     if without is None or learnt is None:
         return f"{words} and is not in the corrected simulation"
     unit = ((d.get("fit") or {}).get(role) or {}).get("unit")
     scale, unit = (100.0, "%") if unit == "1" else (1.0, unit)
-    better = "helped too few of the four blocks" if learnt < without else "made it worse"
+    better = "helped too few of four blocks" if learnt < without else "made it worse"
     return (
-        f"{words}: a correction learnt from three blocks at a time {better} "
+        f"{words}: a correction fitted to three blocks {better} when it predicted the fourth "
         f"({role_words(role)} error {number(scale * without)} without it, "
-        f"{with_unit(scale * learnt, unit)} with it) and was left out"
+        f"{with_unit(scale * learnt, unit)} with it), so it was left out"
     )
 
 
@@ -110,28 +107,29 @@ def further(d: dict) -> list[str]:
         across = (fit.get("interleaved") or {}).get("rmse") or {}
         if None not in (across.get("nominal"), across.get("corrected")):
             lines.append(
-                f"Each quarter by fits to the other three, later rows included, the {name} error is "
+                f"With each quarter predicted by fits to the other three, the {name} error is "
                 f"{with_unit(scale * across['corrected'], unit)} "
-                f"(nominal {number(scale * across['nominal'])})."
+                f"({number(scale * across['nominal'])} without the correction)."
             )
         if "extrapolation" in fit:
             far = fit["extrapolation"]
             error = {kind: number(scale * value) for kind, value in far["rmse"].items()}
             lines.append(
-                f"Fitted between {number(100.0 * far['fitted_from'])} and {number(100.0 * far['to'])} % "
+                f"With fits to {number(100.0 * far['fitted_from'])} to {number(100.0 * far['to'])} % "
                 f"{role_words(far['signal'])} only, the {name} error outside that range is "
-                f"{error['corrected']} {unit} (nominal {error['nominal']}, black box {error['black_box']})."
+                f"{error['corrected']} {unit} ({error['nominal']} without the correction, black box "
+                f"{error['black_box']})."
             )
         if "elsewhere" in fit:
             error = {kind: number(scale * value) for kind, value in fit["elsewhere"]["rmse"].items()}
             lines.append(
-                f"Where nothing acts, the {name} error is {error['corrected']} {unit} "
-                f"(nominal {error['nominal']})."
+                f"In rows where what was found has less than a quarter of its largest effect, the {name} "
+                f"error is {error['corrected']} {unit} ({error['nominal']} without the correction)."
             )
         if "ruled_out" in fit:
             rival = fit["ruled_out"]
             lines.append(
-                f"The best explanation that was ruled out ({spoken(rival['name'])}) leaves a {name} error of "
+                f"With the best explanation that was ruled out ({spoken(rival['name'])}) the {name} error is "
                 f"{with_unit(scale * rival['rmse'], unit)}."
             )
     return lines

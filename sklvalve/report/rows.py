@@ -9,6 +9,7 @@ from sklvalve.report.parameters import parameters
 from sklvalve.report.place import (
     change_words,
     intervals_words,
+    located,
     moment,
     region_words,
     share_words,
@@ -22,7 +23,9 @@ from sklvalve.report.words import (
     class_in_block,
     class_words,
     either,
+    in_recorded,
     number,
+    p_words,
     percent,
     role_words,
     spoken,
@@ -30,8 +33,10 @@ from sklvalve.report.words import (
 )
 
 MODELS = {"nominal": "nominal", "black_box": "black box", "corrected": "corrected"}
-_TOLD_FROM = 0.001
+_SHOWN_FROM = 0.001
 _MEASURES = {"rmse": "RMSE", "mape": "mean error, % of flow", "err_max": "largest error, %"}
+# roles that a recording may lack, as needs name them
+_ROLES = {"command", "opening", "flow", "p1", "p2", "temperature", "setpoint", "process_value"}
 
 
 class Explanation(NamedTuple):
@@ -66,7 +71,7 @@ def explanations(d: dict) -> list[Explanation]:
             ],
             parameters=parameters(effect, d),
             sentence=" ".join(
-                words for words in (effect.get("sentence"), _moves(effect), _begins(effect, d)) if words
+                words for words in (effect.get("sentence"), _moves(effect, d), _begins(effect, d)) if words
             ),
             separated_by=effect.get("separated_by") or "",
             grade=_grade(effect),
@@ -84,24 +89,26 @@ def _grade(effect: dict) -> str:
     return f"{level}{grade['reason']}"
 
 
-def moves(sizes: dict) -> str:
-    """How far something moves the signals: ``moves the flow by 3 % of span``.
+def moves(sizes: dict, d: dict) -> str:
+    """How far something moves the signals: ``moves the flow by 2.4 m3/h``.
 
     Parameters
     ----------
     sizes : dict of float
-        By role, shares of travel or span where it acts; what is beyond counting is not told.
+        By role, shares of travel or span where it acts; what is too small to count is left out.
+    d : dict
+        The diagnosis, for recorded units and spans.
     """
     told = [
-        f"the {role_words(role)} by {percent(size)} of {'travel' if role == 'opening' else 'span'}"
+        f"the {role_words(role)} by {in_recorded(d, role, size)}"
         for role, size in sizes.items()
-        if size is not None and size >= _TOLD_FROM
+        if size is not None and size >= _SHOWN_FROM
     ]
     return f"moves {either(told, 'and')}" if told else ""
 
 
-def _moves(effect: dict) -> str:
-    told = moves(effect.get("size") or {})
+def _moves(effect: dict, d: dict) -> str:
+    told = moves(effect.get("size") or {}, d)
     return f"Where it acts, it {told}." if told else ""
 
 
@@ -110,18 +117,21 @@ def _begins(effect: dict, d: dict) -> str:
     if len(d["effects"]) < 2 or "onset" not in effect:
         return ""
     onset = effect["onset"]
-    return "It is there from the start." if onset is None else f"It begins at {moment(onset, d['location'])}."
+    return "It is there from the start." if onset is None else f"It begins at {moment(onset, located(d))}."
 
 
 def places(d: dict) -> list[tuple[str, str]]:
     """Where and when: (what, words)."""
-    location = d.get("location") or {}
+    location = located(d)
     rows = []
     if location.get("blocks"):
-        rows.append(("Part", block_words(location["blocks"], "and")))
+        # of several parts nobody knows which
+        last = "and" if d["verdict"] == "named" and len(d.get("effects") or []) > 1 else "or"
+        rows.append(("Part", block_words(location["blocks"], last)))
     for region in location.get("regions") or []:
         share = share_words(region)
-        rows.append(("Region", region_words(region) + (f", {share}" if share else "")))
+        words = region_words(region, units=location["units"])
+        rows.append(("Region", words + (f", {share}" if share else "")))
     changed = change_words(location)
     if changed:
         rows.append(("Changed", changed))
@@ -130,19 +140,28 @@ def places(d: dict) -> list[tuple[str, str]]:
     if not since_known(d):
         if changed:
             return rows
-        learnt = ": it was learnt from all rows alike" if d["verdict"] == "none_of_these" else ""
-        return [*rows, ("Since", f"not known{learnt}")]
-    begins = (d.get("provenance") or {}).get("begins")
-    rows.append(("Since", since_words(location, begins)))
+        fitted = ": it was fitted to all rows alike" if d["verdict"] == "none_of_these" else ""
+        return [*rows, ("Since", f"not known{fitted}")]
+    rows.append(("Since", since_words(location)))
     if location.get("intervals"):
-        rows.append(("Present", intervals_words(location, begins)))
+        rows.append(("Present", intervals_words(location)))
     if any(each.get("assumed") for each in location.get("recordings") or []):
-        rows.append(("Clock", "the times of the recordings begin anew: they stand in the order given"))
+        rows.append(
+            ("Clock", "each recording's time starts at its first row; they are joined in the order given")
+        )
     return rows
 
 
+def models(d: dict) -> dict[str, str]:
+    """Models whose errors are shown: key in ``rmse``, and name; none corrected where nothing was."""
+    fits = [(fit or {}).get("rmse") or {} for fit in (d.get("fit") or {}).values()]
+    idle = all(rmse.get("corrected") in (None, rmse.get("nominal")) for rmse in fits)
+    hidden = not d.get("effects") and d["verdict"] != "none_of_these" and idle
+    return {key: name for key, name in MODELS.items() if not (hidden and key == "corrected")}
+
+
 def errors(d: dict) -> list[tuple[str, list[str]]]:
-    """Errors on held-out rows: (signal and measure, one cell for each of `MODELS`)."""
+    """Errors on held-out rows: (signal and measure, one cell for each of `models`)."""
     rows = []
     for role, fit in (d.get("fit") or {}).items():
         for key, words in _MEASURES.items():
@@ -155,7 +174,7 @@ def errors(d: dict) -> list[tuple[str, list[str]]]:
             else:
                 scale = 1.0
                 words = words if role == "flow" else words.replace("of flow", f"of {role_words(role)}")
-            cells = [values.get(model) for model in MODELS]
+            cells = [values.get(model) for model in models(d)]
             rows.append(
                 (
                     f"{role_words(role)} {words}",
@@ -166,34 +185,70 @@ def errors(d: dict) -> list[tuple[str, list[str]]]:
 
 
 def skills(d: dict) -> list[str]:
-    """How much of what could be explained is explained, a sentence for each signal."""
+    """How much of what could be explained is explained, a sentence for each signal that was corrected."""
     lines = []
     for role, fit in (d.get("fit") or {}).items():
-        skill = (fit or {}).get("skill")
-        if skill is None:
+        skill, rmse = (fit or {}).get("skill"), (fit or {}).get("rmse") or {}
+        if skill is None or rmse.get("nominal") == rmse.get("corrected"):
             continue
         low, high = fit.get("skill_ci95") or (None, None)
         words = f"Skill of {role_words(role)}: {number(skill)}"
         if low is not None and high is not None:
             words += f" [{number(low)} to {number(high)}]"
-        lines.append(f"{words} (1 explains all but noise, 0 no more than nominal)")
+        lines.append(f"{words} (1 explains all but noise, 0 no more than nominal).")
     return lines
 
 
 def proof_notes(d: dict) -> list[str]:
-    """What belongs below the table of errors: how they were taken, what they prove, what was left out."""
+    """What belongs below the table of errors: how they were taken, and what was left out."""
     lost = left_out(d)
     besides = f"Of what no effect explains: {lost}." if lost else ""
-    return [words for words in (note(d), *skills(d), *noise_told(d), *further(d), besides) if words]
+    return [words for words in (note(d), besides) if words]
+
+
+def details(d: dict) -> list[str]:
+    """What a specialist asks for: the test's p-value, likelihoods and distances, further errors, noise."""
+    return [
+        words
+        for words in (
+            _test(d),
+            *(_evidence(effect) for effect in faults_first(d.get("effects") or [])),
+            *(d.get("details") or []),
+            *skills(d),
+            *further(d),
+            *noise_told(d),
+        )
+        if words
+    ]
+
+
+def _test(d: dict) -> str:
+    p_value, level = d["mismatch"].get("p_value"), d["mismatch"].get("alpha")
+    if p_value is None:
+        return ""
+    at = "" if level is None else f", level {number(level)}"
+    return f"Test for any mismatch: {p_words(p_value)}{at}."
+
+
+def _evidence(effect: dict) -> str:
+    """Log likelihood that a finding adds, and how far the next explanation lies; empty where not known."""
+    evidence = effect.get("evidence") or {}
+    if evidence.get("gain") is None:
+        return ""
+    name = class_words(effect["members"], limit=1 + len(effect["members"]))
+    words = f"{name[:1].upper()}{name[1:]}: log-likelihood gain {number(evidence['gain'])} nats"
+    if evidence.get("runner_up") is not None:
+        words += f"; distance D to the nearest other explanation {number(evidence['runner_up'])}"
+    return f"{words}."
 
 
 def untestable(d: dict) -> list[tuple[str, str]]:
-    """Effects that this recording could not be asked about: (effect, what it needs)."""
+    """Effects that could not be tested with this recording: (effect, what it needs)."""
     return [(spoken(item["name"]), _needs(item.get("needs"))) for item in d.get("not_testable") or []]
 
 
 def untestable_by_need(d: dict) -> list[tuple[str, list[str]]]:
-    """What this recording lacks, and which effects it could not be asked about for it."""
+    """What would be needed, and which effects could be tested with it."""
     found: dict[str, list[str]] = {}
     for name, needs in untestable(d):
         found.setdefault(needs, []).append(name)
@@ -201,9 +256,19 @@ def untestable_by_need(d: dict) -> list[tuple[str, list[str]]]:
 
 
 def _needs(needs: object) -> str:
-    if isinstance(needs, list | tuple):
-        return ", ".join(role_words(str(need)) for need in needs)
-    return role_words(str(needs)) if needs else "another recording"
+    """What an effect needs, as it follows "with": signals are said to be recorded ones."""
+    asked = (
+        [str(need) for need in needs] if isinstance(needs, list | tuple) else str(needs or "").split(" and ")
+    )
+    roles = [role for each in asked for role in each.split(" and ")]
+    if roles and set(roles) <= _ROLES:
+        return f"{either([_article(role) for role in roles], 'and')} recorded"
+    return " and ".join(asked) or "another recording"
+
+
+def _article(role: str) -> str:
+    words = role_words(role)
+    return f"{'an' if words[0] in 'aeiou' else 'a'} {words}"
 
 
 def data_findings(d: dict) -> list[tuple[str, str, str]]:
@@ -224,12 +289,13 @@ def unexplained(d: dict) -> list[tuple[str, str]]:
     if unknown.get("inputs"):
         rows.append(("Follows from", either([role_words(name) for name in unknown["inputs"]], "and")))
     if unknown.get("size") is not None:
-        whole = "travel" if role == "opening" else "span"
-        rows.append(("Size where it acts", f"{percent(unknown['size'])} of {whole}"))
+        rows.append(("Size where it acts", in_recorded(d, role, unknown["size"])))
     if unknown.get("share") is not None:
-        holds = f"{percent(unknown['share'])} of what was learnt"
+        holds = f"{percent(unknown['share'])} of its variance"
         formula = unknown.get("formula")
-        words = f"{formula} (holds {holds})" if formula else f"no short formula (the best holds {holds})"
+        words = (
+            f"{formula} (explains {holds})" if formula else f"no short formula (the best explains {holds})"
+        )
         rows.append(("Looks like", words))
     return rows
 

@@ -1,35 +1,35 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first thing that a person reads: the diagnosis in one sentence."""
 
-from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what
-from sklvalve.report.parameters import parameters
-from sklvalve.report.place import onset_words, regions_words, since_known
+from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, what_is_it
+from sklvalve.report.parameters import shown_parameters
+from sklvalve.report.place import located, onset_words, regions_words, since_known
 from sklvalve.report.proof import error_words, left_out
 from sklvalve.report.words import (
     block_words,
     chance,
-    class_in_block,
     class_words,
     either,
+    in_recorded,
     lacks_sheet,
     likeliest_first,
     named_effects,
+    no_sign,
     number,
     p_words,
-    percent,
     role_words,
     spoken,
     sure,
+    unsaid,
     with_unit,
 )
 
 # an error that falls by less does not fall
 _NO_FALL = 0.98
-_COUNTS = {2: "two", 3: "three", 4: "four", 5: "five"}
 # without a data sheet capacity and trim are learnt from the recording itself: no all-clear for them
 NOTHING_TO_BE_TOLD = (
-    "Nothing is missing that can be told without a data sheet: with a trim learnt from it, the recording "
-    "agrees with its simulation within noise and tolerances"
+    "Nothing is missing, as far as a recording without a data sheet can show: with a trim estimated from it, "
+    "simulation and recording agree within noise and tolerances"
 )
 
 
@@ -37,7 +37,7 @@ def summary_sentence(d: dict) -> str:
     """Say the diagnosis in one plain sentence.
 
     What is missing, how large it is, where and since when it acts, how sure that is, and what including it
-    does to the error: on rows that nothing has seen where there are such ("unseen"), else on blocks that were
+    does to the error: on untouched rows where there are such ("unseen"), else on blocks that were
     held out of the fit in turn ("cross-validated").
 
     Parameters
@@ -59,7 +59,7 @@ def summary_sentence(d: dict) -> str:
     >>> from sklvalve.report import summary_sentence
     >>> mismatch = {"detected": False, "p_value": 0.43, "alpha": 0.01}
     >>> summary_sentence({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}})
-    'Nothing is missing: simulation and recording agree within noise and data-sheet tolerances (p = 0.43).'
+    'Nothing is missing: simulation and recording agree within noise and data-sheet tolerances.'
     """
     sentences = {
         "no_mismatch": _agreement,
@@ -73,21 +73,20 @@ def summary_sentence(d: dict) -> str:
 
 
 def _agreement(d: dict) -> str:
-    p_value = p_words(d["mismatch"].get("p_value"))
+    level, chance = d["mismatch"].get("alpha"), d["mismatch"].get("p_value")
+    p_value = "" if no_sign(d) else f" ({p_words(chance)})"
     if d.get("subject") == "loop":
         reasons = d.get("reasons") or []
-        return " ".join([f"Sticking of a size that matters is excluded ({p_value}).", *reasons])
-    level, chance = d["mismatch"].get("alpha"), d["mismatch"].get("p_value")
+        return " ".join([f"Sticking of a relevant size is excluded{p_value}.", *reasons])
     if d["mismatch"].get("detected") or (None not in (level, chance) and chance <= level):
         return (
-            "Nothing that matters is missing: simulation and recording differ by more than noise "
-            f"({p_value}), but by less than the data-sheet tolerances and the size that counts."
+            f"Nothing relevant is missing: simulation and recording differ by more than noise{p_value}, but "
+            "by less than the data-sheet tolerances."
         )
     if lacks_sheet(d):
-        return f"{NOTHING_TO_BE_TOLD} ({p_value})."
+        return f"{NOTHING_TO_BE_TOLD}{p_value}."
     return (
-        "Nothing is missing: simulation and recording agree within noise and data-sheet tolerances "
-        f"({p_value})."
+        f"Nothing is missing: simulation and recording agree within noise and data-sheet tolerances{p_value}."
     )
 
 
@@ -96,21 +95,20 @@ def _named(d: dict) -> str:
     if len(effects) == 1:
         effect = effects[0]
         return (
-            f"{begins(effect)} {class_words(effect['members'])}{is_what(effect)} "
+            f"{begins(effect)} {what_is_it(effect)}{is_what(effect)} "
             f"({sure(effect)}): "
             f"{_size(effect, d)}acting {_place(d, effect['blocks'])}{_clause(d)}."
         )
-    found = [
-        f"{place}. {class_in_block(effect)}{is_what(effect)} ({_size(effect, d)}{sure(effect)})"
-        for place, effect in enumerate(effects, start=1)
-    ]
+    found = [f"{place}. {_one_of_several(effect, d)}" for place, effect in enumerate(effects, start=1)]
     groups = by_beginning(effects)
-    if len(groups) == 1 and groups[0][0] != "Likely fault:":
-        count = _COUNTS.get(len(effects), str(len(effects)))
-        told = f"{groups[0][0]} {count} things: {'; '.join(found)}"
-    else:
-        told = ". ".join(f"{begin} {'; '.join(found[k - 1] for k, _ in group)}" for begin, group in groups)
+    told = ". ".join(f"{begin} {'; '.join(found[k - 1] for k, _ in group)}" for begin, group in groups)
     return f"{told}; they show {_place(d, [])}{_clause(d)}."
+
+
+def _one_of_several(effect: dict, d: dict) -> str:
+    words = what_is_it(effect)
+    where = block_words(unsaid(words, effect["blocks"]))
+    return f"{words}{f', {where}' if where else ''}{is_what(effect)} ({_size(effect, d)}{sure(effect)})"
 
 
 def _unknown(d: dict) -> str:
@@ -120,58 +118,60 @@ def _unknown(d: dict) -> str:
     lost = left_out(d)
     return (
         f"{besides}{'something' if besides else 'Something'} is missing that no known effect explains: it "
-        f"acts {_place(d, d['location']['blocks'])} and {no_noise(d)} "
+        f"acts {_place(d, d['location']['blocks'])} and {beyond_noise(d)} "
         f"({p_words(d['mismatch'].get('p_value'))}){f', but {lost}' if lost else _clause(d)}.{closest(d)}"
     )
 
 
-def no_noise(d: dict) -> str:
-    """What tells it from noise: the signals from which it can be predicted, or its size alone."""
+def beyond_noise(d: dict) -> str:
+    """What distinguishes it from noise: the signals from which it can be predicted, or its size alone."""
     unknown = d.get("unknown") or {}
     inputs, beyond, pulses = (unknown.get(key) for key in ("inputs", "beyond_noise", "pulses"))
     if pulses:
         return (
-            f"follows from nothing recorded, but the flow goes {pulses['side']} its simulation for moments, "
-            f"{pulses['moments']} times while the valve rests, and {pulses['against'] or 'not once'} to the "
-            "other side, as no noise does"
+            f"follows from nothing recorded, but the flow is {pulses['side']} its simulation at "
+            f"{pulses['moments']} moments while the valve is at rest, and on the other side "
+            f"{_count(pulses['against'])}: noise does not do that"
         )
     if beyond and not inputs:
-        return (
-            f"follows from nothing recorded, but its slow part ({percent(beyond['size'])} of span) is more "
-            f"than a flow may wander whose quick noise is {percent(beyond['noise'])}"
-        )
+        size = in_recorded(d, unknown.get("signal", "flow"), beyond["size"])
+        return f"follows from nothing recorded, but its slow part ({size}) is larger than slow noise can be"
     told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
     return f"follows from {told}, so it is no noise"
 
 
+def _count(many: int) -> str:
+    return {0: "never", 1: "once"}.get(many, f"{many} times")
+
+
 def closest(d: dict) -> str:
-    """The known effects that come closest and leave too much; empty where there are none."""
+    """The known effects that fit best and leave too much; empty where there are none."""
     unknown = d.get("unknown") or {}
     if not unknown.get("closest"):
         return ""
     names = either([class_words(effect["members"]) for effect in unknown["closest"]], "and")
     left = unknown.get("closest_leaves")
+    fit = "fit" if len(unknown["closest"]) > 1 else "fits"
+    best = f" {names[:1].upper()}{names[1:]} {fit} best, but"
     if left is None:
-        return f" Closest comes {names}, but such slow courses together imitate any other."
-    return f" Closest comes {names}, but that leaves {percent(left)} of span that is no noise."
+        return f"{best} two slow drifts together can mimic almost any third."
+    return f"{best} {in_recorded(d, unknown.get('signal', 'flow'), left)} beyond noise would remain."
 
 
 def _undecided(d: dict) -> str:
     if not d["mismatch"].get("detected", True):
-        return " ".join(
-            ["This recording cannot tell whether anything is missing.", *(d.get("reasons") or [])]
-        )
+        what = "whether the valve sticks" if d.get("subject") == "loop" else "whether anything is missing"
+        return " ".join([f"This recording cannot show {what}.", *(d.get("reasons") or [])])
     place = _place(d, d["location"]["blocks"])
-    sentence = (
-        f"Something is missing ({p_words(d['mismatch'].get('p_value'))}), but this recording cannot "
-        f"tell what{f': it acts {place}' if place else ''}"
-    )
+    p_value = p_words(d["mismatch"].get("p_value"))
+    sentence = f"Something is missing ({p_value}); the recording does not identify what"
+    sentence += f": it acts {place}" if place else ""
     likely = likeliest_first(m for effect in d.get("effects") or [] for m in effect["members"])
     if likely:
         listed = [_with_chance(member) for member in likely[:3]]
-        sentence += f"; likeliest is {', then '.join(listed)}"
+        sentence += f"; most likely {', then '.join(listed)}"
     if d.get("next_test"):
-        sentence += "; the next test named below would decide"
+        sentence += "; the next test would decide"
     return sentence + "."
 
 
@@ -182,9 +182,10 @@ def _with_chance(member: dict) -> str:
 
 def size_words(effect: dict, d: dict, *, interval: bool = True) -> str:
     """The first parameter, which is the effect's own size, with its interval or without."""
-    shown = parameters(effect, d)
-    words = f"{shown[0][0]} {shown[0][1]}" if shown else ""
-    return words if interval else words.split(" [")[0]
+    shown = shown_parameters(effect, d)
+    if not shown:
+        return ""
+    return f"{shown[0].name} {shown[0].words if interval else shown[0].short}"
 
 
 def _size(effect: dict, d: dict) -> str:
@@ -193,27 +194,33 @@ def _size(effect: dict, d: dict) -> str:
 
 
 def _place(d: dict, blocks: list[str]) -> str:
-    parts = [block_words(blocks), regions_words(d["location"])]
+    location = located(d)
+    parts = [block_words(blocks), regions_words(location)]
     if since_known(d):
-        parts.append(onset_words(d["location"]))
+        parts.append(onset_words(location))
     return " ".join(part for part in parts if part)
 
 
 def gain(d: dict) -> str:
-    """What the finding does to the error of the signal that it helps most; empty where not known."""
+    """What including the finding does to the error of the signal that it helps most; empty where not known.
+
+    Where nothing was found nothing was included, and nothing is said.
+    """
     role = helped(d)
-    if role is None:
+    if role is None or not (d.get("effects") or d["verdict"] == "none_of_these"):
         return ""
     fit = d["fit"][role]
     before, after = fit["rmse"]["nominal"], fit["rmse"]["corrected"]
-    them = "a learned correction" if d["verdict"] == "none_of_these" else "it"
+    them = {"none_of_these": "a fitted correction", "cannot_tell": "the best candidate"}.get(
+        d["verdict"], "it"
+    )
     if d["verdict"] == "named" and len(d["effects"]) > 1:
         them = "them"
     scale, unit = (100.0, "%") if fit["unit"] == "1" else (1.0, fit["unit"])
     if after > _NO_FALL * before:
-        return f"the {error_words(d, role)} does not fall with {them}"
+        return f"including {them} does not lower the {error_words(d, role)}"
     return (
-        f"with {them} the {error_words(d, role)} falls from {number(scale * before)} "
+        f"including {them} lowers the {error_words(d, role)} from {number(scale * before)} "
         f"to {with_unit(scale * after, unit)}"
     )
 
@@ -223,7 +230,7 @@ def _clause(d: dict) -> str:
     words = gain(d)
     if not words:
         return ""
-    return f"; {words}" if words.startswith("with ") else f", though {words}"
+    return f"; {words}" if " lowers " in words else f", though {words}"
 
 
 def helped(d: dict) -> str | None:

@@ -2,13 +2,14 @@
 """What the figures draw, computed from the traces of a diagnosis."""
 
 from collections.abc import Mapping
+from datetime import datetime
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from sklvalve.recording.units import quantity_of, to_si
-from sklvalve.report.words import role_words
+from sklvalve.recording.units import from_si, quantity_of, to_si
+from sklvalve.report.words import number, role_words
 
 Array = NDArray[np.float64]
 
@@ -16,10 +17,20 @@ MODELS = ("nominal", "corrected")
 
 
 class Clock(NamedTuple):
-    """Time from the first sample in a unit that suits its length."""
+    """Time from the first sample in a unit that suits its length, and the stamp of the first sample."""
 
     values: Array
     unit: str
+    seconds: float = 1.0
+    begins: datetime | None = None
+
+    @property
+    def stamps(self) -> NDArray[np.datetime64]:
+        """Times by the calendar, where the first sample has a stamp."""
+        if self.begins is None:
+            raise ValueError("this clock counts from the first sample only; it has no calendar")
+        since = np.round(1e3 * self.seconds * self.values).astype("timedelta64[ms]")
+        return np.datetime64(self.begins.replace(tzinfo=None), "ms") + since
 
 
 class ResidualMap(NamedTuple):
@@ -97,25 +108,38 @@ def as_shown(traces: dict, location: dict) -> dict:
 
 
 def clock(traces: dict) -> Clock:
-    """Seconds, hours or days from the first sample; joined recordings stand close behind each other."""
+    """Time by the calendar where there is one, else seconds, hours or days from the first sample.
+
+    Joined recordings are drawn close behind each other, where no calendar applies.
+    """
     time = np.asarray(traces["time"], dtype=float)
     time = time - time[0]
-    for row in traces.get("begins", [])[1:]:
+    several = list(traces.get("begins", []))[1:]
+    for row in several:
         time[row:] -= time[row] - time[row - 1] - (time[row - 1] - time[row - 2])
+    begins = None if len(several) else _first_stamp(traces)
     for unit, seconds, longest in (("s", 1.0, 36_000.0), ("h", 3600.0, 864_000.0)):
         if time[-1] < longest:
-            return Clock(time / seconds, unit)
-    return Clock(time / 86_400.0, "days")
+            return Clock(time / seconds, unit, seconds, begins)
+    return Clock(time / 86_400.0, "days", 86_400.0, begins)
+
+
+def _first_stamp(traces: dict) -> datetime | None:
+    try:
+        return datetime.fromisoformat(traces.get("first_stamp") or "")
+    except ValueError:
+        return None
 
 
 def time_words(traces: dict) -> str:
-    """What the times of `clock` count from."""
-    several = len(traces.get("begins", [])) > 1
-    return "time, the recordings one behind the other" if several else "time from the first sample"
+    """What the times of `clock` are."""
+    if len(traces.get("begins", [])) > 1:
+        return "time, the recordings one after the other"
+    return "time from the first sample" if clock(traces).begins is None else "time"
 
 
 def residual(traces: dict, role: str, model: str) -> Array | None:
-    """Recorded less simulated, in the recording's unit; None where one of the two is missing."""
+    """Recorded minus simulated, in the recording's unit; None where one of the two is missing."""
     recorded, simulated = traces["recorded"].get(role), traces[model].get(role)
     if recorded is None or simulated is None:
         return None
@@ -169,7 +193,7 @@ def capacity_signature(traces: dict) -> Signature | None:
     drop = pressure_drop(traces)
     root = np.ones(len(place[0])) if drop is None else np.sqrt(drop / 100.0)
     simulated = {model: _floats(traces[model].get("flow")) for model in MODELS}
-    per_bar = "" if drop is None else " at a drop of 1 bar"
+    per_bar = "" if drop is None else f" at a drop of {_one_bar(traces['units'].get('p1'))}"
     return Signature(
         place[1],
         f"flow{per_bar} [{traces['units'].get('flow', '1')}]",
@@ -177,6 +201,14 @@ def capacity_signature(traces: dict) -> Signature | None:
         _float(flow) / root,
         **{model: None if values is None else values / root for model, values in simulated.items()},
     )
+
+
+def _one_bar(unit: str | None) -> str:
+    """A drop of 1 bar in the unit of the recorded pressures."""
+    if unit is None or quantity_of(unit) != "pressure":
+        return "1 bar"
+    zero, one = from_si([0.0, 1e5], unit, "pressure")
+    return f"{number(float(one - zero))} {unit}"
 
 
 def residual_map(traces: dict) -> ResidualMap | None:

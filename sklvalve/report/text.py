@@ -9,17 +9,18 @@ from textwrap import fill
 from sklvalve.report import proof, rows
 from sklvalve.report.headline import glance, headline
 from sklvalve.report.sentence import summary_sentence
+from sklvalve.report.words import either, with_units
 
 __all__ = ["summary_sentence", "to_markdown", "to_text"]
 
 _WIDTH, _NARROWEST = 96, 40
 _INDENT = 14
 _MANY = 8
-# what the top of a report tells besides the finding, in the width of a label
+# what the top of a report says besides the finding, in the width of a label
 _LABELS = {
     "How sure": "How sure",
     "What to do next": "Do next",
-    "What it brings": "It brings",
+    "What correcting it brings": "Benefit",
     "What was assumed": "Assumed",
 }
 # what Markdown or HTML would act upon: marks, tags, entities, the address of a link
@@ -48,9 +49,10 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
     >>> print(to_text({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}}))
     Finding       Nothing is missing: simulation and recording agree within noise and data-sheet
                   tolerances.
-    How sure      A difference as large comes by chance in 43 % of recordings of a healthy valve (p
-                  = 0.43).
+    How sure      No sign of a fault.
     Do next       Nothing needs to be done.
+    <BLANKLINE>
+    Details       Test for any mismatch: p = 0.43, level 0.01.
     """
     line = partial(_line, width=max(width, _NARROWEST))
     lines = [line("Finding", headline(d))]
@@ -67,7 +69,7 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
         lines += [line("", f"{name} {value}") for name, value in item.parameters]
         lines += [line("", words) for words in (item.sentence,) if words]
         if item.separated_by and len(item.members) > 1:
-            lines.append(line("", f"To tell them apart: {item.separated_by}"))
+            lines.append(line("", f"To distinguish them: {item.separated_by}"))
     lines += _block(
         [
             line("Unexplained" if first else "", f"{what}: {words}")
@@ -76,13 +78,14 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
     )
     lines += _block([line(label, words) for label, words in rows.places(d)])
     lines += _block(_error_lines(d, line))
-    lines += _block([line("Not testable", _listed(_by_need(d)))] if rows.untestable(d) else [])
+    lines += _block([line("Not testable" if first else "", words) for first, words in _numbered(_by_need(d))])
     lines += _block(
         [
             line("Data" if first else "", f"{role}, {finding}: {detail}")
             for first, (role, finding, detail) in _numbered(rows.data_findings(d))
         ]
     )
+    lines += _block([line("Details" if first else "", w) for first, w in _numbered(rows.details(d))])
     return "\n".join(lines)
 
 
@@ -105,8 +108,12 @@ def to_markdown(d: dict) -> str:
     >>> print(to_markdown({"verdict": "no_mismatch", "mismatch": mismatch, "fit": {}}))
     **Nothing is missing: simulation and recording agree within noise and data-sheet tolerances.**
     <BLANKLINE>
-    - How sure: A difference as large comes by chance in 43 % of recordings of a healthy valve (p = 0.43).
+    - How sure: No sign of a fault.
     - What to do next: Nothing needs to be done.
+    <BLANKLINE>
+    ### Details
+    <BLANKLINE>
+    - Test for any mismatch: p = 0.43, level 0.01.
     """
     parts = [f"**{_safe(headline(d))}**"]
     besides = [f"- {what}: {_safe(words)}" for what, words in glance(d)]
@@ -121,7 +128,7 @@ def to_markdown(d: dict) -> str:
                 _table(("could be", "probability"), [(name, share) for name, _, share in item.members])
             )
             if item.separated_by:
-                lines.append(f"To tell them apart: {_safe(item.separated_by)}")
+                lines.append(f"To distinguish them: {_safe(item.separated_by)}")
         parts.append("\n\n".join(lines))
     if rows.unexplained(d):
         parts.append("### What no known effect explains\n\n" + _table(("what", "words"), rows.unexplained(d)))
@@ -129,13 +136,16 @@ def to_markdown(d: dict) -> str:
         parts.append("### Where\n\n" + _table(("what", "where"), rows.places(d)))
     if rows.errors(d):
         cells = [(name, *values) for name, values in rows.errors(d)]
-        table = _table((f"error {proof.heading(d)}", *rows.MODELS.values()), cells)
-        parts.append("### Proof\n\n" + "\n\n".join([table, *map(_safe, rows.proof_notes(d))]))
+        table = _table((f"error {proof.heading(d)}", *rows.models(d).values()), cells)
+        parts.append("### Error\n\n" + "\n\n".join([table, *map(_safe, rows.proof_notes(d))]))
     if rows.untestable(d):
-        parts.append("### Not testable\n\n" + _table(("effect", "needs"), rows.untestable(d)))
+        lines = [f"- {_safe(words)}" for words in _by_need(d)]
+        parts.append("### Not testable\n\n" + "\n".join(lines))
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
-        parts.append("### The data themselves\n\n" + table)
+        parts.append("### Data\n\n" + table)
+    if rows.details(d):
+        parts.append("### Details\n\n" + "\n".join(f"- {_safe(words)}" for words in rows.details(d)))
     return "\n\n".join(parts)
 
 
@@ -143,14 +153,15 @@ def _line(label: str, words: str, width: int) -> str:
     # a long word, such as a path, is left whole rather than broken
     # a name from a file must not command the terminal
     words = "".join(letter if letter.isprintable() else " " for letter in words)
-    return fill(
-        words,
+    filled = fill(
+        with_units(words),
         width,
         initial_indent=f"{label:<{_INDENT}}",
         subsequent_indent=" " * _INDENT,
         break_long_words=False,
         break_on_hyphens=False,
     )
+    return filled.replace("\N{NO-BREAK SPACE}", " ")
 
 
 def _block(lines: list[str]) -> list[str]:
@@ -162,18 +173,12 @@ def _numbered(items: list) -> list:
 
 
 def _by_need(d: dict) -> list[str]:
-    """Effects with what they need; of many that need the same the first few."""
+    """Effects by what would be needed to test them; of many the first few."""
     lines = []
     for needs, names in rows.untestable_by_need(d):
-        if len(names) > _MANY:
-            lines.append(f"{', '.join(names[:3])} and {len(names) - 3} others (each needs {needs})")
-        else:
-            lines += [f"{name} (needs {needs})" for name in names]
+        shown = [*names[:3], f"{len(names) - 3} others"] if len(names) > _MANY else names
+        lines.append(f"With {needs}: {either(shown, 'and')}.")
     return lines
-
-
-def _listed(items: list[str]) -> str:
-    return "; ".join(items)
 
 
 def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
@@ -182,7 +187,7 @@ def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
         return []
     heading = proof.heading(d)
     width = max(len(heading), *(len(name) for name, _ in table))
-    head = " ".join(f"{name:>11}" for name in rows.MODELS.values())
+    head = " ".join(f"{name:>11}" for name in rows.models(d).values())
     lines = [f"{'Error':<{_INDENT}}{heading:<{width}} {head}"]
     for name, cells in table:
         lines.append(f"{'':<{_INDENT}}{name:<{width}} " + " ".join(f"{cell:>11}" for cell in cells))

@@ -25,9 +25,11 @@ def trends(traces: dict) -> dict:
     Returns
     -------
     told : dict
-        ``time`` (little-endian float32, base64), ``end`` of the last row, ``unit``, ``label``, ``flagged``
-        times from and to, ``begins`` of joined recordings, ``until``, and ``charts``: by name the panels,
-        each a list of courses with ``name``, ``unit``, ``colour``, ``low`` and ``high`` of the scale, and
+        ``time`` (little-endian float32, base64), ``end`` of the last row, ``unit`` and its ``seconds``, the
+        ``start`` by the calendar [ms since 1970 by the recording's own clock; None without one], ``label``,
+        ``flagged`` times from and to, ``begins`` of joined recordings, ``until``, and ``charts``: by name the
+        panels, each a list of courses with ``name``, ``unit``, ``colour``, ``low`` and ``high`` of the scale,
+        and
         ``codes`` (little-endian uint16, base64: 0 is `low`, 65534 is `high`, 65535 a gap), one a time, or
         in buckets the lowest and then the highest of each.
     """
@@ -38,6 +40,8 @@ def trends(traces: dict) -> dict:
     return {
         "label": signals.time_words(traces),
         "unit": clock.unit,
+        "seconds": clock.seconds,
+        "start": None if clock.begins is None else clock.stamps[0].astype(np.int64).item(),
         "time": _packed(clock.values[starts].astype("<f4")),
         "end": float(clock.values[-1]),
         "flagged": [list(span) for span in signals.flagged_spans(clock.values, traces["flagged"])],

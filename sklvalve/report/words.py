@@ -5,8 +5,10 @@ import re
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
-# what effects need that only a data sheet can give, as `not_testable` says it
-_SHEET = "a data sheet with the trim's characteristic"
+# a difference that comes by chance in as many recordings of a healthy valve is no sign of a fault
+_COMMON = 0.05
+# what effects need that only a data sheet can give, as `not_testable` has it
+_SHEET = "a data sheet that gives the trim's characteristic"
 EFFECTS = {
     "stiction": "stiction",
     "friction": "raised friction of the stem",
@@ -56,6 +58,56 @@ EFFECTS = {
     "sensor_lag": "a slow sensor",
 }
 
+# what has happened where it is a fault, as a clause that follows "Likely fault:"
+CLAUSES = {
+    "stiction": "the stem sticks and jumps (stiction)",
+    "friction": "the stem's friction is too high",
+    "backlash": "the stem has play (backlash)",
+    "presliding": "the packing gives before it slides",
+    "positioner_deadband": "the positioner has a dead band",
+    "spring_fault": "the actuator's spring is faulty",
+    "supply_pressure_drop": "the air supply pressure is too low",
+    "actuator_leak": "the actuator leaks air",
+    "rod_bend": "the stem is bent or twisted",
+    "actuator_lag": "the actuator is slow",
+    "slew_limit": "the stroking speed is limited",
+    "dead_time": "the stem answers its command after a dead time",
+    "transducer_fault": "the I/P transducer is faulty",
+    "positioner_feedback_fault": "the positioner's feedback is faulty",
+    "stem_load": "the flow's force shifts the stem",
+    "tight_shutoff": "the positioner shuts the valve early (tight shut-off)",
+    "positioner_characteriser": "the positioner holds a characteriser",
+    "stuck_valve": "the stem is stuck",
+    "capacity_error": "the capacity differs from the data sheet's",
+    "wrong_characteristic": "the trim's characteristic differs from the data sheet's",
+    "clogging": "clogging limits the opening",
+    "sedimentation": "deposits grow in the trim",
+    "erosion": "the trim is worn near the seat",
+    "seat_leakage": "the seat leaks",
+    "bypass_open": "a bypass is open",
+    "external_leakage": "liquid leaks to the outside",
+    "choked_flow": "the flow chokes",
+    "cavitation": "the liquid cavitates",
+    "flashing": "the liquid flashes",
+    "viscous_flow": "the flow is viscous, no longer turbulent",
+    "gas_expansion": "the gas expands in the valve",
+    "density_change": "the density has changed",
+    "viscosity_change": "the viscosity has changed",
+    "piping_reducers": "reducers or fittings at the valve take pressure",
+    "line_loss": "the line loses pressure",
+    "flow_inertia": "the liquid in the line is slow to follow",
+    "two_phase": "the liquid carries gas",
+    "flow_meter_gain": "the flow meter's span is wrong",
+    "flow_meter_bias": "the flow meter's zero has shifted",
+    "flow_meter_drift": "the flow meter drifts",
+    "flow_meter_failure": "the flow meter has failed",
+    "position_sensor_bias": "the position sensor's zero has shifted",
+    "position_sensor_gain": "the position sensor's span is wrong",
+    "inlet_pressure_bias": "the inlet pressure sensor's zero has shifted",
+    "outlet_pressure_bias": "the outlet pressure sensor's zero has shifted",
+    "sensor_lag": "a sensor is slow",
+}
+
 BLOCKS = {
     "actuator": "in the actuator",
     "valve": "in the valve",
@@ -67,16 +119,21 @@ ROLES = {"p1": "inlet pressure", "p2": "outlet pressure", None: "times"}
 
 VERDICTS = {
     "no_mismatch": "nothing is missing",
-    "named": "missing physics found and named",
+    "named": "likely cause found",
     "none_of_these": "missing physics that no known effect explains",
-    "cannot_tell": "something is missing, but this recording cannot tell what",
+    "cannot_tell": "something is missing; the recording does not identify what",
 }
 
 
 def verdict_words(d: dict) -> str:
     """Words for the verdict of a diagnosis."""
     if d["verdict"] == "cannot_tell" and not d["mismatch"].get("detected", True):
-        return "this recording cannot tell whether anything is missing"
+        if d.get("subject") == "loop":
+            return "this recording cannot show whether the valve sticks"
+        return "this recording cannot show whether anything is missing"
+    levels = {(effect.get("grade") or {}).get("level") for effect in d.get("effects") or []}
+    if d["verdict"] == "named" and levels == {"weak"}:
+        return "possible cause, weak evidence"
     return VERDICTS[d["verdict"]]
 
 
@@ -98,8 +155,17 @@ def either(items: Sequence[str], last: str = "or") -> str:
 
 
 def class_words(members: Iterable[dict], limit: int = 3) -> str:
-    """Words for a class of effects that cannot be told apart, most probable first."""
-    names = [spoken(member["name"]) for member in members]
+    """Words for a class of effects that cannot be distinguished, most probable first."""
+    return _shortened([spoken(member["name"]) for member in members], limit)
+
+
+def class_clause(members: Iterable[dict], limit: int = 3) -> str:
+    """The same as clauses: ``the seat leaks or a bypass is open``."""
+    names = [member["name"] for member in members]
+    return _shortened([CLAUSES.get(name, f"there is {spoken(name)}") for name in names], limit)
+
+
+def _shortened(names: list[str], limit: int) -> str:
     if len(names) > limit:
         names = [*names[: limit - 1], f"one of {len(names) - limit + 1} others"]
     return either(names)
@@ -111,7 +177,7 @@ def block_words(blocks: Sequence[str], last: str = "or") -> str:
 
 
 def unsaid(words: str, blocks: Sequence[str]) -> list[str]:
-    """Blocks to be told after these words: none where the words name them all ("a slow actuator")."""
+    """Blocks to be named after these words: none where the words name them all ("a slow actuator")."""
     said = all(re.search(rf"\b{re.escape(block)}\b", words) for block in blocks)
     return [] if said else list(blocks)
 
@@ -132,9 +198,26 @@ def number(value: float | None, digits: int = 3) -> str:
     return short
 
 
+def with_units(words: str) -> str:
+    """Words whose numbers stay on one line with their units."""
+    return re.sub(
+        r"(?<=\d) (?=(?:%|s|h|m3/h|kPa|bar|nats)(?!\w))|(?<=\bp) (?=[<=])|(?<=\bp [<=]) (?=\d)",
+        "\N{NO-BREAK SPACE}",
+        words,
+    )
+
+
 def with_unit(value: float | None, unit: str | None) -> str:
     """Value and unit as they are written; a pure number has none."""
     return number(value) + (f" {unit}" if unit and unit != "1" else "")
+
+
+def in_recorded(d: dict, role: str, share: float) -> str:
+    """A share of a signal's span in its recorded unit, where the diagnosis has the span."""
+    span, unit = (d.get("spans") or {}).get(role), (d.get("units") or {}).get(role)
+    if role == "opening" or not span or not unit:
+        return f"{percent(share)} of {'travel' if role == 'opening' else 'span'}"
+    return with_unit(float(f"{span * share:.2g}"), unit)
 
 
 def percent(share: float | None) -> str:
@@ -154,12 +237,17 @@ def chance(probability: float | None) -> str:
     return "> 99 %" if probability > 0.99 else percent(probability)
 
 
+def right(probability: float) -> str:
+    """A checked frequency as a share of cases; certainty is never claimed."""
+    return "more than 99 %" if probability > 0.99 else f"{100.0 * probability:.0f} %"
+
+
 def sure(effect: dict) -> str:
-    """How sure a finding is: its probability, else its grade; certainty is never claimed."""
+    """How sure a finding is: how often such a one was right, else its grade."""
     probability = effect.get("probability")
     if probability is None:
         return f"{(effect.get('grade') or {}).get('level') or 'unknown'} evidence"
-    return "more than 99 % sure" if probability > 0.99 else f"{100.0 * probability:.0f} % sure"
+    return f"right in {right(probability)} of blind tests"
 
 
 def likeliest_first(members: Iterable[dict]) -> list[dict]:
@@ -172,6 +260,14 @@ def named_effects(d: dict) -> list[dict]:
     effects = d.get("effects") or []
     sure = [each for each in effects if (each.get("grade") or {}).get("level") != "weak"]
     return sure or effects
+
+
+def no_sign(d: dict) -> bool:
+    """Whether nothing was found, and a difference as large is common by chance."""
+    p_value, level = d["mismatch"].get("p_value"), d["mismatch"].get("alpha") or 0.0
+    detected = d["verdict"] == "cannot_tell" and d["mismatch"].get("detected", True)
+    found = detected or d["verdict"] in ("named", "none_of_these")
+    return p_value is not None and p_value >= _COMMON and p_value > level and not found
 
 
 def p_words(p_value: float | None) -> str:

@@ -116,7 +116,7 @@ class Chain:
         self.atmosphere = ATMOSPHERE / self.spring_span
         self.spring = (ATMOSPHERE + low) / self.spring_span
         self.supply = (ATMOSPHERE + supply) / self.spring_span
-        # air opens a valve that its spring closes; where it is the other way the stem is seen from its end
+        # air opens a valve that its spring closes; for fail-open valves the stem coordinate is reversed
         self.air_closes = self.valve.fail == "open"
 
     def active(self, effect):

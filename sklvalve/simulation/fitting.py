@@ -58,7 +58,7 @@ def simulate_channels(chain, values, channels):
 
 
 def left_of(recording, predictions, channel):
-    """Recorded less simulated.
+    """Recorded minus simulated.
 
     Of an opening that a historian held within a dead band only what lies outside of the band is known to
     differ. A flow keeps all of its difference: in the mean over many values it tells far less than its band,
@@ -71,7 +71,7 @@ def left_of(recording, predictions, channel):
 
 
 def residual_of(chain, predictions, channel, rows):
-    """Recorded less simulated, NaN in rows that are not used."""
+    """Recorded minus simulated, NaN in rows that are not used."""
     left = left_of(chain.recording, predictions, channel)
     return left if rows is None else np.where(rows, left, np.nan)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What grows goes on in a later recording, where its clock says that it is one."""
+"""Carry a drifting effect over into a later recording."""
 
 import warnings
 

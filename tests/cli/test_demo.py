@@ -78,7 +78,7 @@ def test_truth_in_words():
         "units": {"seat_leakage": "kv_rated"},
         "onset": 2000.0,
     }
-    assert tell(truth) == "Concealed was seat leakage (0.0183 of the rated capacity), from 2000 s on."
+    assert tell(truth) == "Concealed: seat leakage (0.0183 of the rated capacity), from 2000 s on."
     assert tell({"concealed": []}).startswith("Nothing was concealed")
     alien = truth | {"effects": [], "onset": 0.0}
-    assert tell(alien).endswith("from the start, which no catalogue holds.")
+    assert tell(alien).endswith("from the start, which is not in the catalogue.")

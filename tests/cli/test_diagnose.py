@@ -19,7 +19,7 @@ def test_three_results_and_the_finding(folder, capsys):
     assert sorted(os.listdir(".")) == ["out", "recording.csv", "valve.toml"]
     assert json.loads((folder / "out/diagnosis.json").read_text()) == examples.named()
     shown = capsys.readouterr()
-    assert shown.out.startswith("Finding       The simulation leaves out seat leakage")
+    assert shown.out.startswith("Finding       Likely fault: the seat leaks")
     assert "Written: " in shown.out
     assert shown.err == ""
     page = (folder / "out/report.html").read_text()

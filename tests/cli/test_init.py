@@ -48,7 +48,7 @@ def test_what_is_there_is_not_replaced_unless_forced(folder, capsys):
     before = (folder / "valve.toml").read_text()
     assert main(INIT) == 2
     shown = capsys.readouterr()
-    assert shown.err.startswith("sklvalve: valve.toml: it is there already")
+    assert shown.err.startswith("sklvalve: valve.toml: it exists already")
     assert shown.err.count("\n") == 1
     assert (folder / "valve.toml").read_text() == before
     assert main([*INIT, "--out", "other.toml"]) == 0

@@ -36,7 +36,7 @@ def test_from_a_recording_alone_to_a_report(alone, capsys):
     assert sorted(os.listdir(".")) == ["recording.csv", "results"]
     shown = capsys.readouterr()
     assert shown.err.count("\n") == 1
-    assert "note: no --valve is given and no valve.toml lies beside the recording" in shown.err
+    assert "note: no --valve was given and no valve.toml found beside the recording" in shown.err
     assert "'FIC7.OP' the command, 'ZT7' the opening, 'FIC7.PV' the flow" in shown.err
     said = " ".join(shown.out.split())
     assert "Data data sheet, left out: no valve.toml was given: kv_rated (" in said
@@ -71,7 +71,7 @@ def test_a_valve_beside_the_recording_is_used_and_named(folder, capsys):
     assert main(["diagnose", "plant/recording.csv", "--json"]) == 0
     shown = capsys.readouterr()
     assert json.loads(shown.out) == examples.named()
-    assert shown.err.startswith("note: plant/valve.toml, which lies beside the recording, tells of the valve")
+    assert shown.err.startswith("note: plant/valve.toml, found beside the recording, describes the valve")
     assert shown.err.count("\n") == 1
 
 
@@ -89,7 +89,7 @@ def test_screen_says_the_same(alone, capsys):
     _named(alone)
     assert main(["screen", "recording.csv"]) == 0
     shown = capsys.readouterr()
-    assert "note: no --valve is given" in shown.err
+    assert "note: no --valve was given" in shown.err
     assert "- Flow (guessed): column 'FIC7.PV'" in shown.out
 
 

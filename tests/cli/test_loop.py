@@ -68,7 +68,7 @@ def test_sticking_loop_gives_a_finding_and_a_page_but_no_model(folder, capsys):
     assert status == 1
     assert sorted(os.listdir("out")) == RESULTS
     assert json.loads((folder / "out" / "diagnosis.json").read_text(encoding="utf-8"))["verdict"] == "named"
-    assert "No corrected_model.skops: a loop known by its command and its value only" in shown
+    assert "No corrected_model.skops: with only a command and a value recorded" in shown
 
 
 def test_json_of_a_loop_stands_alone(folder, capsys):

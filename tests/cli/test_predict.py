@@ -200,8 +200,8 @@ def test_an_effect_that_is_yet_to_begin_is_told():
     effect = SimpleNamespace(key="leak", name="seat_leakage")
     told = _not_yet(SimpleNamespace(effects=[effect], onsets={"leak": 20.0}), recording)
     assert told == [
-        "seat_leakage acts from a moment on, and 20 of these 50 rows stand before it, by the clock of the "
-        "recording that was diagnosed."
+        "Seat leakage begins later: 20 of these 50 rows are before it, by the clock of the diagnosed "
+        "recording."
     ]
     assert _not_yet(SimpleNamespace(effects=[effect], onsets={"leak": -5.0}), recording) == []
     assert _not_yet(SimpleNamespace(effects=[effect], onsets=None), recording) == []

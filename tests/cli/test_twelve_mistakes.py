@@ -224,4 +224,4 @@ def test_unit_that_only_the_physics_shows_is_the_finding(here, capsys, recorded,
     assert found["effects"] == []
     assert told in found["next_test"]
     assert "check the units of flow and pressures" in found["next_test"]
-    assert "must be mended before physics is asked" in (here / "results/report.html").read_text()
+    assert "Correct the columns in valve.toml first" in (here / "results/report.html").read_text()

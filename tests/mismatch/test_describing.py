@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from sklvalve.lssvm import LSSVMRegressor
-from sklvalve.mismatch.describing import described
+from sklvalve.mismatch.describing import described, scales_of
+from sklvalve.recording import Recording, Valve
 
 SPAN = 1e-3
 
@@ -43,7 +44,7 @@ CASES = {
 def test_a_shape_is_said_by_its_own_formula(case):
     rest, words = CASES[case]
     told = described(learnt(1e-4 * rest - 2e-5, opening=OPENING), 3600.0, "m3/h")
-    assert told["formula"].startswith("rest of flow [m3/h] = ")
+    assert told["formula"].startswith("flow residual [m3/h] = ")
     assert words in told["formula"]
     assert told["share"] > 0.9
     curve = told["curve"]
@@ -80,3 +81,23 @@ def test_what_no_short_formula_holds_is_not_given_one():
     assert told["formula"] is None
     assert told["share"] < 0.6
     assert len(told["curve"]["at"]) == len(told["curve"]["rest"]) == 40
+
+
+def test_signals_are_shown_in_recorded_units():
+    time = np.arange(240.0)
+    dp = 1.0 + np.random.default_rng(0).uniform(size=240)
+    valve = Valve.from_dict(
+        {
+            "recording": {
+                "p1": {"column": "P1", "unit": "psi", "gauge": False},
+                "temperature": {"column": "T", "unit": "degF"},
+            }
+        }
+    )
+    scales = scales_of(Recording.from_frame({"time": time, "P1": 100.0 + time, "T": 70.0 + time}, valve))
+    told = described(learnt(1e-4 * (dp - 1.5), opening=OPENING, dp=dp), 3600.0, "m3/h", scales)
+    assert (told["curve"]["signal"], told["curve"]["unit"]) == ("dp", "psi")
+    assert 14.5 < min(told["curve"]["at"]) < max(told["curve"]["at"]) < 29.1
+    factor, offset, unit = scales["temperature"]
+    assert unit == "degF"
+    assert factor * 310.928 + offset == pytest.approx(100.0, abs=0.01)

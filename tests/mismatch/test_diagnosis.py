@@ -38,13 +38,14 @@ def test_page_begins_with_the_finding_how_sure_and_what_to_do():
     content = {
         "verdict": "named",
         "mismatch": {"detected": True, "p_value": 4e-4},
-        "effects": [{"members": leak, "probability": 0.97, "parameters": {}}],
+        "effects": [{"kind": "fault", "members": leak, "probability": 0.97, "parameters": {}}],
         "next_test": "Close the <valve>.",
     }
     page = Diagnosis(content)._repr_html_()
     assert page.startswith(
-        "<div><p><strong>The simulation leaves out seat leakage or bypass open.</strong></p>"
-        "<p>How sure: 97 % sure; a difference as large comes by chance with p &lt; 0.001.</p>"
+        "<div><p><strong>Likely fault: seat leakage or bypass open.</strong></p>"
+        "<p>How sure: Right in 97 % of blind tests; a difference as large comes by chance with p &lt; "
+        "0.001.</p>"
         "<p>What to do next: Close the &lt;valve&gt;.</p><table>"
     )
     assert repr(Diagnosis(content)) == "<Diagnosis: named; seat_leakage or bypass_open; p < 0.001>"
@@ -54,8 +55,8 @@ def test_page_begins_with_the_finding_how_sure_and_what_to_do():
     ("content", "words"),
     [
         ({"verdict": "none_of_these"}, "Something is missing that no known effect explains."),
-        ({"verdict": "cannot_tell"}, "Something is missing, but this recording cannot tell what."),
-        ({"verdict": "no_mismatch"}, "Nothing that matters was found missing."),
+        ({"verdict": "cannot_tell"}, "Something is missing; the recording does not identify what."),
+        ({"verdict": "no_mismatch"}, "Nothing relevant is missing."),
         (
             {"verdict": "cannot_tell", "mismatch": {"detected": False}, "reasons": ["Mend <it>."]},
             "whether anything is missing.</strong></p><p>How sure: Mend &lt;it&gt;.",
@@ -69,24 +70,25 @@ def test_page_without_effects_has_words_and_no_table(content, words):
     assert repr(Diagnosis(content | {"effects": []})) == f"<Diagnosis: {content['verdict']}>"
 
 
-def test_what_could_not_be_asked_is_no_all_clear():
+def test_what_could_not_be_tested_is_no_all_clear():
     content = {"verdict": "no_mismatch", "effects": [], "mismatch": {"p_value": 0.43}}
     content["not_testable"] = [{"name": "seat_leakage", "needs": "a data sheet"}] * 2
     page = Diagnosis(content)._repr_html_()
-    assert "comes by chance with p = 0.43." in page
-    assert "found missing; effects that could not be asked about: 2, see not_testable." in page
+    assert "How sure: No sign of a fault." in page
+    assert "is missing; 2 effects could not be tested, see not_testable." in page
 
 
 def test_several_findings_are_told_with_their_own_probabilities():
-    names = ("backlash", "seat_leakage")
+    names = ("backlash", "choked_flow")
     play = {"width": {"value": 0.031, "unit": "1", "ci95": None}}
     entries = [
-        {"members": [{"name": n, "probability": p}], "probability": p, "parameters": play}
-        for n, p in zip(names, (0.999, 0.8), strict=True)
+        {"kind": k, "members": [{"name": n, "probability": p}], "probability": p, "parameters": play}
+        for k, n, p in zip(("fault", "property"), names, (0.999, 0.8), strict=True)
     ]
     page = Diagnosis({"verdict": "named", "effects": entries})._repr_html_()
-    assert "The simulation leaves out backlash; seat leakage." in page
-    assert "More than 99 % sure of backlash; 80 % sure of seat leakage." in page
+    assert "Likely fault: backlash. The simulation lacks choked flow." in page
+    told = "Right in more than 99 % of blind tests of backlash; right in 80 % of blind tests of choked flow."
+    assert told in page
     assert "<td>width 0.031</td>" in page
 
 

@@ -114,7 +114,7 @@ def test_name_block_and_fault_are_as_designed(effect):
 
 @each_effect
 def test_phrase_can_be_spoken(effect, plain):
-    spoken = effect.phrase.format(**_start(effect, plain.chain))
+    spoken = effect.phrase.format(pressure_unit="Pa", **_start(effect, plain.chain))
     assert spoken
     assert "{" not in spoken
     assert not spoken.endswith(".")

@@ -96,14 +96,14 @@ def test_swapped_pressures_block_the_diagnosis(sound):
     assert content["mismatch"] == {"detected": False, "p_value": None, "alpha": 0.01}
     assert content["effects"] == []
     assert "unknown" not in content
-    assert content["next_test"].startswith("The data must be mended before physics is asked")
+    assert content["next_test"].startswith("Correct the columns in valve.toml first")
     assert json.loads(json.dumps(content, allow_nan=False)) == content
     text = " ".join(to_text(content).split())
-    sentence = "This recording cannot tell whether anything is missing."
-    assert text.startswith(f"Finding {sentence} Do next The data must be mended before physics is asked")
+    sentence = "This recording cannot show whether anything is missing."
+    assert text.startswith(f"Finding {sentence} Do next Correct the columns in valve.toml first")
     pytest.importorskip("jinja2", reason='needs pip install "sklvalve[report]"')
     pytest.importorskip("matplotlib", reason='needs pip install "sklvalve[report]"')
-    assert "The data must be mended" in render(finder.diagnosis_)
+    assert "Correct the columns in valve.toml first" in render(finder.diagnosis_)
 
 
 def test_pressure_sensor_that_freezes_is_blanked_and_names_nothing(sound):

@@ -46,8 +46,8 @@ def test_the_range_is_the_inner_part_of_what_was_visited(found):
 def test_the_report_tells_it(found):
     told = " ".join(to_text(found[1].diagnosis_.to_dict()).split())
     assert "the flow error outside that range is" in told
-    assert "Where nothing acts, the flow error is" in told
-    assert "The best explanation that was ruled out" in told
+    assert "In rows where what was found has less than a quarter of its largest effect, the flow" in told
+    assert "With the best explanation that was ruled out" in told
     # of a channel that nothing changed there is nothing to tell
     assert "the opening error outside that range" not in told
 

@@ -26,14 +26,14 @@ def test_by_its_probability():
 
 def test_reasons_are_one_plain_sentence():
     assert _grade()["reason"] == (
-        "So large a difference is rare among healthy valves, and the correction explains 90% of it on rows "
-        "ahead in time."
+        "So large a difference is rare among healthy valves, and the correction explains 90 % of it on "
+        "forecast rows."
     )
     friction = _grade(0.7, Grounds("friction", 1e-4))["reason"]
-    assert friction.startswith("Of ")
-    assert "led by this name" in friction
+    assert friction.startswith("In blind tests on simulated valves ")
+    assert "diagnoses led by this effect were right" in friction
     coarse = _grade(0.7, Grounds("dead_time", 1e-4, coarse=True))
-    assert coarse["reason"] == "The recorded values are thinned, or read in large steps."
+    assert coarse["reason"] == "The recorded values are compressed or coarsely quantised."
     few = _grade(0.7, Grounds("dead_time", 1e-4, few_signals=True))
     assert few["reason"] == "The opening or a pressure is not recorded."
 
@@ -42,13 +42,13 @@ def test_an_interval_that_holds_zero_names_nothing():
     grounds = Grounds("flow_meter_bias", 1e-6, may_vanish=True)
     grade = _grade(0.95, grounds, vanishes=["bias"])
     assert grade["level"] == "weak"
-    assert grade["reason"] == "The interval of its bias holds the value at which it vanishes."
+    assert grade["reason"] == "The interval of its bias includes the value of no effect."
 
 
 def test_what_acts_in_the_first_rows_alone_is_no_name():
     grade = _grade(0.99, at_first=True)
     assert grade["level"] == "weak"
-    assert "what was before the recording" in grade["reason"]
+    assert "what happened before the recording" in grade["reason"]
 
 
 def test_without_a_frequency_only_what_explains_most_is_strong():
@@ -58,7 +58,9 @@ def test_without_a_frequency_only_what_explains_most_is_strong():
     assert _grade(unchecked="gas", skill=-0.1)["level"] == "weak"
     # forecasts cannot know of what begins behind their last origin
     assert _grade(unchecked="gas", skill=None, late=True)["level"] == "strong"
-    assert _grade(unchecked="gas")["reason"].endswith("; how often such names hold was not checked for gas.")
+    assert _grade(unchecked="gas")["reason"].endswith(
+        "; how often such a diagnosis is right was not checked for gas."
+    )
 
 
 # ---- kinds of recordings
@@ -150,13 +152,13 @@ def test_the_verdict_is_taken_back_where_all_is_weak():
     _, verdict, reasons = assessed([weak], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "cannot_tell"
     assert reasons == [
-        "Flow meter bias is too weak for a name: the interval of its bias holds the value at which it "
-        "vanishes."
+        "Flow meter bias is too uncertain to be named: the interval of its bias includes the value of no "
+        "effect."
     ]
     entries, verdict, reasons = assessed([weak, _entry()], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "named"
     assert [entry["members"][0]["name"] for entry in entries] == ["dead_time"]
-    assert reasons[0].startswith("Flow meter bias is too weak")
+    assert reasons[0].startswith("Flow meter bias is too uncertain")
     (entry,), _, _ = assessed([_entry() | {"spells": [[0.0, 30.0]]}], "named", 1e-5, AHEAD, [], _bench())
     assert entry["grade"]["level"] == "weak"
     assert assessed([], "no_mismatch", 0.5, {}, [], _bench()) == ([], "no_mismatch", [])

@@ -16,7 +16,7 @@ from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.excitation import Advisor, Answer, Explanation
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.next_test import next_test, plan_of
-from sklvalve.mismatch.plan import SURE, Pair, apart, appreciable, confusion, told
+from sklvalve.mismatch.plan import SURE, Pair, apart, appreciable, confusion, distances_told, told
 from sklvalve.mismatch.planning import _Choice, planned
 from sklvalve.mismatch.preparation import prepared_workbench
 from sklvalve.mismatch.programs import library
@@ -114,7 +114,7 @@ def test_one_explanation_alone_gets_the_program_that_narrows_its_interval():
     # which of the two is ahead hangs on the last digits of the fit
     assert plan.name in ("square", "steps")
     assert 0.0 < plan.considered["square"] < 0.7 * plan.considered["reversals"]
-    assert "narrow the interval of the delay (dead time)" in plan.sentence
+    assert "narrow the 95 % interval of the delay (dead time)" in plan.sentence
     assert EFFECTS["dead_time"].separated_by in plan.sentence
 
 
@@ -176,14 +176,22 @@ def test_words_say_what_is_told_apart_and_what_is_not():
     said = told(
         "Do this", ("erosion", "seat_leakage", "clogging"), now, after, ["First.", "Second.", "Third."]
     )
-    assert said.startswith("Do this: this is expected to tell erosion or seat leakage from clogging")
-    assert "D = 1 now, 40 with it" in said
-    assert said.endswith("For the rest: First.")
+    assert said.startswith("Do this: this should tell erosion or seat leakage from clogging")
+    assert "(one would be taken for the other in less than 0.1 % of cases, now in 31 %)" in said
+    assert said.endswith("For the others: First.")
+    assert "D =" not in said
     poor = told("Do this", ("erosion", "clogging"), now[:2, :2], np.full((2, 2), 6.0), ["First.", "Second."])
     assert (
-        "takes erosion and clogging furthest apart, but only from D = 1 to 6; 28 is needed to be sure. First."
-        in poor
+        "this distinguishes erosion and clogging best, but one would still be taken for the other in 11 % of "
+        "cases (31 % now). First." in poor
     )
+
+
+def test_distances_are_for_the_details():
+    now, after = np.full((2, 2), 1.0), np.full((2, 2), 40.0)
+    said = distances_told(("erosion", "clogging"), now, after)
+    assert "erosion from clogging 1 and 40" in said
+    assert "From 14 on two are told apart, and 28 is needed to expect it of a test." in said
 
 
 def test_a_test_lowers_no_distance(lags):
@@ -217,15 +225,15 @@ def test_only_what_chance_cannot_undo_is_promised():
     assert norm.cdf((SURE - 14.0) / (2.0 * np.sqrt(SURE))) == pytest.approx(0.907, abs=0.001)
     now, after = np.full((2, 2), 3.0), np.full((2, 2), 20.0)
     said = told("Do this", ("erosion", "clogging"), now, after, ["First.", "Second."])
-    assert "only from D = 3 to 20; 28 is needed to be sure" in said
+    assert "one would still be taken for the other in 1.3 % of cases (19 % now)" in said
     assert not Pair(("erosion", "clogging"), 3.0, (20.0, 60.0)).told_apart
     assert Pair(("erosion", "clogging"), 3.0, (30.0, 60.0)).told_apart
     # a pair that the present recording tells apart needs no more
     now, after = np.full((3, 3), 3.0), np.full((3, 3), 40.0)
     now[0, 2] = now[2, 0] = after[0, 2] = after[2, 0] = 16.0
     said = told("Do this", ("erosion", "clogging", "backlash"), now, after, ["First.", "Second.", "Third."])
-    assert "expected to tell erosion from clogging from backlash" in said
-    assert "For the rest" not in said
+    assert "should tell erosion from clogging from backlash" in said
+    assert "For the others" not in said
 
 
 def test_words_tell_the_pair_that_grows_and_those_that_stay():
@@ -233,12 +241,12 @@ def test_words_tell_the_pair_that_grows_and_those_that_stay():
     now = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 5.0], [9.0, 5.0, 0.0]])
     after = np.array([[0.0, 2.3, 32.0], [2.3, 0.0, 6.0], [32.0, 6.0, 0.0]])
     said = told("Do this", names, now, after, advice)
-    assert "expected to tell two phase from choked flow (distance D = 9 now, 32 with it" in said
-    assert "It does not part two phase from cavitation, nor cavitation from choked flow." in said
+    assert "should tell two phase from choked flow (one would be taken for the other in 0.23 % of" in said
+    assert "It does not tell two phase from cavitation, nor cavitation from choked flow." in said
     poor = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 12.0], [9.0, 12.0, 0.0]])
     said = told("Do this", names, now, poor, advice)
-    assert "takes cavitation and choked flow furthest apart, but only from D = 5 to 12" in said
-    assert "it does not part two phase from cavitation, nor two phase from choked flow. Bleed." in said
+    assert "this distinguishes cavitation and choked flow best, but one would still be taken" in said
+    assert "and it does not tell two phase from cavitation, nor two phase from choked flow. Bleed." in said
 
 
 @pytest.mark.parametrize(

@@ -205,8 +205,8 @@ def test_words_say_how_it_differs_from_noise(slugged):
     told = slugged.to_dict()
     sentence = summary_sentence(told)
     moments = told["unknown"]["pulses"]["moments"]
-    assert f"below its simulation for moments, {moments} times while the valve rests" in sentence
-    assert "as no noise does" in sentence
+    assert f"below its simulation at {moments} moments while the valve is at rest" in sentence
+    assert "noise does not do that" in sentence
     assert "no known effect explains" in headline(told)
 
 

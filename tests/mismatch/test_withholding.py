@@ -96,7 +96,7 @@ def test_flow_redrawn_by_lines_is_no_unknown_effect():
     assert ("compressed", "flow") in {(d["finding"], d["role"]) for d in content["data"]}
     assert content["verdict"] == "cannot_tell"
     assert content["mismatch"] == {"detected": False, "p_value": None, "alpha": 0.01}
-    assert content["next_test"].startswith("The recording differs from the simulation, but what a historian")
+    assert content["next_test"].startswith("The recording differs from the simulation, but the historian's")
     assert content["effects"] == []
     assert "unknown" not in content
 

@@ -39,6 +39,7 @@ def _diagnosis(verdict, p_value, **parts):
 
 
 LEAK = {
+    "kind": "fault",
     "members": [
         {"name": "seat_leakage", "probability": 0.61},
         {"name": "bypass_open", "probability": 0.36},
@@ -50,6 +51,7 @@ LEAK = {
     "separated_by": "Close the block valve of the bypass.",
 }
 PLAY = {
+    "kind": "fault",
     "members": [{"name": "backlash", "probability": 0.999}],
     "probability": 0.999,
     "blocks": ["actuator"],
@@ -78,7 +80,7 @@ def named():
 def graded():
     """Of a kind of recording on which nobody checked how often names hold."""
     members = [member | {"probability": None} for member in LEAK["members"]]
-    grade = {"level": "moderate", "reason": "How often such names hold was not checked for gas."}
+    grade = {"level": "moderate", "reason": "How often such a diagnosis is right was not checked for gas."}
     leak = LEAK | {"members": members, "probability": None, "grade": grade}
     return named() | {"effects": [leak]}
 

@@ -244,3 +244,36 @@ def test_long_recording_can_be_read(browser, tmp_path):
 def test_page_prints(page, tmp_path):
     page.print(tmp_path / "report.pdf")
     assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF")
+
+
+@pytest.mark.parametrize("width", [360, 1000])
+def test_times_are_those_of_the_calendar(browser, tmp_path, width):
+    made = examples.diagnosis(examples.named())
+    made.traces["first_stamp"] = "2024-03-01T23:28:00"
+    write_report(tmp_path / "calendar.html", made)
+    page = Page(browser, (tmp_path / "calendar.html").as_uri(), width)
+    assert page.complaints() == []
+    texts = page.ask(
+        f"[...{PLOT}.lastElementChild.querySelectorAll('text[text-anchor=middle]')].map(t => t.textContent)"
+    )
+    # 3000 s from 23:28 on: round times, the date at midnight, both dates below
+    assert texts[-1] == "time, 2024-03-01 to 2024-03-02"
+    assert "03-02" in texts
+    assert all(text.endswith(("0", "5")) for text in texts[:-1] if text != "03-02")
+    inside = (
+        f"(s => [...s.querySelectorAll('text')].every(t => t.getBoundingClientRect().right <= "
+        f"s.getBoundingClientRect().right + 1))({PLOT}.lastElementChild)"
+    )
+    assert page.ask(inside)
+    page.ask(f"{PLOT}.focus()")
+    page.press("Home")
+    assert _said(page).startswith("2024-03-01 23:28:00: ")
+    page.close()
+
+
+def test_details_open_on_demand(page):
+    assert not page.ask("document.querySelector('details').open")
+    page.ask("document.querySelector('summary').click()")
+    assert page.ask("document.querySelector('details').innerText.includes('Test for any mismatch')")
+    width = page.ask("document.documentElement.clientWidth")
+    assert page.ask("document.documentElement.scrollWidth") <= width

@@ -60,7 +60,7 @@ def test_draws_on_axes_that_are_given_and_again_on_others(diagnosis):
     figure, axes = plt.subplots(1, 2)
     made = SignatureDisplay.from_diagnosis(diagnosis, ax=axes)
     assert made.figure_ is figure
-    assert [ax.get_ylabel() for ax in axes] == ["opening [%]", "flow at a drop of 1 bar [m3/h]"]
+    assert [ax.get_ylabel() for ax in axes] == ["opening [%]", "flow at a drop of 100 kPa [m3/h]"]
     other = plt.figure()
     made.plot(other.subplots(1, 2))
     assert made.figure_ is other
@@ -136,9 +136,9 @@ def test_explanations_stand_in_order_with_their_shares(diagnosis):
 def test_what_to_do_next_stands_below_the_explanations():
     made = ExplanationDisplay.from_diagnosis(examples.diagnosis(examples.named()))
     assert made.ax_.get_xlabel() == "probability"
-    assert made.figure_.get_supxlabel() == "To tell more: Close the valve for 60 s."
+    assert made.figure_.get_supxlabel() == "Next test: Close the valve for 60 s."
     made.plot(plt.figure().subplots())
-    assert made.ax_.get_xlabel() == "probability\n\nTo tell more: Close the valve for 60 s."
+    assert made.ax_.get_xlabel() == "probability\n\nNext test: Close the valve for 60 s."
 
 
 @pytest.mark.parametrize("pairs", [0, 2])
@@ -154,7 +154,7 @@ def test_a_long_next_test_takes_no_height_from_the_bars_and_is_not_cut(pairs, co
     bars = [bar.get_window_extent().height / figure.dpi for bar in first.patches]
     assert min(bars) >= 0.15
     (strip,) = (text for text in figure.texts if "Hold the command" in text.get_text())
-    assert " ".join(strip.get_text().split()) == f"To tell more: {words}"
+    assert " ".join(strip.get_text().split()) == f"Next test: {words}"
     box, paper = strip.get_window_extent(), figure.bbox
     assert box.x0 >= 0.0
     assert box.x1 <= paper.width
@@ -170,8 +170,8 @@ def test_pairs_of_a_plan_are_drawn_from_now_to_expected(diagnosis):
     plan = SimpleNamespace(sentence="Close the valve at two pressure drops.", pairs=[pair])
     made = ExplanationDisplay.from_diagnosis(diagnosis, plan=plan)
     first, second = made.ax_
-    assert made.figure_.get_supxlabel() == "To tell more: Close the valve at two pressure drops."
-    assert "To tell more" not in first.get_xlabel() + second.get_xlabel()
+    assert made.figure_.get_supxlabel() == "Next test: Close the valve at two pressure drops."
+    assert "Next test" not in first.get_xlabel() + second.get_xlabel()
     assert [label.get_text() for label in second.get_yticklabels()] == ["seat leakage or an open bypass"]
     assert any(np.array_equal(line.get_xdata(), [2.0, 31.25]) for line in second.lines)
     assert [text.get_text() for text in second.texts] == ["2 to 31.2"]
@@ -207,3 +207,26 @@ def test_without_matplotlib_the_extra_is_named(monkeypatch, diagnosis):
     monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
     with pytest.raises(ImportError, match="pictures need matplotlib"):
         ExplanationDisplay.from_diagnosis(diagnosis)
+
+
+def test_the_axis_has_the_calendar_where_the_recording_has_it(diagnosis):
+    traces = diagnosis.traces | {"first_stamp": "2024-03-01T13:28:00"}
+    made = RecordingDisplay.from_diagnosis(SimpleNamespace(to_dict=diagnosis.to_dict, traces=traces))
+    last = made.ax_[-1]
+    assert made.time[0] == np.datetime64("2024-03-01T13:28:00")
+    assert made.time[-1] - made.time[0] == np.timedelta64(2999, "s")
+    assert last.get_xlabel() == "time"
+    made.figure_.canvas.draw()
+    ticks = [label.get_text() for label in last.get_xticklabels()]
+    assert "13:30" in ticks
+    assert last.xaxis.get_offset_text().get_text() == "2024-03-01"
+    # joined recordings are drawn one after the other, and no clock runs through both
+    joined = traces | {"begins": [0, 1000]}
+    made = RecordingDisplay.from_diagnosis(SimpleNamespace(to_dict=diagnosis.to_dict, traces=joined))
+    assert made.ax_[-1].get_xlabel() == "time, the recordings one after the other [s]"
+
+
+def test_a_stamp_that_is_none_leaves_seconds(diagnosis):
+    traces = diagnosis.traces | {"first_stamp": "yesterday"}
+    made = RecordingDisplay.from_diagnosis(SimpleNamespace(to_dict=diagnosis.to_dict, traces=traces))
+    assert made.ax_[-1].get_xlabel() == "time from the first sample [s]"

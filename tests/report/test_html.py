@@ -126,7 +126,7 @@ def test_what_acts_everywhere_shades_nothing():
     made.to_dict = lambda: examples.named() | {"location": {"blocks": ["valve"], "regions": []}}
     made.traces["flagged"] = np.ones(400, dtype=bool)
     page = render(made)
-    assert "acts noticeably in all rows, so that none are shaded" in page
+    assert "acts in all rows, so none are shaded" in page
     assert '"flagged": []' in page
     made.traces["flagged"][:20] = False
     assert '"flagged": []' not in render(made)
@@ -137,16 +137,17 @@ def test_finding_stands_first_then_how_sure_then_what_to_do(tmp_path):
     places = [
         text.index(words)
         for words in (
-            "The simulation leaves out seat leakage or an open bypass in the valve",
-            "How sure 97 % sure",
+            "Likely fault: the seat leaks or a bypass is open, in the valve",
+            "How sure In blind tests",
             "What to do next Close the valve",
-            "What it brings With it",
+            "What correcting it brings Including it",
             "Where and when",
             "signature",
             "What was found",
-            "Proof on 1440 unseen rows",
-            "could not be asked",
-            "The data themselves",
+            "Error on 1440 unseen rows",
+            "Not testable with this recording",
+            "steps of 0.5 % of travel",
+            "Details",
             "Provenance",
         )
     ]

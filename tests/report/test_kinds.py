@@ -29,8 +29,8 @@ def _made(*effects, **parts):
 
 def test_a_fault_is_called_likely():
     sentence = headline(_made(PLAY))
-    assert sentence.startswith("Likely fault: backlash in the actuator")
-    assert summary_sentence(_made(PLAY)).startswith("Likely fault: backlash (")
+    assert sentence.startswith("Likely fault: the stem has play (backlash), in the actuator")
+    assert summary_sentence(_made(PLAY)).startswith("Likely fault: the stem has play (backlash) (")
     assert "property" not in sentence
 
 
@@ -42,17 +42,19 @@ def test_a_property_is_what_the_simulation_lacks_and_asks_for_no_maintenance():
     assert summary_sentence(made).startswith(words)
     do = dict(glance(made))["What to do next"]
     assert "stroke_time = 62 in the [actuator] section of valve.toml" in do
-    assert "No maintenance follows from it." in do
+    assert "No maintenance is needed." in do
     assert "look for it at the valve" not in do
 
 
 def test_with_both_the_faults_come_first():
     made = _made(SLOW, PLAY)
     sentence = headline(made)
-    assert sentence.startswith("Likely fault: 1. backlash in the actuator (play 3.1 % of travel")
-    assert ". The simulation also lacks 2. a limited stroking speed in the actuator (a property" in sentence
+    assert sentence.startswith(
+        "Likely fault: 1. the stem has play (backlash), in the actuator (play 3.1 % of"
+    )
+    assert ". The simulation also lacks 2. a limited stroking speed, in the actuator (a property" in sentence
     sentence = summary_sentence(made)
-    assert sentence.index("Likely fault: 1. backlash") < sentence.index(
+    assert sentence.index("Likely fault: 1. the stem has play") < sentence.index(
         "The simulation also lacks 2. a limited"
     )
     do = dict(glance(made))["What to do next"]
@@ -75,7 +77,9 @@ def test_a_class_of_both_kinds_is_what_most_of_it_is():
     assert likely({"kind": "either", "members": members}) == "either"
 
 
-def test_an_older_diagnosis_keeps_its_words():
-    assert begins(examples.PLAY) == "The simulation leaves out"
-    assert by_beginning([examples.PLAY]) == [("The simulation leaves out", [(1, examples.PLAY)])]
-    assert to_be_declared([examples.PLAY]) == ""
+def test_an_older_diagnosis_says_neither_fault_nor_property():
+    old = {key: value for key, value in examples.PLAY.items() if key != "kind"}
+    assert begins(old) == "Not in the simulation:"
+    assert by_beginning([old]) == [("Not in the simulation:", [(1, old)])]
+    assert to_be_declared([old]) == ""
+    assert headline(_made(old)).startswith("Not in the simulation: backlash, in the actuator")

@@ -3,8 +3,9 @@ import copy
 
 import pytest
 
+from sklvalve.report import to_text
 from sklvalve.report.noise import noise_told
-from sklvalve.report.rows import proof_notes
+from sklvalve.report.rows import details, proof_notes
 from tests.report import examples
 
 
@@ -22,44 +23,45 @@ def diagnosis():
     return told
 
 
-def test_both_floors_stand_in_one_line_of_the_proof(diagnosis):
+def test_the_floor_beside_the_errors_is_the_one_noise_figure(diagnosis):
+    diagnosis |= {"verdict": "named", "effects": [examples.PLAY]}
+    text = " ".join(to_text(diagnosis).split())
+    assert "noise alone gives 0.2 m3/h" in text
+    assert "0.21" not in text
+    assert "0.25" not in text
+
+
+def test_an_error_no_larger_than_the_scatter_leaves_nothing_to_explain(diagnosis):
     (line,) = noise_told(diagnosis)
-    assert "0.21 m3/h quick, where nothing moves (1360 rows)" in line
-    assert "0.25 m3/h with wander" in line
-    assert "nothing is left to explain" in line
-    assert "noise model" not in line
-    assert "more than noise" not in line
-    assert line in proof_notes(diagnosis)
+    assert line == (
+        "The flow error is no larger than the scatter at repeated operating points: nothing is left to "
+        "explain."
+    )
+    assert line in details(diagnosis)
+    assert line not in proof_notes(diagnosis)
 
 
-def test_a_noise_model_above_the_rests_is_told(diagnosis):
+def test_noise_above_that_at_rest_is_reported(diagnosis):
     told = diagnosis["fit"]["flow"]["model_free"]
     told |= {"noise_model_above_steady": True, "repeats_above_steady": True, "at_repeats": False}
-    (line,) = noise_told(diagnosis)
-    assert "may have taken up physics" in line
-    assert "differs by more than noise" in line
-    assert "nothing is left" not in line
+    assert noise_told(diagnosis) == [
+        "The fitted noise of flow exceeds the noise measured while the valve is at rest: it may have "
+        "absorbed missing physics. Repeated operating points of flow differ by more than noise: "
+        "hysteresis or drift."
+    ]
 
 
-def test_a_recording_that_never_rests_says_nothing(diagnosis):
+def test_a_recording_that_says_nothing_of_its_noise_has_no_line(diagnosis):
     told = diagnosis["fit"]["flow"]["model_free"]
+    told |= {"at_repeats": False}
     told["steady"] = {"value": None, "rows": 0, "reason": "the opening never rests"}
-    told["repeats"] = {"value": None, "rows": 0, "reason": "the opening never rests"}
     assert noise_told(diagnosis) == []
     assert noise_told(examples.no_mismatch()) == []
 
 
-def test_shares_are_told_in_percent(diagnosis):
-    told = diagnosis["fit"].pop("flow")
-    told["model_free"] |= {"unit": "1", "steady": {"value": 0.0012, "rows": 400}, "at_repeats": False}
-    diagnosis["fit"]["opening"] = told
-    (line,) = noise_told(diagnosis)
-    assert "Noise of opening, told without a model: 0.12 % quick" in line
-
-
-def test_what_comes_back_otherwise_has_a_date_where_there_is_one(diagnosis):
-    diagnosis["fit"]["flow"]["model_free"]["repeats_above_steady"] = True
-    assert "it remembers, or has changed in time" in noise_told(diagnosis)[0]
+def test_repeats_that_differ_have_a_date_where_there_is_one(diagnosis):
+    diagnosis["fit"]["flow"]["model_free"] |= {"repeats_above_steady": True, "at_repeats": False}
     change = {"signal": "flow", "time": 812.0, "ci95": [800.0, 820.0], "size": 0.5, "unit": "m3/h"}
     diagnosis["location"] = {"change": change}
-    assert "it changed at 812 s [800 to 820 s]: the flow reads 0.5 m3/h higher" in noise_told(diagnosis)[0]
+    (line,) = noise_told(diagnosis)
+    assert "it changed at 812 s [800 to 820 s]: the flow reads 0.5 m3/h higher" in line

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
-from sklvalve.report.parameters import parameters
+from sklvalve.report.parameters import parameters, shown_parameters
 
 
 def _one(name, unit, value, ci95, flow_unit="m3/h"):
@@ -23,6 +23,24 @@ def _one(name, unit, value, ci95, flow_unit="m3/h"):
 )
 def test_parameters_in_an_engineers_units(name, unit, value, ci95, shown):
     assert _one(name, unit, value, ci95) == shown
+
+
+@pytest.mark.parametrize(
+    ("ends", "ci95", "words"),
+    [
+        (["upper"], [0.0096, 1.0], "2.1 % of travel (0.96 or more, upper bound unknown)"),
+        (["upper"], [0.0, 1.0], "2.1 % of travel (upper bound unknown)"),
+        (["lower"], [0.002, 0.05], "2.1 % of travel (5 or less, lower bound unknown)"),
+        (["lower", "upper"], [0.002, 1.0], "2.1 % of travel (bounds unknown)"),
+        ([], [0.0096, 0.05], "2.1 % of travel [0.96 to 5]"),
+    ],
+)
+def test_an_end_at_its_bound_is_unknown(ends, ci95, words):
+    item = {"value": 0.0214, "unit": "1", "ci95": ci95, "unknown_ends": ends}
+    (shown,) = shown_parameters({"parameters": {"stick": item}}, {})
+    assert (shown.name, shown.words) == ("dead band plus stick band", words)
+    assert shown.short.startswith("2.1 % of travel")
+    assert ("unknown" in shown.short) == bool(ends)
 
 
 def test_mass_flow_is_not_turned_into_volume():

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import pytest
 
+from sklvalve.report import summary_sentence
+from sklvalve.report.headline import headline
 from sklvalve.report.place import (
     change_words,
     duration,
@@ -69,32 +71,56 @@ def test_times():
     words = "from 812 s (95 %: 790 to 833 s) until 900 s (95 %: 880 to 920 s)"
     assert onset_words(known | spell | ends) == words
     two = spell | {"onset": None, "intervals": [[0.0, 10.0], [20.0, 30.0]]}
-    assert onset_words(two) == "in 2 spells from the start on"
+    assert onset_words(two) == "in 2 episodes from the start on"
     spans = [[10.0 * k, 10.0 * k + 5.0] for k in range(6)]
     assert intervals_words({"intervals": spans}).endswith("30 s to 35 s, and 2 more")
 
 
-def test_clock_times_stand_beside_seconds_where_the_recording_has_them():
+def test_times_are_those_of_the_calendar_where_the_recording_has_it():
     known = {"onset": 812.4, "onset_ci95": [790.4, 833.0], "intervals": [[812.4, 900.0], [36000.0, 87000.0]]}
-    begins = "2024-03-01T13:28:00"
-    assert since_words(known, begins) == (
-        "812 s after the first sample (13:41:32 on 2024-03-01; 95 %: 790 to 833 s)"
+    known["begins"] = "2024-03-01T13:28:00"
+    assert since_words(known) == "2024-03-01 13:41:32 (95 %: 13:41:10 to 13:41:53)"
+    assert onset_words(known) == "from 2024-03-01 13:41:32 (95 %: 13:41:10 to 13:41:53) on"
+    assert since_words(known | {"onset": None}) == "the start (2024-03-01 13:28:00)"
+    assert intervals_words(known) == (
+        "2024-03-01 13:41:32 to 13:43:00, 2024-03-01 23:28:00 to 2024-03-02 13:38:00"
     )
-    assert since_words({"onset": None}, begins) == "the start (13:28:00 on 2024-03-01)"
-    assert intervals_words(known, begins) == (
-        "812 s to 900 s (13:41:32 to 13:43:00 on 2024-03-01), "
-        "10.0 h to 24.2 h (23:28:00 on 2024-03-01 to 13:38:00 on 2024-03-02)"
-    )
-    told = examples.named()
-    told["provenance"] |= {"begins": begins}
-    told["location"] = told["location"] | {"onset": 812.0}
-    assert dict(places(told))["Since"] == "812 s after the first sample (13:41:32 on 2024-03-01)"
-    assert dict(places(told))["Present"].startswith("812 s to 5759 s (13:41:32 to 15:03:59")
+    # a stamp that no calendar has, and times beyond it, are seconds
+    assert since_words({"onset": 812.4, "begins": "yesterday"}) == "812 s after the first sample"
+    assert onset_words({"onset": 1e15, "begins": known["begins"]}).startswith("from 115740740")
+
+
+def test_the_calendar_reaches_headline_table_and_change():
+    made = examples.named()
+    made["provenance"] |= {"begins": "2024-03-01T13:28:00"}
+    change = {"signal": "flow", "time": 812.0, "ci95": [800.0, 820.0], "size": 0.5, "unit": "m3/h"}
+    made["location"] = made["location"] | {"onset": 812.0, "change": change}
+    assert dict(places(made))["Since"] == "2024-03-01 13:41:32"
+    assert dict(places(made))["Present"] == "2024-03-01 13:41:32 to 15:03:59"
+    assert dict(places(made))["Changed"].startswith("at 2024-03-01 13:41:32 [13:41:20 to 13:41:40]: the flow")
+    assert "from 2024-03-01 13:41:32 on" in headline(made)
+    assert "812 s" not in headline(made) + summary_sentence(made)
+
+
+@pytest.mark.parametrize(
+    ("signal", "role", "unit", "words"),
+    [
+        ("dp", "p1", "bar", "pressure drop between 1 and 3 bar"),
+        ("temperature", "temperature", "degF", "temperature between 32 and 212 degF"),
+        ("flow", "flow", "t/h", "flow between 3.6 and 7.2 t/h"),
+        ("dp", "p1", None, "pressure drop between 100 and 300 kPa"),
+    ],
+)
+def test_regions_are_in_recorded_units(signal, role, unit, words):
+    low, high = {"dp": (1e5, 3e5), "temperature": (273.15, 373.15), "flow": (1.0, 2.0)}[signal]
+    region = {"signal": signal, "low": low, "high": high, "direction": None, "share": 0.1}
+    assert region_words(region, units={role: unit} if unit else {}) == words
 
 
 def test_certainty_is_never_claimed():
-    assert sure({"probability": 1.0}) == "more than 99 % sure"
-    assert sure({"probability": 0.87}) == "87 % sure"
+    assert sure({"probability": 1.0}) == "right in more than 99 % of blind tests"
+    assert sure({"probability": 0.87}) == "right in 87 % of blind tests"
+    assert sure({"probability": None, "grade": {"level": "weak"}}) == "weak evidence"
     assert chance(1.0) == "> 99 %"
     assert chance(0.87) == "87 %"
     assert p_words(0.0) == "p < 0.001"

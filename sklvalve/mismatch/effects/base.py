@@ -96,7 +96,7 @@ class Effect:
     family = alike = source = declared_as = ""
     kind, kind_late = "fault", "fault"
     begins_with: tuple = ()
-    requires = "a data sheet with the characteristic and the fluid"
+    requires = "a data sheet that gives the characteristic and the fluid"
     may_begin = True
     grows = False
     in_loop = False

@@ -17,7 +17,7 @@ class Clogging(Effect):
     separated_by = (
         "Open the valve slowly to 100 %: a blockage has a sharp corner, a line loss bends smoothly."
     )
-    requires = "a data sheet with the trim's characteristic"
+    requires = "a data sheet that gives the trim's characteristic"
     # a limit has no slope where no row is beyond it: shares of the rows that it begins by leaving alone
     _left_alone: tuple = (0.995, 0.97, 0.85, 0.5)
 

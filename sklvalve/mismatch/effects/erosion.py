@@ -30,7 +30,7 @@ class Erosion(Effect):
         "leak does not."
     )
     damadics = "f3"
-    requires = "a data sheet with the trim's characteristic"
+    requires = "a data sheet that gives the trim's characteristic"
 
     def quantities(self, chain):
         rated = chain.trim.rated

@@ -17,7 +17,7 @@ class FlowMeterGain(Effect):
         "A second meter, or a known volume: no signal of the valve tells a meter's span from capacity."
     )
     damadics = "f19"
-    requires = "a data sheet with the trim's characteristic"
+    requires = "a data sheet that gives the trim's characteristic"
 
     def apply(self, value, p, chain):
         return value * (1.0 + p["gain"])

@@ -22,7 +22,7 @@ class InletPressureBias(Effect):
     parameters = (Quantity("bias", "Pa", -1e5, 1e5, (1e3,)),)
     needs = ("flow", "p1", "p2")
     family = "pressure"
-    phrase = "the pressures recorded are off by {bias:+.3g} Pa against the drop over the valve"
+    phrase = "the recorded pressures are off by {bias:+.3g} {pressure_unit} against the drop over the valve"
     separated_by = "Equalise the pressures over the closed valve and compare the two sensors."
     damadics = "f14"
 

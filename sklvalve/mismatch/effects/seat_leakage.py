@@ -15,7 +15,7 @@ class SeatLeakage(Effect):
     phrase = "the seat leaks (kv {leak_kv:.2g} m3/h)"
     separated_by = "Close the valve for 60 s at two pressure drops, once with the bypass blocked off."
     damadics = "f6"
-    requires = "a data sheet with the trim's characteristic"
+    requires = "a data sheet that gives the trim's characteristic"
 
     def quantities(self, chain):
         scale = chain.trim.rated

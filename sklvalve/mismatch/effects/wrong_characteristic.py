@@ -26,7 +26,7 @@ class WrongCharacteristic(Effect):
     may_begin = False
     phrase = "the trim does not have the characteristic of its data sheet"
     separated_by = "A slow staircase over the whole travel at three pressure drops."
-    requires = "a data sheet with the trim's characteristic"
+    requires = "a data sheet that gives the trim's characteristic"
 
     def possible(self, chain):
         return chain.trim.known

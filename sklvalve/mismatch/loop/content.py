@@ -2,6 +2,7 @@
 """A loop's finding laid out as diagnosis.json has it."""
 
 import sklvalve
+from sklvalve.recording.calendar_time import begins_of
 from sklvalve.recording.signal import ROLES
 
 
@@ -69,7 +70,10 @@ def loop_content(finding, recording, *, data=(), random_state=0):
             "recording_sha256": recording.sha256,
             "rows": len(recording),
             "random_state": random_state,
+            **begins_of(recording),
         },
+        "units": {role: recording.unit(role) for role in recording},
+        "details": list(finding.details),
     }
 
 
@@ -77,10 +81,7 @@ def _next_test(finding):
     if finding.effects:
         return finding.effects[0]["separated_by"]
     if finding.verdict == "cannot_tell":
-        return (
-            "Put the loop in manual and ramp the command slowly through both directions, wider than it "
-            "moves now."
-        )
+        return "Put the loop in manual and ramp the command slowly up and down, further than it moves now."
     return None
 
 

@@ -9,7 +9,14 @@ from sklvalve.mismatch.loop.kinds import kind_of_sticking
 from sklvalve.mismatch.loop.look import looked
 from sklvalve.mismatch.loop.methods import published_methods
 from sklvalve.mismatch.loop.oscillation import find_oscillation
-from sklvalve.mismatch.loop.sentences import effect_of, grade_of, held_against, judged, sampling_of
+from sklvalve.mismatch.loop.sentences import (
+    details_of,
+    effect_of,
+    grade_of,
+    held_against,
+    judged,
+    sampling_of,
+)
 from sklvalve.mismatch.loop.signals import loop_signals
 
 
@@ -83,7 +90,7 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
     if verdict == "named":
         waves = look.compared.waves if stem.rhythm else None
         kind = kind_of_sticking(part, look.foreseen, look.sense, command, waves)
-        effects = (effect_of(kind, look, grade_of(look, probability, ahead.helps)),)
+        effects = (effect_of(kind, look, grade_of(look, ahead.helps)),)
         sticks, answers = kind.stem, kind.fit.mixture @ kind.columns
         stem, share = kind.fit, kind.stick / part.span
         _, reason = judged(looks, look, True, share)
@@ -115,6 +122,7 @@ def diagnose_loop(recording, *, alpha=0.01, random_state=0):
         sampling,
         oscillation,
         methods,
+        tuple(details_of(looks, look)),
     )
 
 

@@ -42,6 +42,8 @@ class LoopFinding:
         Period [s] and regularity of the loop's swing; empty where it was not looked for.
     methods : tuple of dict
         What published methods say: `method`, `statistic`, `limit`, `says`, `source`.
+    details : tuple of str
+        What the verdict rests on in figures, in sentences for a specialist.
     """
 
     verdict: str
@@ -56,6 +58,7 @@ class LoopFinding:
     sampling: dict = field(default_factory=dict)
     oscillation: dict = field(default_factory=dict)
     methods: tuple[dict, ...] = ()
+    details: tuple[str, ...] = ()
 
     def to_dict(self):
         """Plain dict without the predictions, as it may stand in diagnosis.json."""

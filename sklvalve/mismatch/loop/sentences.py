@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Verdict of a loop, the sentences it rests on, and how the class of sticking is graded."""
 
-from sklvalve.mismatch.loop.look import FEWEST_TURNS, LARGE
+from sklvalve.mismatch.loop.look import FEWEST_TURNS, LARGE, MATTERS
 
 #: Differences of log likelihood from which on a wide band is excluded, and an answer is visible.
 _EXCLUDED = 10.0
@@ -12,7 +12,6 @@ _FEWEST_ROWS = 20
 #: A grade is strong from this much evidence and this many turns of the command on, weak below the second
 #: pair.
 _STRONG, _MODERATE = (30.0, 10), (18.0, 5)
-_RAMP = "a slow ramp of the command through both directions would tell"
 
 
 def judged(looks, look, found, share=None):
@@ -36,58 +35,84 @@ def judged(looks, look, found, share=None):
     """
     share = look.share if share is None else share
     evidence = look.evidence
-    band = f"A band of {share * look.loop.span:.2%} of the command's range ({share:.0%} of its movement)"
+    band = (
+        f"A dead band of {_percent(share * look.loop.span)} of the command's range ({_percent(share)} of its "
+        "movement)"
+    )
     if found:
-        return "named", (
-            f"{band} explains the value better than the command itself ({evidence:.0f} nats); the command "
-            f"turns and comes back {look.turns} times."
-        )
+        return "named", f"{band} explains the value better than the command itself."
     if max(one.answer for one in looks) <= _VISIBLE:
         return "cannot_tell", (
-            "The value does not visibly follow the command in this record: the loop moves too little for "
-            f"its noise; {_RAMP}."
+            "The value does not visibly follow the command: the loop moves too little for its noise."
         )
     if all(map(_excludes, looks)):
-        large = max(one.large for one in looks)
         return "no_mismatch", (
-            f"Bands of {LARGE:.0%} or more of the command's movement explain the value worse than the "
-            f"command itself ({-large:.0f} nats)."
+            f"Dead bands of {_percent(LARGE)} or more of the command's movement explain the value clearly "
+            "worse than the command itself."
         )
     if look.turns < FEWEST_TURNS:
         return "cannot_tell", (
-            "The command goes one way and does not come back, so that a band cannot be distinguished from a "
-            f"supply or a gain that drifts; {_RAMP}."
+            "The command goes one way only, so a dead band looks the same as a supply or a gain that drifts."
         )
     if look.large < -_EXCLUDED:
         return "cannot_tell", (
-            f"Wide bands explain the value worse than the command itself ({-look.large:.0f} nats), but "
-            f"{_doubt(look)}, so that they are not excluded; {_RAMP}."
+            "Wide dead bands explain the value clearly worse than the command itself, but "
+            f"{_doubt(look)}, so they are not excluded."
         )
     if evidence <= 0.0 and look.excess > 0.0:
         return "cannot_tell", (
-            "A band explains the value better than the command itself under one form of noise, and worse "
-            f"under another; {_RAMP}."
+            "A dead band explains the value better than the command itself with one noise model, and worse "
+            "with another."
         )
     if evidence <= 0.0:
         outside = look.compared.command.rhythm
-        other = "an oscillation from outside explains" if outside else "the command itself explains"
-        return "cannot_tell", f"Wide bands are not excluded, but {other} the value as well; {_RAMP}."
+        other = "an outside oscillation explains" if outside else "the command itself explains"
+        return "cannot_tell", f"Wide dead bands are not excluded, but {other} the value as well."
     return "cannot_tell", (
-        f"{band} explains the value somewhat better than the command itself ({evidence:.0f} nats), as it "
-        f"does in healthy loops too; {_RAMP}."
+        f"{band} explains the value somewhat better than the command itself, as in healthy loops too."
     )
+
+
+def details_of(looks, look):
+    """What the verdict rests on in figures, for a specialist.
+
+    Parameters
+    ----------
+    looks : sequence of Look
+    look : Look
+        The one that speaks most for sticking.
+
+    Returns
+    -------
+    sentences : list of str
+    """
+    large = max(one.large for one in looks)
+    return [
+        f"Log likelihood of the best sticking stem minus that of the command itself: {look.evidence:.0f} "
+        f"nats, over {_turns(look)} of the command.",
+        f"The same for the best dead band of {_percent(LARGE)} or more of the command's movement: "
+        f"{large:.0f} nats.",
+    ]
 
 
 def _doubt(look):
     if len(look.loop.senses) > 1:
-        return "whether a larger command raises or lowers the value is uncertain"
+        return "it is uncertain whether a larger command raises or lowers the value"
     if _rows(look) < _FEWEST_ROWS:
-        return f"a swing of the command has only {_rows(look):.0f} rows"
+        return f"one swing of the command has only {_rows(look):.0f} rows"
     if look.excess > 0.0:
-        return "a band of another size explains it better"
+        return "a dead band of another size explains it better"
     if look.small >= _SMALL:
-        return "a smaller band explains it better"
-    return "the value does not visibly follow in every part of the record"
+        return "a smaller dead band explains it better"
+    return "the value does not visibly follow in every part of the recording"
+
+
+def _turns(look):
+    return f"{look.turns} turn{'' if look.turns == 1 else 's'}"
+
+
+def _percent(share):
+    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %"
 
 
 def _excludes(look):
@@ -131,24 +156,22 @@ def held_against(verdict, ahead):
     """
     if verdict == "named" and not ahead.helps:
         return verdict, [
-            "The stem that sticks does not lower the error on rows ahead in time: no correction is applied."
+            "A simulated sticking stem does not lower the error on forecast rows: no correction is applied."
         ]
     if verdict == "no_mismatch" and ahead.clearly_better:
         return "cannot_tell", [
-            f"But a black box of many bands predicts the value {ahead.ratio:.1f} times better on rows ahead "
-            f"in time, so that something may be missing; {_RAMP}."
+            f"But a black box forecasts the value {ahead.ratio:.1f} times better, so something may be "
+            "missing."
         ]
     return verdict, []
 
 
-def grade_of(look, probability, helps=True):
+def grade_of(look, helps=True):
     """How strong the evidence of a class is, and why; no frequency was checked, so there is no probability.
 
     Parameters
     ----------
     look : Look
-    probability : float
-        How often a healthy loop gives as much.
     helps : bool, default=True
         Whether it lowers the error on rows ahead in time; else it is no more than moderate.
 
@@ -162,15 +185,22 @@ def grade_of(look, probability, helps=True):
         if look.evidence >= evidence and look.turns >= turns:
             level = name
     level = "moderate" if level == "strong" and not helps else level
-    rare = "fewer than 1 in 1000" if probability < 0.001 else f"{100.0 * probability:.1f} %"
-    return {
-        "level": level,
-        "reason": (
-            f"A stem that sticks explains the value better than the command itself by {look.evidence:.0f} "
-            f"nats over {look.turns} turns of the command, and {rare} of simulated healthy loops reach as "
-            "much."
-        ),
-    }
+    return {"level": level, "reason": _why(look, level, helps)}
+
+
+def _why(look, level, helps):
+    """What holds a grade back; of a strong one, what speaks for it."""
+    evidence, turns = _MODERATE if level == "weak" else _STRONG
+    if look.turns < turns:
+        return f"The command makes only {_turns(look)}."
+    if look.evidence < evidence:
+        return "A sticking stem explains the value only somewhat better than the command itself."
+    if not helps:
+        return "A sticking stem does not lower the error on forecast rows."
+    return (
+        "A sticking stem explains the value far better than the command itself, over "
+        f"{_turns(look)} of the command."
+    )
 
 
 def effect_of(kind, look, grade):
@@ -188,30 +218,54 @@ def effect_of(kind, look, grade):
         As in diagnosis.json; probabilities are None, sizes are fractions of the command's range.
     """
     names = sorted(kind.shares, key=lambda name: -kind.shares[name])
-    stick, slip = kind.stick, kind.slip
-    at_least = " or more" if stick >= 0.95 * look.loop.span else ""
-    low, high = kind.sticks
-    jump = (
-        "follows; whether with a jump is not known" if "backlash" in kind.shares else f"jumps by {slip:.2%}"
-    )
+    stick, slip, least = kind.stick, kind.slip, MATTERS * look.loop.span
+    unknown = "upper" if kind.sticks[1] >= 1.0 else ""
+    ends = ["lower"] if kind.sticks[0] <= least else []
     return {
         "members": [{"name": name, "probability": None} for name in names],
         "probability": None,
         "grade": grade,
         "blocks": ["actuator"],
         "parameters": {
-            "stick": {"value": stick, "unit": "1", "ci95": list(kind.sticks)},
-            "slip": {"value": slip, "unit": "1", "ci95": list(kind.slips)},
+            "stick": {
+                "value": stick,
+                "unit": "1",
+                "ci95": list(kind.sticks),
+                "unknown_ends": ends + ([unknown] if unknown else []),
+            },
+            "slip": {
+                "value": slip,
+                "unit": "1",
+                "ci95": list(kind.slips),
+                "unknown_ends": [unknown] if unknown else [],
+            },
         },
-        "sentence": (
-            f"The stem stays until the command has turned by {stick:.2%} of its range{at_least} (95 %: "
-            f"{low:.2%} to {high:.2%}), and then {jump}."
-        ),
+        "sentence": _stays(kind, look, [*ends, unknown]),
         "separated_by": (
             "Ramp the command slowly through a reversal with the stem's position recorded: a jump is "
             "stiction, a smooth start is play."
         ),
     }
+
+
+def _stays(kind, look, unknown_ends):
+    """How far the command turns before the stem follows."""
+    low, high = map(_percent, kind.sticks)
+    at_least = " or more" if kind.stick >= 0.95 * look.loop.span else ""
+    within = f"{low} to {high}"
+    if "upper" in unknown_ends:
+        within = f"{low} or more"
+    elif "lower" in unknown_ends:
+        within = f"{high} or less"
+    jump = (
+        "follows; whether it jumps is not known"
+        if "backlash" in kind.shares
+        else f"jumps by {_percent(kind.slip)}"
+    )
+    return (
+        f"The stem stays until the command has turned by {_percent(kind.stick)} of its range{at_least} "
+        f"(95 %: {within}), and then {jump}."
+    )
 
 
 def sampling_of(loop, looks, look, sample_time):
@@ -243,13 +297,13 @@ def sampling_of(loop, looks, look, sample_time):
     said = []
     if loop.every > 1:
         said.append(
-            f"Each row used is the mean of {loop.every} recorded ones ({loop.step:.3g} s), which leaves "
-            f"{loop.period / loop.step:.0f} rows to a swing of {loop.period:.3g} s."
+            f"Each row used is the mean of {loop.every} recorded rows ({loop.step:.3g} s); a swing of "
+            f"{loop.period:.3g} s has {loop.period / loop.step:.0f} of them."
         )
     if len(looks) > 1:
         begin, end = sampling["stretch"]
         said.append(
-            f"Of this long record {len(looks)} stretches of {len(look.loop.time)} rows were examined; the "
-            f"figures are those of {begin:.6g} s to {end:.6g} s."
+            f"The recording is long: {len(looks)} stretches of {len(look.loop.time)} rows were examined, and "
+            f"the figures are those of {begin:.6g} s to {end:.6g} s."
         )
     return sampling, said

@@ -3,6 +3,8 @@
 
 import numpy as np
 
+from sklvalve.recording.calendar_time import first_stamp
+
 
 def loop_traces(finding, whole, used):
     """Arrays for pictures, of every row, in the recording's own units.
@@ -50,4 +52,5 @@ def loop_traces(finding, whole, used):
         "pressure_ratio": None,
         "flagged": flagged,
         "until": None if used == len(whole) else used,
+        "first_stamp": first_stamp(whole),
     } | {kind: {role: whole.in_recorded_units(role, values)} for kind, values in made.items()}

@@ -74,10 +74,10 @@ def _taken_back(workbench, judged, compared):
     """A judgement without a correction that makes rows ahead worse."""
     worst = max(compared, key=lambda each: each.losses["corrected"] - each.losses["nominal"])
     before, after = (_in_units(workbench, worst, kind) for kind in ("nominal", "corrected"))
-    rises = f"the {worst.channel} error on rows ahead in time rises from {before} to {after}"
+    rises = f"the {worst.channel} error on forecast rows rises from {before} to {after}"
     if not judged.findings:
         return replace(judged, kept=False), (
-            f"What was learnt of the unexplained part is not added: with it {rises}."
+            f"The unexplained part is not added to the simulation: with it {rises}."
         )
     kept = replace(
         judged,
@@ -94,8 +94,8 @@ def _beaten(workbench, judged, worst):
     """A judgement that a black box is clearly better than, and the sentence that says so."""
     box, ours = (_in_units(workbench, worst, kind) for kind in ("black_box", "corrected"))
     better = (
-        f"A black box predicts the {worst.channel} {worst.ratio:.1f} times better on rows ahead in time "
-        f"({box} against {ours})"
+        f"A black box forecasts the {worst.channel} {worst.ratio:.1f} times better (error {box} against "
+        f"{ours})"
     )
     if judged.findings:
         share = share_explained([worst])
@@ -103,15 +103,16 @@ def _beaten(workbench, judged, worst):
         # what shows in another signal is no imitation of what is missing in this one
         if worst.channel in touched and share is not None and share < _LEAST_SHARE:
             return replace(judged, verdict="cannot_tell"), (
-                f"{better}, and what was found accounts for only {share:.0%} of what can be predicted."
+                f"{better}, and what was found accounts for only {100.0 * share:.0f} % of what can be "
+                "predicted."
             )
-        return judged, f"{better}: something else is missing beside what was found."
+        return judged, f"{better}: something else is missing too."
     if judged.verdict != "no_mismatch":
         return judged, f"{better}."
     if not worst.exogenous:
         return replace(judged, verdict="cannot_tell", p_value=None), (
-            f"{better}. Without recorded pressures that may be the pressure drop as well as the valve: "
-            "record p1 and p2."
+            f"{better}. Without recorded pressures the cause may be the pressure drop or the valve: record "
+            "p1 and p2."
         )
     suspects = judged.suspects or (_BLOCK[worst.channel],)
     p_value = min(judged.p_value, BY_CHANCE)
@@ -125,8 +126,8 @@ def _as_good(workbench, compared):
     near = max(compared, key=lambda each: each.ratio)
     box, ours = (_in_units(workbench, near, kind) for kind in ("black_box", "corrected"))
     return (
-        f"On rows ahead in time the simulation misses the {near.channel} by {ours}, and a black box on the "
-        f"same signals by {box}."
+        f"On forecast rows the simulation's {near.channel} error is {ours}; that of a black box on the same "
+        f"signals is {box}."
     )
 
 

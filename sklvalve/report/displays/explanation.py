@@ -90,7 +90,7 @@ class ExplanationDisplay(Display):
         return cls([_members(item) for item in explanations(d)], told, pairs).plot(ax)
 
     def plot(self, ax: Any = None) -> Self:
-        """Draw; where nothing was found this is told in words.
+        """Draw; where nothing was found this is said in words.
 
         Parameters
         ----------
@@ -105,7 +105,7 @@ class ExplanationDisplay(Display):
         lines = sum(map(len, self.classes)) + max(len(self.classes) - 1, 0)
         panels = 2 if self.pairs else 1
         height = 0.9 + 0.34 * max(lines, len(self.pairs), 1)
-        told = fill(f"To tell more: {self.next_test}", _LETTERS) if self.next_test else ""
+        told = fill(f"Next test: {self.next_test}", _LETTERS) if self.next_test else ""
         # the words get their own strip, so that they take no height from the bars
         first, *more = self._drawn_on(ax, panels, (6.4, height + _strip(told) / panels))
         self._draw_classes(first)
@@ -161,7 +161,7 @@ class ExplanationDisplay(Display):
         ax.set_ylim(len(names) - 0.5, -0.5)
         largest = max(max(pair.now, pair.expected) for pair in self.pairs)
         ax.set_xlim(0.0, 1.25 * max(largest, _TOLD_APART))
-        ax.set_xlabel("distance D between two explanations; dashed: told apart")
+        ax.set_xlabel("separation of two explanations; dashed: told apart")
         ax.legend(loc="lower left", bbox_to_anchor=(0.0, 0.98), ncols=2, borderaxespad=0.0, frameon=False)
         ax.grid(visible=False)
 

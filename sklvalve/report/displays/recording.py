@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from sklvalve.recording.calendar_time import first_stamp
 from sklvalve.recording.thinning import decimate
 from sklvalve.report import signals
 from sklvalve.report.courses import Panel, recorded_panels, residual_panels
@@ -27,6 +28,7 @@ class RecordingDisplay(Display):
     Parameters
     ----------
     time : array-like of shape (n,)
+        Numbers, or datetime64 for an axis by the calendar.
     panels : sequence of list of Course
         The signals of each panel; `Course` has name, unit, colour and values of shape (n,).
     time_label : str, default="time [s]"
@@ -64,7 +66,8 @@ class RecordingDisplay(Display):
         begins: Sequence[int] = (),
         until: int | None = None,
     ) -> None:
-        self.time = np.asarray(time, dtype=float)
+        time = np.asarray(time)
+        self.time = time if time.dtype.kind == "M" else time.astype(float)
         self.panels = list(panels)
         self.time_label = time_label
         self.flagged = np.zeros(len(self.time), dtype=bool) if flagged is None else np.asarray(flagged, bool)
@@ -85,7 +88,7 @@ class RecordingDisplay(Display):
         ----------
         diagnosis : Diagnosis
         show : {"recorded", "residual"}, default="recorded"
-            The signals as recorded, or recorded less simulated, before and after the correction.
+            The signals as recorded, or recorded minus simulated, before and after the correction.
         ax : Axes or sequence of Axes, default=None
             One a panel; a new figure where None.
 
@@ -112,6 +115,7 @@ class RecordingDisplay(Display):
             "recorded": {role: recording.in_recorded_units(role, recording[role]) for role in shown},
             "flagged": np.zeros(len(recording), dtype=bool),
             "begins": [low for low, _ in recording.spans],
+            "first_stamp": first_stamp(recording),
         }
         return cls.of_traces(traces).plot(ax)
 
@@ -123,9 +127,9 @@ class RecordingDisplay(Display):
             raise ValueError(f'show must be "recorded" or "residual"; got {show!r}')
         clock = signals.clock(traces)
         return cls(
-            time=clock.values,
+            time=clock.values if clock.begins is None else clock.stamps,
             panels=kinds[show](traces),
-            time_label=f"{signals.time_words(traces)} [{clock.unit}]",
+            time_label=signals.time_words(traces) + (f" [{clock.unit}]" if clock.begins is None else ""),
             flagged=traces["flagged"],
             begins=traces.get("begins", ()),
             until=traces.get("until"),
@@ -154,6 +158,8 @@ class RecordingDisplay(Display):
             self._draw(each, panel, points)
             self._mark(each, spans)
         axes[-1].set_xlabel(self.time_label)
+        if self.time.dtype.kind == "M":
+            _by_the_calendar(axes[-1])
         return self
 
     def _draw(self, ax: "Axes", panel: Panel, points: int) -> None:
@@ -182,3 +188,14 @@ class RecordingDisplay(Display):
         if self.until and self.until < len(self.time):
             ax.axvline(self.time[self.until], color=ink(), linewidth=0.9, linestyle=(0, (4, 3)))
         ax.margins(x=0.01)
+
+
+def _by_the_calendar(ax: "Axes") -> None:
+    """Ticks at round times, the date where it changes and beside the axis."""
+    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+
+    locator = AutoDateLocator(minticks=3, maxticks=8)
+    ax.xaxis.set_major_locator(locator)
+    days = "%Y-%m-%d"
+    beside = ["", "%Y", "%Y-%m", days, days, f"{days} %H:%M"]
+    ax.xaxis.set_major_formatter(ConciseDateFormatter(locator, offset_formats=beside))

@@ -26,7 +26,7 @@ class ResidualMapDisplay(Display):
     ----------
     x_edges, y_edges : ndarray of shape (n_columns + 1,), (n_rows + 1,)
     means : dict of ndarray of shape (n_columns, n_rows)
-        Recorded less simulated, by model, ``nominal`` first; NaN is an empty bin.
+        Recorded minus simulated, by model, ``nominal`` first; NaN is an empty bin.
     flagged : ndarray of bool of shape (n_columns, n_rows)
         Bins to be outlined.
     x_label, y_label, label : str
@@ -62,7 +62,7 @@ class ResidualMapDisplay(Display):
         *,
         x_label: str = "opening [%]",
         y_label: str = RATIO_LABEL,
-        label: str = "recorded less simulated",
+        label: str = "recorded minus simulated",
     ) -> None:
         self.x_edges, self.y_edges, self.means, self.flagged = x_edges, y_edges, means, flagged
         self.x_label, self.y_label, self.label = x_label, y_label, label
@@ -101,7 +101,7 @@ class ResidualMapDisplay(Display):
         shape, place = signals.residual_map(traces), signals.position(traces)
         if shape is None or place is None:
             return None
-        label = f"recorded less simulated [{traces['units'].get('flow', '1')}]"
+        label = f"recorded minus simulated [{traces['units'].get('flow', '1')}]"
         return cls(*shape, x_label=place[1], label=label)
 
     @classmethod
@@ -116,7 +116,7 @@ class ResidualMapDisplay(Display):
         flagged: ArrayLike | None = None,
         x_label: str = "",
         y_label: str = "",
-        label: str = "recorded less simulated",
+        label: str = "recorded minus simulated",
         ax: Any = None,
     ) -> Self:
         """Draw the residual of any predictions by any two signals.

@@ -52,7 +52,40 @@ function saidAt(course, at) {
 }
 
 function moment(at) {
-  return `${short(times[at])} ${data.unit}`;
+  return data.start === null ? `${short(times[at])} ${data.unit}` : stamp(times[at]).slice(0, 19).replace("T", " ");
+}
+
+// A time by the recording's own calendar, which is nobody's zone.
+function stamp(time) {
+  return new Date(data.start + Math.round(1000 * data.seconds * time)).toISOString();
+}
+
+const STEPS = [1, 2, 5, 10, 15, 30, 60, 120, 300, 600, 900, 1800, 3600, 7200, 10800, 21600, 43200, 86400, 172800,
+  604800, 1209600, 2592000, 7776000, 31536000];
+
+// Round times of the calendar: clock times, and dates where days are all that is left.
+function calendarTicks(low, high, count) {
+  const step = STEPS.find((each) => each >= (data.seconds * (high - low)) / count) ?? STEPS[STEPS.length - 1];
+  const begin = data.start / 1000 + data.seconds * low, end = data.start / 1000 + data.seconds * high;
+  const found = [];
+  for (let k = Math.ceil(begin / step); k * step <= end; k++) {
+    const words = new Date(1000 * k * step).toISOString();
+    const clock = step < 60 ? words.slice(11, 19) : words.slice(11, 16);
+    const midnight = words.slice(11, 19) === "00:00:00";
+    found.push([(k * step - data.start / 1000) / data.seconds, midnight ? words.slice(5, 10) : clock]);
+  }
+  return found;
+}
+
+function timeTicks(low, high, count) {
+  return data.start === null ? ticks(low, high, count) : calendarTicks(low, high, count);
+}
+
+// What stands below the axis: its unit, or the dates in view.
+function timeLabel(from, to) {
+  if (data.start === null) return `${data.label} [${data.unit}]`;
+  const [first, last] = [stamp(from).slice(0, 10), stamp(to).slice(0, 10)];
+  return first === last ? `${data.label} on ${first}` : `${data.label}, ${first} to ${last}`;
 }
 
 // Lowest and highest value of what is in view, with the row before and the row behind it.

@@ -42,12 +42,15 @@ function paint(chart) {
       draw("line", inside, { x1: LEFT, x2: width - RIGHT, y1: y(value), y2: y(value), class: "gridline" });
       draw("text", panel.svg, { x: LEFT - 6, y: y(value) + 4, "text-anchor": "end" }, words);
     }
-    for (const [time, words] of ticks(view.from, view.to, Math.max(3, Math.floor(width / 90)))) {
+    for (const [time, words] of timeTicks(view.from, view.to, Math.max(3, Math.floor(width / 90)))) {
       upright(time, "gridline");
-      if (end) draw("text", panel.svg, { x: x(time), y: HEIGHT + 11, "text-anchor": "middle" }, words);
+      if (!end) continue;
+      // a word at the right end would leave the picture
+      const half = 3.4 * words.length, at = Math.min(x(time), width - half);
+      draw("text", panel.svg, { x: at, y: HEIGHT + 11, "text-anchor": "middle" }, words);
     }
     if (end) {
-      const words = `${data.label} [${data.unit}]`;
+      const words = timeLabel(view.from, view.to);
       draw("text", panel.svg, { x: (LEFT + width - RIGHT) / 2, y: HEIGHT + 28, "text-anchor": "middle" }, words);
     }
     if (low < 0 && high > 0 && chart.name === "residual") {

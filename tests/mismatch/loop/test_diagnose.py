@@ -53,11 +53,14 @@ def test_play_is_in_the_class_where_there_is_no_jump(seed):
 
 def test_a_class_has_a_grade_and_no_probability():
     command, flow = _open_loop(0.02, 0.014)
-    effect = diagnose_loop(_recording(command=command, flow=flow)).effects[0]
+    found = diagnose_loop(_recording(command=command, flow=flow))
+    effect = found.effects[0]
     assert effect["probability"] is None
     assert {member["probability"] for member in effect["members"]} == {None}
     assert effect["grade"]["level"] in ("strong", "moderate", "weak")
-    assert "nats" in effect["grade"]["reason"]
+    assert "turn" in effect["grade"]["reason"]
+    assert "nats" not in " ".join([effect["grade"]["reason"], *found.reasons])
+    assert "nats" in found.details[0]
     for size in effect["parameters"].values():
         assert size["ci95"][0] <= size["value"] <= size["ci95"][1]
 

@@ -55,7 +55,7 @@ def test_sticking_loop_is_named_and_reported():
     left = [np.nanstd(traces["recorded"]["flow"] - traces[kind]["flow"]) for kind in ("nominal", "corrected")]
     assert left[1] < 0.5 * left[0]
     assert traces["flagged"].any()
-    assert "falls from" in to_text(diagnosis.to_dict())
+    assert "Including it lowers the" in to_text(diagnosis.to_dict())
     assert "flow RMSE [m3/h] |" in to_markdown(diagnosis.to_dict())
 
 
@@ -72,7 +72,7 @@ def test_page_of_a_loop(role, stick):
     diagnosis = MissingPhysicsFinder().fit(loop(role, stick)).diagnosis_
     page = render(diagnosis)
     assert 'id="recording' in page or "recorded signals over time" in page
-    assert f"Recorded less simulated {role.replace('_', ' ')} over time" in page
+    assert f"Recorded minus simulated {role.replace('_', ' ')} over time" in page
 
 
 def test_loop_that_follows_has_no_correction_to_show():

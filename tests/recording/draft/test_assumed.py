@@ -27,9 +27,9 @@ def test_every_line_of_a_role_is_told_with_its_reason():
     assert told["flow"][0] == "assumed"
     assert told["data_sheet"] == (
         "left_out",
-        "no valve.toml was given: kv_rated (data sheet; without it no loss of capacity is told); "
-        "characteristic (data sheet; without it a leak or a worn trim passes for the trim); the fluid is "
-        "taken for water",
+        "no valve.toml was given: kv_rated (data sheet; without it a loss of capacity cannot be "
+        "detected); characteristic (data sheet; without it, wear or a leak cannot be told from the trim's "
+        "shape); the fluid is taken for water",
     )
 
 
