@@ -21,6 +21,7 @@ from benchmarks.fuzz.targets import NAMES, Unsound, _require_finite, reader  # n
 _SHARES = {"toml": 400, "csv": 400, "gz": 200, "parquet": 400, "export": 400, "model": 200}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_but_the_own_error(kind):
     outcome = running.run(kind, _SHARES[kind], seed=1)

@@ -39,6 +39,7 @@ def inputs():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "number"),
     [
