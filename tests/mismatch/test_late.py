@@ -4,8 +4,8 @@
 from types import SimpleNamespace
 
 import numpy as np
-import pytest
 import pandas as pd
+import pytest
 
 from benchmarks.late_plant import ENDS, record
 from sklvalve import MissingPhysicsFinder, Recording, Valve
