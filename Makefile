@@ -2,7 +2,7 @@
 # One target for each habit, in the environment that is active; .ci/run calls the same.
 
 .DEFAULT_GOAL := help
-.PHONY: help install hooks test lint format types layers docs check ci clean
+.PHONY: help install hooks test slow lint format types layers docs check ci clean
 
 help:  ## list the targets
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "%-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -14,8 +14,11 @@ hooks:  ## check at every commit what .pre-commit-config.yaml lists
 	python -m pip install pre-commit
 	pre-commit install
 
-test:  ## run the tests, with every example of a docstring and every code block of a page
+test:  ## run the short part of the tests, with every example of a docstring
 	python -m pytest
+
+slow:  ## run the rest of the tests, those marked slow
+	python -m pytest -m slow
 
 lint:  ## find mistakes and untidy lines; changes nothing
 	ruff check .
@@ -34,7 +37,7 @@ layers:  ## check that each folder imports only from those before it
 docs:  ## build the site into docs/_build/html; a warning is an error
 	python -m sphinx -W --keep-going -b html docs docs/_build/html
 
-check: lint types layers test docs  ## all of these in the environment at hand
+check: lint types layers test slow docs  ## all of these in the environment at hand
 
 ci:  ## all of these as CI does, in environments of its own
 	.ci/run

@@ -52,6 +52,7 @@ def _name(item: object) -> str:
     return str(item.relative_to(ROOT)) if isinstance(item, Path) else str(item)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", _pages_with("python"), ids=_name)
 def test_python_blocks_of_a_page_run_in_order(page, tmp_path):
     # one program a page: a later block may go on with what an earlier one made

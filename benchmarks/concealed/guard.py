@@ -45,8 +45,8 @@ def drawn():
     return kept
 
 
-def records(folder, effects=tuple(EFFECTS)):
-    """Write the records of these effects, and the healthy ones, into a folder.
+def records(folder, effects=tuple(EFFECTS), *, healthy=True):
+    """Write the records of these effects, and the healthy ones unless told not to, into a folder.
 
     Returns
     -------
@@ -56,7 +56,7 @@ def records(folder, effects=tuple(EFFECTS)):
     for entry in json.loads(FILE.read_text(encoding="utf-8")):
         told = {key: tuple(v) if isinstance(v, list) else v for key, v in entry["case"].items()}
         case = Case(**told)
-        if not set(case.effects) <= set(effects):
+        if not set(case.effects) <= set(effects) or not (case.effects or healthy):
             continue
         place = Path(folder) / case.name
         write(place, make(case, entry["seed"], rows=ROWS, strengths=entry["strengths"], distances=False))

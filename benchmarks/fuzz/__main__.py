@@ -6,15 +6,15 @@
 N inputs of each kind are made from seeds that are made here too: valve.toml, recordings as CSV, packed CSV
 and Parquet, exports of historians, model files with a right checksum. Nothing but the package's own error may
 come of them, in one printable sentence; nothing that is accepted may hold an infinity; nothing may take more
-than 10 s. --keep writes the first input of each kind of failure into a folder. Ends with 1 where something
-failed. Needs a POSIX system.
+than 10 s or a GiB of memory. --keep writes the first input of each kind of failure into a folder. Ends with 1
+where something failed. Needs a POSIX system.
 """
 
 import argparse
 import sys
 from pathlib import Path
 
-from benchmarks.fuzz.running import run
+from benchmarks.fuzz.running import LONGEST, MOST_MEMORY, run
 from benchmarks.fuzz.seeds import KINDS
 from benchmarks.fuzz.targets import NAMES
 
@@ -62,7 +62,7 @@ def main(argv=None):
         for each in outcomes:
             for k, content in enumerate(each.examples.values()):
                 (args.keep / f"{k}-{NAMES[each.kind]}").write_bytes(content)
-    return int(any(each.escaped or each.slowest > 10.0 for each in outcomes))
+    return int(any(each.escaped or each.slowest > LONGEST or each.memory > MOST_MEMORY for each in outcomes))
 
 
 if __name__ == "__main__":

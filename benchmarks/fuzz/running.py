@@ -14,8 +14,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 LONGEST = 10.0  # s
+MOST_MEMORY = 1024.0  # MiB, of the whole process
 WORKER = ("-m", "benchmarks.fuzz.running")
-_MOST_MEMORY = 8 << 30  # bytes of addresses, beyond which an input asks for too much
+_MOST_ADDRESSES = 8 << 30  # bytes, beyond which an input asks for too much
 # from the start of a process to its first input: imports, seeds, compiled functions
 _START = 180.0
 
@@ -128,7 +129,7 @@ def _work(kind, first, count, seed):
     from benchmarks.fuzz.targets import NAMES, reader
     from sklvalve.recording import InputError
 
-    resource.setrlimit(resource.RLIMIT_AS, (_MOST_MEMORY, _MOST_MEMORY))
+    resource.setrlimit(resource.RLIMIT_AS, (_MOST_ADDRESSES, _MOST_ADDRESSES))
     seeds, read = corpus(kind), reader(kind)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / NAMES[kind]

@@ -1,6 +1,35 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The command ``sklvalve``: a file a command, which imports what it works with only when it is run."""
 
-from sklvalve.cli.entry import main
+import sys
+from collections.abc import Sequence
 
 __all__ = ["main"]
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run a command and say how it ended; an interruption while the commands are loaded included.
+
+    Parameters
+    ----------
+    argv : sequence of str or None, default=None
+        Words after ``sklvalve``; None takes them from the command line.
+
+    Returns
+    -------
+    status : int
+        As `sklvalve.cli.entry.main` returns it.
+
+    Examples
+    --------
+    >>> from sklvalve.cli import main
+    >>> main(["--version"])
+    sklvalve 0.1.0
+    0
+    """
+    try:
+        from sklvalve.cli.entry import main as run
+    except KeyboardInterrupt:
+        print("interrupted; nothing was written", file=sys.stderr)
+        return 130
+    return run(argv)

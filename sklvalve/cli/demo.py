@@ -37,8 +37,11 @@ DRAWN = (
     "thermal_bow",
     "hydrate_pulses",
 )
-# of the draws one that conceals an effect which the recording does tell
-_SEED = 24
+# Forty minutes are diagnosed in seconds. That they tell as much as hours of a quiet loop, the command goes
+# over most of the travel, and the sensors are good ones.
+_TELLING = {"loop": "wide", "noise": 0.5, "n_samples": 2400, "n_later": 600}
+# of the draws one that conceals play behind the stem: the position looks sound, the flow does not
+_SEED = 34
 _EXAMPLES = """examples:
   sklvalve demo
   sklvalve demo --seed 7 --out another
@@ -114,6 +117,7 @@ def draw(seed: int) -> dict:
         "effect": DRAWN[rng.integers(len(DRAWN))],
         "onset": None,
         "random_state": int(rng.integers(2**31 - 1)),
+        **_TELLING,
     }
 
 
@@ -128,6 +132,8 @@ def judge(found: dict, truth: dict) -> str:
         among = true and true <= set().union(*classes)
         listed = "among the candidates" if among else "not among the candidates"
         return f"The finding left it open; the truth is {listed}." if true else "The finding left it open."
+    if found["verdict"] == "no_mismatch" != truth["verdict"]:
+        return "The finding is wrong: what was concealed went unnoticed."
     if found["verdict"] != truth["verdict"]:
         return "The finding is wrong."
     if truth["verdict"] != "named":

@@ -54,6 +54,7 @@ def test_effects_point_at_faults_by_what_these_do():
     assert sides == FAULTS.keys() - {"f7", "f14", "f17"}
 
 
+@pytest.mark.slow
 def test_any_detector_is_scored():
     detector = fitted(FullMeter(), 101)
     assert detector.saw == SIGNALS
@@ -82,6 +83,7 @@ class Plain(FullMeter):
         return self.returns(super().predict(X))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "returns",
     [
@@ -101,6 +103,7 @@ def test_a_detector_may_tell_no_faults_apart(returns):
     assert "| f18_big |" in tables("plain", {"f18_big": line})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("returns", "message"),
     [
@@ -143,6 +146,7 @@ def test_wrong_words_get_one_sentence(tmp_path, capsys, arguments, words):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_file_in_place_of_the_folder_or_none_gets_one_sentence(tmp_path, capsys):
     file = tmp_path / "file"
     file.write_text("")
@@ -166,6 +170,7 @@ def test_what_a_fault_changes_is_told_from_the_noise():
     assert visible("f16_medium")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "latest", "faults"),
     [
@@ -192,6 +197,7 @@ def test_ours_is_silent_where_nothing_shows(ours):
     assert false_alarms(ours, 201) == 0.0
 
 
+@pytest.mark.slow
 def test_the_finder_names_and_proves(ours):
     ours.finder = True
     line = score(ours, "f18_small", 7)
@@ -201,6 +207,7 @@ def test_the_finder_names_and_proves(ours):
     assert all(told["proven"] for told in line["told"])
 
 
+@pytest.mark.slow
 def test_a_run_goes_on_where_it_was(tmp_path, capsys):
     file, wanted = tmp_path / "any.jsonl", ["f13_big", "f18_big"]
     said = []
@@ -228,6 +235,7 @@ def test_the_simulator_meets_the_real_hour():
     assert np.isfinite(flow).all()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not HOUR.is_file(), reason="the real hour of actuator 3 is not there")
 def test_a_black_box_on_the_real_hour_is_as_the_page_has_it():
     position, flow = real_hour.black_boxes(real_hour.read_hour(HOUR))

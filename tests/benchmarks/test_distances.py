@@ -17,10 +17,12 @@ def plant():
     return Plant(11, "wide", 1200, 60)
 
 
+@pytest.mark.slow
 def test_a_sound_plant_stands_out_by_nothing(plant):
     assert standing_out(scene_of(plant, {}, Course())) == (0.0, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["seat_leakage", "meter_lag"])
 def test_the_detectable_size_is_just_told(plant, name):
     found = detectable(plant, name, Course())
@@ -58,6 +60,7 @@ def test_a_change_within_the_record_is_no_calibration(plant):
     assert standing_out(scene_of(plant, {"capacity_error": 0.05}, course))[0] > 100.0
 
 
+@pytest.mark.slow
 def test_times_of_the_detectable_size(plant):
     size, found = of_times(plant, "seat_leakage", Course(), 2.0)
     assert size == pytest.approx(2.0 * found.size)
@@ -65,6 +68,7 @@ def test_times_of_the_detectable_size(plant):
     assert size is None
 
 
+@pytest.mark.slow
 def test_a_leak_and_a_bypass_are_one_and_play_is_another(plant):
     size, _ = of_times(plant, "seat_leakage", Course(), 2.0)
     scene = scene_of(plant, {"seat_leakage": size}, Course())

@@ -37,6 +37,7 @@ def test_the_plan_has_what_was_asked():
         assert all(case.excitation in (EFFECTS[n].asks or (case.excitation,)) for n in case.effects)
 
 
+@pytest.mark.slow
 def test_a_draw_that_was_stopped_goes_on_and_gives_the_same(folder, tmp_path):
     half = tmp_path / "set"
     draw(half, 5, part=(1, 2), report=lambda text: None, **SIZES)

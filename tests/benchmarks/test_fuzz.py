@@ -21,6 +21,7 @@ from benchmarks.fuzz.targets import NAMES, Unsound, _require_finite, reader  # n
 _SHARES = {"toml": 400, "csv": 400, "gz": 200, "parquet": 400, "export": 400, "model": 200}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 def test_nothing_but_the_own_error(kind):
     outcome = running.run(kind, _SHARES[kind], seed=1)
@@ -29,7 +30,7 @@ def test_nothing_but_the_own_error(kind):
     # else the mutations would not reach what lies behind the first check
     assert min(outcome.refused, outcome.accepted) >= 0.02 * _SHARES[kind]
     assert outcome.slowest < running.LONGEST
-    assert outcome.memory < 1500.0
+    assert outcome.memory < running.MOST_MEMORY
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -79,6 +80,12 @@ def test_a_failure_is_the_exit_status(monkeypatch, tmp_path, capsys):
     assert main(["--inputs", "2", "--only", "toml", "--keep", str(tmp_path)]) == 1
     assert "2 x 'ValueError: no'" in capsys.readouterr().out
     assert [path.name for path in tmp_path.iterdir()] == ["0-valve.toml"]
+
+
+def test_memory_beyond_the_bound_is_a_failure(monkeypatch):
+    line = _LINE.replace("9.0", "1025.0")
+    monkeypatch.setattr(running, "WORKER", ("-c", f"{_BEGIN}END = 'refused'\n    {line}"))
+    assert main(["--inputs", "1", "--only", "toml"]) == 1
 
 
 @pytest.mark.parametrize("held", [{"x": [1.0, float("inf")]}, [np.array([np.nan])], {"y": {"z": -np.inf}}])

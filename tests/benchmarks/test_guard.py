@@ -18,8 +18,6 @@ from benchmarks.concealed.scoring.lines import of_kind
 from benchmarks.concealed.scoring.naming import wrong_name
 from benchmarks.concealed.scoring.outcome import judge
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def lines(tmp_path_factory):
@@ -29,15 +27,24 @@ def lines(tmp_path_factory):
     return Parallel(n_jobs=jobs)(delayed(line_of)(place, "sklvalve") for place in places)
 
 
+def test_a_clogged_valve_is_named_by_a_record_with_another_sheet(tmp_path):
+    # the one sealed record of the short part; it was named right before it was chosen
+    (place,) = records(tmp_path, ("clogging",), healthy=False)
+    assert judge(line_of(place, "sklvalve")) == "right"
+
+
+@pytest.mark.slow
 def test_every_diagnosis_comes_to_an_end(lines):
     assert [line["failed"] for line in lines if "failed" in line] == []
     assert len(of_kind(lines, "healthy")) == HEALTHY
 
 
+@pytest.mark.slow
 def test_healthy_valves_raise_hardly_an_alarm(lines):
     assert alarms(of_kind(lines, "healthy")).count <= 1
 
 
+@pytest.mark.slow
 def test_most_effects_are_named_and_few_by_another_name(lines):
     single = of_kind(lines, "single")
     words = Counter(judge(line) for line in single)

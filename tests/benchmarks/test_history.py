@@ -25,6 +25,7 @@ def test_every_published_folder_is_listed_under_its_seal():
     assert {f"seed_{run['seed']}" for run in runs} == {p.name for p in RESULTS.iterdir() if p.is_dir()}
 
 
+@pytest.mark.slow
 def test_the_documentation_has_the_tables_that_the_scores_make():
     runs, docs = runs_of(RESULTS), RESULTS.parents[2] / "docs"
     assert promises(runs) in (docs / "validation.md").read_text(encoding="utf-8")

@@ -217,6 +217,7 @@ def test_law_of_friction_in_the_loop_is_that_of_the_stem(loop):
     )
 
 
+@pytest.mark.slow
 def test_plan_is_drawn_by_the_seed_and_tells_the_truth(base):
     records = of_stretches([base], 6, np.random.default_rng(3))
     again = of_stretches([base], 6, np.random.default_rng(3))
@@ -291,6 +292,7 @@ def test_shares_no_code_with_what_it_judges():
         assert [m for m in modules if m.startswith("sklvalve") and m not in allowed] == []
 
 
+@pytest.mark.slow
 def test_real_recordings(data_folder, tmp_path):
     names = make(tmp_path / "one", data_folder, 4, {"damadics": 3, "refinery": 2})
     make(tmp_path / "two", data_folder, 4, {"damadics": 3, "refinery": 2})

@@ -29,6 +29,7 @@ def check_layout(found, recording):
         assert 0.0 <= begin <= end <= recording.time[-1] - recording.time[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("diagnose", BASELINES)
 @pytest.mark.parametrize(
     ("effect", "strength"), [("sensor_lag", 20.0), ("dead_time", 12.0), ("backlash", 0.06)]
@@ -49,6 +50,7 @@ def test_a_healthy_record_stays_unnamed(diagnose):
     assert found["verdict"] == "no_mismatch"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("roles", [("opening",), ("p1", "p2"), ("command",)])
 @pytest.mark.parametrize("diagnose", BASELINES)
 def test_missing_signals_are_no_obstacle(diagnose, roles):
@@ -56,6 +58,7 @@ def test_missing_signals_are_no_obstacle(diagnose, roles):
     check_layout(diagnose(recording), recording)
 
 
+@pytest.mark.slow
 def test_gaps_count_for_nothing():
     recording = made("dead_time", 12.0)
     signals = {role: values.copy() for role, values in recording.signals.items()}
@@ -66,6 +69,7 @@ def test_gaps_count_for_nothing():
     assert any("dead_time" in each for each in names(stepwise_bic.diagnose(gapped)))
 
 
+@pytest.mark.slow
 def test_a_baseline_does_not_depend_on_what_ran_before():
     recording = made("dead_time", 12.0)
     first = public(sparse_regression.diagnose(recording))
@@ -116,6 +120,7 @@ def test_the_noise_model_is_replaced_for_the_diagnosis_only():
     assert noise_of_pieces.fit_noise is fit_noise
 
 
+@pytest.mark.slow
 def test_the_finder_brings_simulations_and_rows():
     recording = made("sensor_lag", 20.0)
     found = no_noise_model.diagnose(recording, effects=["sensor_lag", "seat_leakage"])

@@ -48,6 +48,7 @@ def folder(tmp_path_factory):
     return place
 
 
+@pytest.mark.slow
 def test_a_forest_answers_and_is_kept(folder):
     recording = made("dead_time", 12.0)
     found = random_forest.diagnose(recording, folder=folder)

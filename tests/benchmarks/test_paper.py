@@ -78,6 +78,7 @@ def test_mechanism_alone_has_one_capacity(drawn):
     assert static.errors(y, model.predict(X), 3600.0)["mape"] < 30.0
 
 
+@pytest.mark.slow
 def test_physics_pays_outside_the_box(few_draws):
     lines = static.lines_of("normal", FLOW, 50, 0, SECONDS)
     assert [line["model"] for line in lines] == ["mechanism", *HYBRIDS, *BLACK_BOXES, static.LAW]
@@ -89,6 +90,7 @@ def test_physics_pays_outside_the_box(few_draws):
     assert all(line[place]["lost"] == 0 for line in lines for place in ("measured inside", "clean outside"))
 
 
+@pytest.mark.slow
 def test_stem_learns_its_speed_in_the_difference_equation(few_draws):
     lines = dynamic.lines_of(60, 0, (900, 400))
     free = [line for line in lines if line["task"] == "X in free run"]

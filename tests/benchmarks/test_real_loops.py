@@ -21,6 +21,7 @@ def loops():
     return {case.name: case for case in cases(folder) if case.name in QUICK}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_no_labelled_loop_is_reassured_or_accused_wrongly(name, loops, tmp_path):
     if name not in loops:

@@ -149,6 +149,7 @@ def test_arguments(folder, capsys, arguments, words):
     refused(arguments, words, capsys)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("until", "rows"), [("100", 1), ("218", 119)])
 def test_too_few_rows_before_a_time(folder, capsys, until, rows):
     (folder / "recording.csv").write_text(stand_in.csv_text(stand_in.columns(150)))

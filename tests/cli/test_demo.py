@@ -17,7 +17,7 @@ def test_all_files_and_the_truth_last(folder, capsys, monkeypatch):
 
     def remembered(**settings):
         made.append(settings)
-        return original(n_samples=400, n_later=60, **settings)
+        return original(**(settings | {"n_samples": 400, "n_later": 60}))
 
     original = sklvalve.datasets.make_valve_recording
     monkeypatch.setattr(sklvalve.datasets, "make_valve_recording", remembered)
@@ -39,6 +39,16 @@ def test_draws_repeat_and_reach_everything():
     assert set(DRAWN) - {None} <= set(CONCEALABLE)
 
 
+@pytest.mark.slow
+def test_the_default_demo_names_what_was_concealed_first(tmp_path, capsys):
+    pytest.importorskip("skops", reason='needs pip install "sklvalve[all]"')
+    assert main(["demo", "--json", "--out", str(tmp_path / "demo")]) == 0
+    told = json.loads(capsys.readouterr().out)
+    (concealed,) = told["truth"]["effects"]
+    assert told["diagnosis"]["effects"][0]["members"][0]["name"] == concealed == "backlash"
+    assert told["judgement"] == "The finding is right."
+
+
 def _found(verdict, *classes):
     return {
         "verdict": verdict,
@@ -55,7 +65,7 @@ def _truth(verdict, *effects):
     [
         (_found("no_mismatch"), _truth("no_mismatch"), "is right."),
         (_found("named", ["backlash"]), _truth("no_mismatch"), "is wrong."),
-        (_found("no_mismatch"), _truth("named", "backlash"), "is wrong."),
+        (_found("no_mismatch"), _truth("named", "backlash"), "is wrong: what was concealed went unnoticed."),
         (_found("named", ["seat_leakage", "bypass_open"]), _truth("named", "bypass_open"), "is right."),
         (_found("named", ["clogging"]), _truth("named", "bypass_open"), "is wrong."),
         (_found("named", ["bypass_open"], ["clogging"]), _truth("named", "bypass_open"), "in part only."),

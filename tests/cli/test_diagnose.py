@@ -32,6 +32,7 @@ def test_json_alone_on_standard_output(folder, capsys):
     assert json.loads(capsys.readouterr().out) == examples.named()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("make", "status"), [(examples.named, 1), (examples.no_mismatch, 0)])
 def test_exit_code_tells_of_a_mismatch_only_when_asked(folder, monkeypatch, make, status):
     monkeypatch.setattr(stand_in.Finder, "found", staticmethod(make))

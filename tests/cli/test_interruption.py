@@ -39,6 +39,7 @@ def inputs():
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "number"),
     [
@@ -75,3 +76,19 @@ def test_what_ends_a_run_leaves_nothing(tmp_path, inputs, words, number):
         "interrupted; nothing was written"
     ]
     assert sorted(os.listdir(tmp_path)) == sorted(inputs)
+
+
+def test_an_interruption_while_the_commands_are_loaded_is_told_in_a_sentence():
+    code = (
+        "import sys\n"
+        "class Ctrl:\n"
+        "    def find_spec(self, name, path=None, target=None):\n"
+        "        if name == 'sklvalve.cli.demo':\n"
+        "            raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Ctrl())\n"
+        "from sklvalve.cli import main\n"
+        "sys.exit(main(['--version']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (130, "")
+    assert done.stderr == "interrupted; nothing was written\n"

@@ -77,7 +77,7 @@ def test_the_demo_tells_finding_truth_and_judgement(folder, capsys, monkeypatch)
     monkeypatch.setattr(
         sklvalve.datasets,
         "make_valve_recording",
-        lambda **settings: original(n_samples=400, n_later=60, **settings),
+        lambda **settings: original(**(settings | {"n_samples": 400, "n_later": 60})),
     )
     assert main(["demo", "--out", "tried", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)

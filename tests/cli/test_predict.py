@@ -53,6 +53,7 @@ def test_nominal_leaves_the_found_effects_out(later):
     assert float(_read()["flow"][-1]) == pytest.approx(28.8, rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("empty", [None, np.full(40, np.nan)], ids=["absent", "empty"])
 def test_file_without_flow_and_opening_is_predicted_in_the_models_units(later, empty):
     later(F=empty, X=empty)
@@ -85,6 +86,7 @@ def test_iso_times_are_kept_as_they_are(later):
     assert _read()["time"] == stamps
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("changes", "words"),
     [({"P1": None}, "'P1' for p1"), ({"CV": None, "X": None}, "'CV' for command"), ({"t": None}, "the time")],
@@ -98,6 +100,7 @@ def test_needed_columns_are_asked_for(later, capsys, changes, words):
     assert shown.count("\n") == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["later.csv", "out/../later.csv"])
 def test_inputs_are_not_overwritten(later, folder, capsys, name):
     later()

@@ -25,6 +25,7 @@ def watched(folder, monkeypatch):
     return told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "stages"),
     [

@@ -93,6 +93,7 @@ def test_a_refinery_window_as_a_plant_exports_it(here, data_folder, capsys, titl
     _accepted(recording)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("form", ["as it is", "without names of runs", "counted from nought", "a file each"])
 def test_six_runs_of_an_actuator_one_behind_the_other(here, data_folder, capsys, form):
     header, *rows = _rows(data_folder, "belimo_actuator", "campaign_20hz.csv.gz")

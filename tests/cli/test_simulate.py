@@ -169,6 +169,7 @@ def test_without_pandas_the_extra_is_named(here, capsys, monkeypatch):
     assert os.listdir(here) == []
 
 
+@pytest.mark.slow
 def test_a_diagnosis_takes_the_files(here):
     for module in ("jinja2", "matplotlib", "skops"):
         pytest.importorskip(module, reason='needs pip install "sklvalve[all]"')

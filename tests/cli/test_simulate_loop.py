@@ -79,11 +79,13 @@ def diagnosed(arguments):
         return json.load(file)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_a_sound_loop_is_found_sound(seed):
     assert diagnosed(["--seed", str(seed)])["verdict"] == "no_mismatch"
 
 
+@pytest.mark.slow
 def test_an_open_bypass_within_the_loop_is_among_what_is_named_and_nothing_else_is():
     found = diagnosed(["--scenario", "f18_small"])
     assert found["verdict"] == "named"

@@ -207,6 +207,7 @@ def recorded():
     return make_valve_recording(None, loop="wide", n_samples=1500, n_later=0, random_state=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wrong", "told"),
     [

@@ -79,6 +79,7 @@ def test_the_static_map(data_folder):
             assert last["Ps"] == pytest.approx(1e3 * row["Ps_kPa"], rel=1e-4), row["CV"]
 
 
+@pytest.mark.slow
 def test_every_fault_moves_stem_and_flow_as_far_as_it_should(data_folder, nominal):
     table = (data_folder / "damadics" / "check_fault_deviation_table.txt").read_text()
     rows = re.findall(r"(f\d+) ([+-]?[\d.]+) rms dX=([\d.]+).*?dF'=([\d.]+)", table)

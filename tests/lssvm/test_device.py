@@ -11,6 +11,7 @@ import pytest
 from sklvalve.lssvm import device
 
 
+@pytest.mark.slow
 def test_fits_and_predictions_on_arrays_of_other_libraries():
     pytest.importorskip("array_api_strict", reason="needs the extra `test`")
     here = Path(__file__).parent

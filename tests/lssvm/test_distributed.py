@@ -51,6 +51,7 @@ def test_two_workers_give_the_answer_of_one_process(client):
     np.testing.assert_allclose(found.predict(fresh), alone.predict(fresh), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_costs_time_and_not_the_answer(client):
     X, y, _ = some()
     alone = LSSVMRegressor(**OPTIONS).fit(X, y)
@@ -104,6 +105,7 @@ def test_without_a_cluster_threads_do_it():
     np.testing.assert_allclose(found.predict(X[:99]), alone.predict(X[:99]), atol=1e-8)
 
 
+@pytest.mark.slow
 def test_what_does_not_fit_together_is_told():
     X, y, _ = some(3000)
     parts = da.from_array(X, chunks=1000)

@@ -118,6 +118,7 @@ def test_correlated_values_count_for_fewer(n, keep, seed, gap):
         assert number < 0.4 * n
 
 
+@pytest.mark.slow
 def test_an_imitation_is_not_named(healthy):
     """Deposits that come and go pass for noise that is learnt from what they leave."""
     dirty = _with_flow(healthy, _deposits(len(healthy), 0.4, seed=3))

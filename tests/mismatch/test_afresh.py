@@ -61,6 +61,7 @@ def starved():
     return bench, calibrated(bench)
 
 
+@pytest.mark.slow
 def test_a_lost_supply_is_found_wherever_the_calibration_lies(starved):
     bench, nominal = starved
     assert much_is_left(bench, nominal)

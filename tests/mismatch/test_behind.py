@@ -31,6 +31,7 @@ def with_play():
     return MissingPhysicsFinder(effects=FEW).fit(recording).diagnosis_.to_dict(), truth
 
 
+@pytest.mark.slow
 def test_play_behind_a_slow_motor_is_found_first(with_play):
     found, truth = with_play
     assert found["verdict"] == "named"
@@ -41,6 +42,7 @@ def test_play_behind_a_slow_motor_is_found_first(with_play):
     assert 1.0 / motor["parameters"]["speed"]["value"] == pytest.approx(truth["stroke"], rel=0.15)
 
 
+@pytest.mark.slow
 def test_a_sound_slow_motor_has_no_play():
     found = MissingPhysicsFinder(effects=FEW).fit(_record(0.0)[0]).diagnosis_.to_dict()
     assert all("backlash" not in names for names in _names(found))
@@ -52,6 +54,7 @@ def test_what_is_declared_is_no_mismatch():
     assert found["verdict"] == "no_mismatch"
 
 
+@pytest.mark.slow
 def test_a_stroke_three_times_as_long_as_declared_is_found():
     frame, sheet, truth = motor_record(0, rows=900)
     sheet["actuator"] = {"kind": "electric", "stroke_time": truth["stroke"] / 3.0}

@@ -214,6 +214,7 @@ def test_noise_is_known_as_far_as_it_went_among_recordings_that_lack_the_same(la
     assert between == pytest.approx(np.sqrt(np.prod(ends)))
 
 
+@pytest.mark.slow
 def test_healthy_recording_is_one_among_many_and_a_leak_is_not(found_healthy, found_leaking):
     healthy = found_healthy.diagnosis_.to_dict()["mismatch"]["p_value"]
     leaking = found_leaking.diagnosis_.to_dict()["mismatch"]["p_value"]

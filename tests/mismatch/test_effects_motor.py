@@ -123,6 +123,7 @@ def test_all_three_effects_of_a_motor_are_fitted(bench):
     assert left[1] < 0.2 * left[0]
 
 
+@pytest.mark.slow
 def test_a_slow_motor_is_named(recording):
     found = MissingPhysicsFinder().fit(recording).diagnosis_.to_dict()
     assert found["verdict"] == "named"

@@ -179,12 +179,14 @@ def test_finder_keeps_the_conventions_of_an_estimator(found_leaking):
 # ---- same again, and blind to what is held out
 
 
+@pytest.mark.slow
 def test_same_recording_gives_the_same_diagnosis(leaking):
     first, second = (MissingPhysicsFinder(effects=FEW).fit(leaking.slice(0, ROWS)) for _ in range(2))
     assert first.diagnosis_.to_dict() == second.diagnosis_.to_dict()
     assert first.corrected_simulation_.values_ == second.corrected_simulation_.values_
 
 
+@pytest.mark.slow
 def test_later_rows_serve_nothing_but_the_fit_figures(leaking):
     rng = np.random.default_rng(0)
     changed = dict(leaking.signals)
@@ -271,6 +273,7 @@ def _wrong(simulation, later):
     return abs(np.nanmean(simulation.simulate(later)["flow"] - later["flow"]))
 
 
+@pytest.mark.slow
 def test_what_grows_goes_on_growing_in_later_rows(drifting):
     finder, seen, later = drifting
     nominal = _wrong(finder.nominal_simulation_, later)

@@ -45,6 +45,7 @@ def stopped(sound, simulation, row, *, stem=True):
     return with_signals(made, flow=sound["flow"] + simulation.predict(made) - simulation.predict(sound))
 
 
+@pytest.mark.slow
 def test_seized_stem_is_named_with_its_time(sound, simulation):
     diagnosis = MissingPhysicsFinder().fit(stopped(sound, simulation, SEIZED)).diagnosis_
     assert diagnosis.verdict == "named"
@@ -61,6 +62,7 @@ def test_seized_stem_is_named_with_its_time(sound, simulation):
     assert all(set(d) == {"finding", "role", "detail"} for d in diagnosis.content["data"])
 
 
+@pytest.mark.slow
 def test_stem_seized_from_the_first_row_is_diagnosable_and_named(sound, simulation):
     recording = stopped(sound, simulation, 0)
     require_diagnosable(recording)
@@ -106,6 +108,7 @@ def test_swapped_pressures_block_the_diagnosis(sound):
     assert "Correct the columns in valve.toml first" in render(finder.diagnosis_)
 
 
+@pytest.mark.slow
 def test_pressure_sensor_that_freezes_is_blanked_and_names_nothing(sound):
     p1 = sound["p1"].copy()
     p1[300:600] = p1[300]

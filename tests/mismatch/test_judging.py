@@ -57,6 +57,7 @@ def test_a_weak_finding_stands_where_the_mismatch_is_told_without_it(monkeypatch
     assert "actuator" not in told["location"]["blocks"]
 
 
+@pytest.mark.slow
 def test_the_p_value_told_is_that_which_decided(monkeypatch):
     """With the finding chance is not ruled out, without it it is: what is named then stands by the latter."""
     first = iter([0.012])
@@ -69,6 +70,7 @@ def test_the_p_value_told_is_that_which_decided(monkeypatch):
     assert told["mismatch"]["p_value"] == 1e-5
 
 
+@pytest.mark.slow
 def test_what_may_not_be_named_tells_when_and_in_which_rows_it_acts(monkeypatch):
     monkeypatch.setattr(judging, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
     monkeypatch.setattr(judging, "p_value_of_one", lambda *_: 0.2)
@@ -81,6 +83,7 @@ def test_what_may_not_be_named_tells_when_and_in_which_rows_it_acts(monkeypatch)
     assert flagged[930:].mean() > 0.5
 
 
+@pytest.mark.slow
 def test_a_meter_may_read_off_by_half_of_what_it_shows():
     healthy = record(random_state=0)
     columns = {role: healthy[role].copy() for role in healthy.signals}

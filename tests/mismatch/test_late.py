@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
+import pytest
 
 from benchmarks.late_plant import ENDS, record
 from sklvalve import MissingPhysicsFinder, Recording, Valve
@@ -23,6 +24,7 @@ def _recording(kind, seed=3):
     return Recording.from_frame(pd.DataFrame(columns), Valve.from_dict(sheet)), truth
 
 
+@pytest.mark.slow
 def test_an_event_of_the_last_rows_is_dated_and_named():
     recording, truth = _recording("slammed")
     finder = MissingPhysicsFinder(effects=["stuck_valve", "slew_limit"], max_effects=1, n_jobs=1)
@@ -36,6 +38,7 @@ def test_an_event_of_the_last_rows_is_dated_and_named():
     assert not told.get("reasons")
 
 
+@pytest.mark.slow
 def test_a_sound_valve_has_no_event_at_its_end():
     recording, _ = _recording("healthy")
     finder = MissingPhysicsFinder(effects=["stuck_valve", "slew_limit"], max_effects=1, n_jobs=1)

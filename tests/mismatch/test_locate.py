@@ -31,6 +31,7 @@ def test_nothing_found_is_nowhere(found_healthy):
     }
 
 
+@pytest.mark.slow
 def test_clogging_acts_above_its_limit():
     made = make_valve_recording("clogging", 0.5, loop="wide", n_samples=ROWS, n_later=0, random_state=3)
     recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))

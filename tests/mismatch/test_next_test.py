@@ -58,6 +58,7 @@ def lags():
     return Advisor(workbench, explanations, without, gain)
 
 
+@pytest.mark.slow
 def test_the_test_asked_for_leaves_a_smaller_class(stand, found, plan):
     assert set(found.diagnosis_.effects[0]) == set(PAIR)
     assert plan.decides
@@ -73,6 +74,7 @@ def test_the_test_asked_for_leaves_a_smaller_class(stand, found, plan):
     assert reached > max(14.0, 0.5 * expected)
 
 
+@pytest.mark.slow
 def test_a_plan_tells_what_to_do_and_what_comes_of_it(stand, plan):
     (pair,) = plan.pairs
     assert set(pair.names) == set(PAIR)
@@ -87,6 +89,7 @@ def test_a_plan_tells_what_to_do_and_what_comes_of_it(stand, plan):
     assert plan.considered["slow triangle"] < plan.considered["p2 moved"]
 
 
+@pytest.mark.slow
 def test_within_limits_no_pressure_moves_and_the_command_stays_inside(stand, found):
     limits = TestLimits(opening=(0.2, 0.6), rate=0.01, duration=300.0)
     plan = plan_next_test(found, stand.recording, limits=limits)
@@ -100,12 +103,14 @@ def test_within_limits_no_pressure_moves_and_the_command_stays_inside(stand, fou
     assert set(wider.moved) <= {"p1", "p2"}
 
 
+@pytest.mark.slow
 def test_a_plan_is_the_same_every_time(stand, found, plan):
     again = plan_next_test(found, stand.recording)
     assert again.sentence == plan.sentence
     assert np.array_equal(again.command, plan.command)
 
 
+@pytest.mark.slow
 def test_one_explanation_alone_gets_the_program_that_narrows_its_interval():
     late = Stand({"dead_time": 6.75}, 12, loop="closed", rows=900).recording
     plan = plan_next_test(MissingPhysicsFinder(effects=["dead_time"]).fit(late), late)
@@ -133,11 +138,13 @@ def test_a_rival_answers_no_worse_the_more_often_it_is_asked(lags):
     assert costs[0] > costs[1] >= costs[2] > 0.0
 
 
+@pytest.mark.slow
 def test_the_finder_has_the_plan_that_its_diagnosis_asks_for(found):
     assert found.next_test_.sentence == found.diagnosis_.content["next_test"]
     assert {name for pair in found.next_test_.pairs for name in pair.names} == set(PAIR)
 
 
+@pytest.mark.slow
 def test_nothing_found_and_nothing_simulated_need_no_plan(stand, found):
     nothing = SimpleNamespace(recording=stand.recording)
     assert planned(nothing, []) is None
@@ -147,6 +154,7 @@ def test_nothing_found_and_nothing_simulated_need_no_plan(stand, found):
         plan_next_test(loop, stand.recording)
 
 
+@pytest.mark.slow
 def test_too_short_a_test_is_refused_in_one_sentence(stand, found):
     with pytest.raises(ValueError, match="20 samples at least, 20 s"):
         plan_next_test(found, stand.recording, limits=TestLimits(duration=5.0))

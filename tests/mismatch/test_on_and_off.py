@@ -36,6 +36,7 @@ def found():
     return diagnosed(SPELLS)
 
 
+@pytest.mark.slow
 def test_spells_are_told(found):
     entry = found[1]["effects"][0]
     assert found[1]["verdict"] == "named"
@@ -48,6 +49,7 @@ def test_spells_are_told(found):
     assert entry["parameters"]["gain"]["value"] == pytest.approx(0.06, abs=0.01)
 
 
+@pytest.mark.slow
 def test_the_corrected_simulation_has_them_too(found):
     finder = found[0]
     recording = Recording.from_frame(
@@ -61,6 +63,7 @@ def test_the_corrected_simulation_has_them_too(found):
     assert np.median(ratio[acts]) - np.median(ratio[~acts]) == pytest.approx(0.06, abs=0.02)
 
 
+@pytest.mark.slow
 def test_a_model_file_keeps_the_spells_and_predict_tells_when_they_begin(found, tmp_path, capsys):
     pytest.importorskip("skops")
     made = make_valve_recording(n_samples=1800, n_later=0, loop="wide", random_state=5)

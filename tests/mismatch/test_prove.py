@@ -110,6 +110,7 @@ def _unrefereed(bench, judged):
     return judged, forward_in_time(bench, judged.nominal, judged.model, unknown)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kept", [True, False])
 def test_a_rest_that_does_not_hold_out_is_not_told(monkeypatch, kept):
     told, bowed = [], record("thermal_bow", 0.06, random_state=0)
@@ -143,6 +144,7 @@ def test_a_rest_that_does_not_hold_out_is_not_told(monkeypatch, kept):
         assert interleaved["corrected"] == pytest.approx(3600.0 * told[-1][1], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_large_rest_that_does_not_hold_out_is_told_and_left_out(bowed, monkeypatch):
     monkeypatch.setattr(judging_module, "correction_holds_out", lambda *args: (False, (1.0, 2.0)))
     finder = MissingPhysicsFinder(effects=("clogging",)).fit(bowed)

@@ -184,6 +184,7 @@ def slugged():
     return MissingPhysicsFinder(effects=["flow_meter_bias", "dead_time"]).fit(recording).diagnosis_
 
 
+@pytest.mark.slow
 def test_slugs_of_gas_are_no_known_effect_and_no_noise(slugged):
     told = slugged.to_dict()
     assert slugged.verdict == "none_of_these"
@@ -201,6 +202,7 @@ def test_slugs_of_gas_are_no_known_effect_and_no_noise(slugged):
     assert "Hold the command for half an hour" in told["next_test"]
 
 
+@pytest.mark.slow
 def test_words_say_how_it_differs_from_noise(slugged):
     told = slugged.to_dict()
     sentence = summary_sentence(told)
@@ -210,6 +212,7 @@ def test_words_say_how_it_differs_from_noise(slugged):
     assert "no known effect explains" in headline(told)
 
 
+@pytest.mark.slow
 def test_a_valve_that_is_shut_for_half_of_the_time_is_no_leaking_one():
     """A meter ends at zero: what it makes of its noise there has one side."""
     made = make_valve_recording(None, loop="closed", n_samples=2400, n_later=0, random_state=21)

@@ -94,6 +94,7 @@ def test_nothing_is_said_without_a_position():
     assert bench.asked() is None
 
 
+@pytest.mark.slow
 def test_a_given_stem_that_strays_is_told_with_time_and_place():
     # a perforated diaphragm saws to and fro, which no effect beside a given stem makes
     frame = make_damadics("f10_medium", nominal=True, random_state=5).iloc[300:]
@@ -114,6 +115,7 @@ def test_a_given_stem_that_strays_is_told_with_time_and_place():
     assert not found.traces["flagged"][:560].any()
 
 
+@pytest.mark.slow
 def test_a_sound_stem_beside_a_given_one_has_no_mismatch():
     frame = make_damadics(None, nominal=True, random_state=6).iloc[300:]
     recording = Recording.from_frame(frame, Valve.from_dict(valve_sheet(nominal=True)))

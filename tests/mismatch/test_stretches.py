@@ -80,6 +80,7 @@ def test_what_stretches_show_is_fitted_to_all_rows_and_dated_by_them(leaky):
     assert stages == sorted(stages)
 
 
+@pytest.mark.slow
 def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch):
     whole = prepared_workbench(leaky)
     bench = prepared_workbench(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
@@ -107,6 +108,7 @@ def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch)
         assert found.p_value > 0.5
 
 
+@pytest.mark.slow
 def test_rivals_and_what_comes_closest_are_simulated_in_the_whole(leaky):
     whole = prepared_workbench(leaky)
     bench = prepared_workbench(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)

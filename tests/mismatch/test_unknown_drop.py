@@ -28,6 +28,7 @@ def _needs(diagnosis):
     return {each["name"]: each["needs"] for each in diagnosis.content["not_testable"]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("more", [(), ("temperature",)])
 def test_a_healthy_valve_without_pressures_has_no_mismatch(healthy, more):
     found = MissingPhysicsFinder(effects=FEW).fit(_without(healthy, "p1", "p2", *more)).diagnosis_
@@ -35,6 +36,7 @@ def test_a_healthy_valve_without_pressures_has_no_mismatch(healthy, more):
     assert _needs(found) == dict.fromkeys(FEW[:-1], "p1 and p2")
 
 
+@pytest.mark.slow
 def test_play_is_named_without_pressures():
     made = make_valve_recording("backlash", 0.08, loop="wide", n_samples=1200, n_later=0, random_state=5)
     found = MissingPhysicsFinder(effects=FEW).fit(_without(made, "p1", "p2")).diagnosis_
@@ -78,6 +80,7 @@ def test_where_a_position_is_missing_the_drop_may_pass_for_what_shifts_the_stem(
     assert lacking == [{"name": "transducer_fault", "needs": "p1 and p2"}]
 
 
+@pytest.mark.slow
 def test_a_slow_wander_of_the_flow_is_the_drop_s(healthy):
     recording = _without(healthy, "p1", "p2")
     swing = 1.0 + 0.1 * np.sin(2.0 * np.pi * recording.time / 700.0)

@@ -83,6 +83,7 @@ def test_name_stays_where_the_rest_goes():
     )
 
 
+@pytest.mark.slow
 def test_flow_redrawn_by_lines_is_no_unknown_effect():
     made = make_valve_recording(random_state=71057, loop="closed", n_samples=2880, n_later=0)
     frame = made.frame.copy()

@@ -179,6 +179,7 @@ def test_a_cell_of_a_million_letters(tmp_path):
     assert "longer than 1000000 letters" in refusal(import_export, [path])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cell", ["1" * 100_000, "9" * 60_000 + "mm" * 30_000 + "7" + "x" * 9 + "7", "a" * 90_000]
 )

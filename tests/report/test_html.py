@@ -110,6 +110,7 @@ def test_without_traces_the_page_has_its_words():
     assert page.count("<svg") == 2
 
 
+@pytest.mark.slow
 def test_where_nothing_was_corrected_there_is_no_before_and_after():
     made = examples.diagnosis(examples.no_mismatch(), n=3000)
     assert "before and after" in render(made)

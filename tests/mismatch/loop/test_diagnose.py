@@ -75,6 +75,7 @@ def _sampled(every, rows, period=300.0, seed=0):
     return Recording.from_frame({"time": time, "command": command, "flow": value})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("every", [0.6, 3.0, 10.0])
 def test_the_rate_recorded_is_used(every):
     found = diagnose_loop(_sampled(every, 1500))
@@ -99,6 +100,7 @@ def test_a_command_that_drifts_at_constant_flow_is_not_called_sticking():
     assert not found.effects
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["flow", "pressure", "level"])
 def test_a_drifting_supply_or_gain_is_never_surely_called_sticking(kind):
     # one healthy loop in a hundred is called so; a command that hardly turns makes the grade weak
@@ -149,6 +151,7 @@ def test_the_unit_of_the_value_changes_nothing():
     assert one.band == other.band
 
 
+@pytest.mark.slow
 def test_healthy_drawn_loops_are_not_called_sticking():
     called = 0
     for seed in range(500, 503):
@@ -162,6 +165,7 @@ def test_healthy_drawn_loops_are_not_called_sticking():
     assert called <= 1
 
 
+@pytest.mark.slow
 def test_flow_loops_that_cycle_because_they_stick_are_mostly_found():
     found = [
         diagnose_loop(recording_of(draw_loop(seed, "flow", "bad_tuning", sticking=True))).verdict == "named"
@@ -243,6 +247,7 @@ def test_few_rows_are_enough_to_be_answered(rows):
     assert diagnose_loop(recording).verdict in ("no_mismatch", "cannot_tell")
 
 
+@pytest.mark.slow
 def test_fresh_rows_between_the_stretches_are_looked_at():
     rng = np.random.default_rng(1)
     command, value = np.full(7000, 0.5), np.full(7000, 1.0)

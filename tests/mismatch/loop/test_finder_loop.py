@@ -95,6 +95,7 @@ def test_rows_behind_those_used_change_nothing():
     assert np.isnan(whole.diagnosis_.traces["nominal"]["flow"][300:]).all()
 
 
+@pytest.mark.slow
 def test_simulations_of_an_earlier_fit_are_gone():
     finder = MissingPhysicsFinder(effects=["seat_leakage"]).fit(record(random_state=0))
     assert hasattr(finder, "corrected_simulation_")

@@ -138,6 +138,7 @@ def test_a_black_box_must_be_better_nearly_everywhere():
     assert replace(better, exogenous=False, consistent=4).clearly_better
 
 
+@pytest.mark.slow
 def test_a_diagnosis_holds_the_comparison(found_healthy, found_leaking):
     for finder in (found_healthy, found_leaking):
         content = finder.diagnosis_.content
@@ -152,6 +153,7 @@ def test_a_diagnosis_holds_the_comparison(found_healthy, found_leaking):
     assert found_leaking.diagnosis_.content["referee"]["share_explained"] > 0.5
 
 
+@pytest.mark.slow
 def test_forecasts_use_no_later_row(healthy):
     """Rows behind the last origin may be anything: what is forecast of the rows before stays as it is."""
     from sklvalve.mismatch.calibrating import calibrated
