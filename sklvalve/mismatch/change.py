@@ -14,6 +14,7 @@ import numpy as np
 from scipy.stats import chi2
 
 from sklvalve.mismatch.noise_of_pieces import noise_of
+from sklvalve.mismatch.step_search import StepSearch
 from sklvalve.simulation.calibration import drop_is_unknown
 
 # rows at either end of a recording, or of one that was joined, of which nothing is said
@@ -31,12 +32,6 @@ _KNOTS, _LAGS = 6, (2, 8, 32, 128)
 # what a simulation gets wrong gains so many times more than chance: with it 1 of 104 healthy channels of two
 # drawn plants (40 recordings with opening and flow, 24 of a slow motor) has a p-value of 0.01 or less
 _MODEL = 2.5
-# deviations from which on a row counts less
-_ROBUST = 3.0
-# log likelihood that a response besides a level must gain
-_ONE_MORE = 6.0
-# share of the rows that a posterior of change times holds to either side of its interval
-_TAIL = 0.025
 
 
 @dataclass(frozen=True)
@@ -104,7 +99,7 @@ def change_in(workbench, model, channel):
     about = shown - np.nanmean(shown)
     about = np.nan_to_num(about) / max(float(np.nanstd(about)), 1e-12)
     places = _places(workbench.recording.spans, n)
-    places = np.array([k for k in places if size_of(left, shown, k) is not None], dtype=int)
+    places = places[_comparable(left, shown, places)]
     if not len(places):
         return None
     rest, search = left, None
@@ -112,10 +107,10 @@ def change_in(workbench, model, channel):
         noise = noise_of(
             workbench.recording, rest, shown, model.chain.step, channel, cautious=cautious, **settings
         )
-        search = _Search(noise, left, steady, about)
+        search = StepSearch(noise, left, steady, about)
         row, gain, response_too = search.best(places)
         made, rest = search.split(row, response_too)
-    spread = search.inflation(places)
+    spread = _MODEL * search.inflation(places)
     freedom = 2 if response_too else 1
     p_value = min(_INDEPENDENT * float(chi2.sf(gain / spread, freedom)), 1.0)
     within = search.interval(row, response_too, spread)
@@ -131,18 +126,32 @@ def size_of(left, shown, row):
 
     None where most of what comes after has no equal before: that is another place, and no other time.
     """
-    seen, after = np.isfinite(left), np.arange(len(left)) >= row
-    edges = np.linspace(np.nanmin(shown), np.nanmax(shown) + 1e-12, _CELLS + 1)
-    cell = np.clip(np.searchsorted(edges, shown, side="right") - 1, 0, _CELLS - 1)
+    if not _comparable(left, shown, np.array([row]))[0]:
+        return None
+    seen, after, cell = np.isfinite(left), np.arange(len(left)) >= row, _cells(shown)
     differences, weights = [], []
     for k in np.unique(cell[seen & after]):
         old, new = left[seen & ~after & (cell == k)], left[seen & after & (cell == k)]
         if len(old) >= _FEWEST:
             differences.append(np.median(new) - np.median(old))
             weights.append(len(new))
-    if not weights or sum(weights) < 0.5 * np.sum(seen & after):
-        return None
     return float(np.average(differences, weights=weights))
+
+
+def _comparable(left, shown, rows):
+    """Whether most of what comes after each row has its equals before, at equal simulated values."""
+    seen, cell = np.isfinite(left), _cells(shown)
+    before = np.zeros((len(left) + 1, _CELLS), dtype=int)
+    np.cumsum((cell[:, None] == np.arange(_CELLS)) & seen[:, None], axis=0, out=before[1:])
+    old, new = before[rows], before[-1] - before[rows]
+    equal = np.sum(np.where(old >= _FEWEST, new, 0), axis=1)
+    return (equal > 0) & (equal >= 0.5 * new.sum(axis=1))
+
+
+def _cells(shown):
+    """Which of some cells of the simulated signal each row lies in."""
+    edges = np.linspace(np.nanmin(shown), np.nanmax(shown) + 1e-12, _CELLS + 1)
+    return np.clip(np.searchsorted(edges, shown, side="right") - 1, 0, _CELLS - 1)
 
 
 def _places(spans, n):
@@ -205,95 +214,3 @@ def _last_way(shown):
             way, held = float(np.sign(value - held)), value
         found[k] = way
     return found
-
-
-class _Search:
-    """Generalised least squares of a residual on its steady columns, and one step more at any row."""
-
-    def __init__(self, noise, left, steady, about):
-        self.noise, self.left, self.steady, self.about = noise, left, steady, about
-        self.response = 0.0
-        white = noise.whiten(left)
-        columns = np.stack([noise.whiten(c) for c in steady.T], axis=1)
-        self.weights = np.ones(len(left))
-        for _ in range(2):
-            self._project(white, columns)
-            off = np.abs(self.white) / np.sqrt(self.weights)
-            self.weights = 1.0 / np.sqrt(1.0 + (off / _ROBUST) ** 2)
-        self._raw = white, columns
-        self._project(white, columns)
-
-    def _project(self, white, columns):
-        root = np.sqrt(self.weights)
-        self.basis = np.linalg.qr(columns * root[:, None])[0]
-        self.white = self._beside(white)
-
-    def _beside(self, white):
-        weighed = white * np.sqrt(self.weights)
-        return weighed - self.basis @ (self.basis.T @ weighed)
-
-    def _steps(self, row):
-        after = np.arange(len(self.left)) >= row
-        level = self._beside(self.noise.whiten(after.astype(float)))
-        follows = self._beside(self.noise.whiten(np.where(after, self.about, 0.0)))
-        return level, follows
-
-    def gains(self, row, white=None):
-        """Twice the log likelihood that a step of the level gains, and one of the response besides."""
-        white = self.white if white is None else white
-        level, follows = self._steps(row)
-        size = float(level @ level)
-        if size < 1e-9:
-            return 0.0, 0.0
-        first = float(level @ white) ** 2 / size
-        follows = follows - level * (float(level @ follows) / size)
-        more = float(follows @ follows)
-        return first, first + (float(follows @ white) ** 2 / more if more > 1e-6 else 0.0)
-
-    def best(self, places):
-        """The likeliest row, twice its log likelihood, and whether the response changes as well."""
-        scores = np.array([self.gains(k) for k in places])
-        worth = np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _ONE_MORE)
-        top = int(np.argmax(worth))
-        low, high = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
-        near = np.unique(np.linspace(low, high, min(high - low + 1, 160)).astype(int))
-        scores = np.array([self.gains(k) for k in near])
-        worth = np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _ONE_MORE)
-        top = int(np.argmax(worth))
-        both = scores[top, 1] - 2.0 * _ONE_MORE > scores[top, 0]
-        return int(near[top]), float(scores[top, int(both)]), bool(both)
-
-    def split(self, row, response_too):
-        """What the change makes of the signal, and what is left over without it and the steady columns."""
-        white, columns = self._raw
-        root = np.sqrt(self.weights)[:, None]
-        after = (np.arange(len(self.left)) >= row).astype(float)
-        steps = [after, after * self.about] if response_too else [after]
-        every = np.column_stack([columns, *(self.noise.whiten(s) for s in steps)])
-        found = np.linalg.lstsq(every * root, white * root[:, 0], rcond=1e-10)[0]
-        many = columns.shape[1]
-        made = sum(size * s for size, s in zip(found[many:], steps, strict=True))
-        self.response = float(found[-1]) if response_too else 0.0
-        self.white_left = self._beside(self.noise.whiten(self.left - made))
-        return made, self.left - self.steady @ found[:many] - made
-
-    def inflation(self, places):
-        """How many times chance the steps at other times gain when the best is gone, at least as usual."""
-        gained = [self.gains(k, self.white_left)[0] for k in places[:: max(len(places) // 80, 1)]]
-        return _MODEL * max(1.0, float(np.mean(gained)))
-
-    def interval(self, row, response_too, spread):
-        """Rows between which the change lies with 95 %, of a posterior over rows around the likeliest."""
-        n, reach = len(self.left), 8
-        while True:
-            near = np.unique(np.linspace(max(row - reach, 1), min(row + reach, n - 5), 121).astype(int))
-            near = np.unique(np.append(near, row))
-            gains = np.array([self.gains(k)[int(response_too)] for k in near])
-            weights = np.exp(0.5 * (gains - gains.max()) / spread) * np.gradient(near.astype(float))
-            mass = np.cumsum(weights) / weights.sum()
-            ends = np.interp([_TAIL, 1.0 - _TAIL], mass, near)
-            inside = (near[0] + 2 < ends[0] or near[0] <= 1) and (ends[1] < near[-1] - 2 or near[-1] >= n - 5)
-            if inside or reach > n:
-                low, high = int(np.floor(min(ends[0], row))), int(np.ceil(max(ends[1], row)))
-                return low, high
-            reach *= 4

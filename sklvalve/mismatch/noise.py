@@ -145,6 +145,11 @@ class NoiseModel:
         return _innovations(np.ascontiguousarray(residuals, dtype=float), *self._filters)
 
     @property
+    def pieces(self):
+        """First row, row behind the last, gains, what is kept, and spreads, of each recording: one here."""
+        return [(0, len(self.white), *self._filters)]
+
+    @property
     def log_spread(self):
         """Sum over the rows of the logarithms of the innovations' standard deviations."""
         spread = self._filters[2]

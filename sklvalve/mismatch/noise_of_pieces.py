@@ -30,6 +30,11 @@ class NoiseOfPieces:
         return np.concatenate([m.whiten(residuals[low:high]) for (low, high), m in self._each()])
 
     @property
+    def pieces(self):
+        """First row, row behind the last, gains, what is kept, and spreads, of each recording."""
+        return [(low + a, low + b, *rest) for (low, _), model in self._each() for a, b, *rest in model.pieces]
+
+    @property
     def log_spread(self):
         """Sum over the rows of the logarithms of the innovations' standard deviations."""
         return sum(m.log_spread for m in self.models)

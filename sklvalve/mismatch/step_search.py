@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a step at any row explains of a residual, beside columns that are there throughout; compiled."""
+
+import numba as nb
+import numpy as np
+
+# deviations from which on a row counts less
+_ROBUST = 3.0
+# log likelihood that a response besides a level must gain
+_ONE_MORE = 6.0
+# share of the rows that a posterior of change times holds to either side of its interval
+_TAIL = 0.025
+# of what a step is, so much must be left beside the columns, or rounding is all that is compared
+_LEFT = 1e-10
+
+
+class StepSearch:
+    """Generalised least squares of a residual on its steady columns, and one step more at any row.
+
+    Parameters
+    ----------
+    noise : object
+        With `whiten(residuals)` and `pieces`, as the noise models have them.
+    left : ndarray of shape (n,)
+        What a simulation leaves over [SI].
+    steady : ndarray of shape (n, m)
+        What may be wrong throughout.
+    about : ndarray of shape (n,)
+        The simulated signal, centred and scaled: how far the residual follows it may change as well.
+    """
+
+    def __init__(self, noise, left, steady, about):
+        self.noise, self.left, self.steady, self.about = noise, left, steady, about
+        self.response = 0.0
+        white = noise.whiten(left)
+        columns = np.stack([noise.whiten(c) for c in steady.T], axis=1)
+        self.weights = np.ones(len(left))
+        for _ in range(2):
+            self._project(white, columns)
+            off = np.abs(self.white) / np.sqrt(self.weights)
+            self.weights = 1.0 / np.sqrt(1.0 + (off / _ROBUST) ** 2)
+        self._raw = white, columns
+        self._project(white, columns)
+
+    def _project(self, white, columns):
+        root = np.sqrt(self.weights)
+        self.basis = np.linalg.qr(columns * root[:, None])[0]
+        self.white = self._beside(white)
+
+    def _beside(self, white):
+        weighed = white * np.sqrt(self.weights)
+        return weighed - self.basis @ (self.basis.T @ weighed)
+
+    def gains(self, rows, white=None):
+        """Twice the log likelihood that a step of the level gains at each row, and one of the response besides.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (k,)
+        white : ndarray of shape (n,), default=None
+            Whitened residual beside the columns; that of the search unless given.
+
+        Returns
+        -------
+        gains : ndarray of shape (k, 2)
+        """
+        white = self.white if white is None else white
+        rows, root = np.asarray(rows, dtype=np.int64), np.sqrt(self.weights)
+        sums, m = 0.0, self.basis.shape[1]
+        for low, high, gain, keep, spread in self.noise.pieces:
+            part = slice(low, high)
+            sums = sums + _step_sums(
+                rows, low, gain, keep, spread, root[part], self.about[part], white[part], self.basis[part]
+            )
+        level, both, follows, seen, seen_too = sums[:, :5].T
+        of_level, of_follows = sums[:, 5 : 5 + m], sums[:, 5 + m :]
+        size = level - np.sum(of_level**2, axis=1)
+        both -= np.sum(of_level * of_follows, axis=1)
+        more = follows - np.sum(of_follows**2, axis=1)
+        some = size > np.maximum(1e-9, _LEFT * level)
+        share = np.divide(both, size, out=np.zeros(len(rows)), where=some)
+        more -= share * both
+        seen_too -= share * seen
+        first = np.divide(seen**2, size, out=np.zeros(len(rows)), where=some)
+        also = some & (more > np.maximum(1e-6, _LEFT * follows))
+        second = np.divide(seen_too**2, more, out=np.zeros(len(rows)), where=also)
+        return np.stack([first, first + second], axis=1)
+
+    def best(self, places):
+        """The likeliest row, twice its log likelihood, and whether the response changes as well."""
+        top = int(np.argmax(_worth(self.gains(places))))
+        low, high = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
+        near = np.unique(np.linspace(low, high, min(high - low + 1, 160)).astype(int))
+        scores = self.gains(near)
+        top = int(np.argmax(_worth(scores)))
+        both = scores[top, 1] - 2.0 * _ONE_MORE > scores[top, 0]
+        return int(near[top]), float(scores[top, int(both)]), bool(both)
+
+    def split(self, row, response_too):
+        """What the change makes of the signal, and what is left over without it and the steady columns."""
+        white, columns = self._raw
+        root = np.sqrt(self.weights)[:, None]
+        after = (np.arange(len(self.left)) >= row).astype(float)
+        steps = [after, after * self.about] if response_too else [after]
+        every = np.column_stack([columns, *(self.noise.whiten(s) for s in steps)])
+        found = np.linalg.lstsq(every * root, white * root[:, 0], rcond=1e-10)[0]
+        many = columns.shape[1]
+        made = sum(size * s for size, s in zip(found[many:], steps, strict=True))
+        self.response = float(found[-1]) if response_too else 0.0
+        self.white_left = self._beside(self.noise.whiten(self.left - made))
+        return made, self.left - self.steady @ found[:many] - made
+
+    def inflation(self, places):
+        """How many times chance the steps at other times gain when the best is gone, at least once."""
+        gained = self.gains(places[:: max(len(places) // 80, 1)], self.white_left)[:, 0]
+        return max(1.0, float(np.mean(gained)))
+
+    def interval(self, row, response_too, spread):
+        """Rows between which the change lies with 95 %, of a posterior over rows around the likeliest."""
+        n, reach = len(self.left), 8
+        while True:
+            near = np.unique(np.linspace(max(row - reach, 1), min(row + reach, n - 5), 121).astype(int))
+            near = np.unique(np.append(near, row))
+            gains = self.gains(near)[:, int(response_too)]
+            weights = np.exp(0.5 * (gains - gains.max()) / spread) * np.gradient(near.astype(float))
+            mass = np.cumsum(weights) / weights.sum()
+            ends = np.interp([_TAIL, 1.0 - _TAIL], mass, near)
+            inside = (near[0] + 2 < ends[0] or near[0] <= 1) and (ends[1] < near[-1] - 2 or near[-1] >= n - 5)
+            if inside or reach > n:
+                return int(np.floor(min(ends[0], row))), int(np.ceil(max(ends[1], row)))
+            reach *= 4
+
+
+def _worth(scores):
+    return np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _ONE_MORE)
+
+
+@nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+def _step_sums(rows, begin, gain, keep, spread, root, about, white, basis):
+    """Of each row's step, whitened from that row on: its squares, and its products with all else.
+
+    Columns: level², level follows, follows², level white, follows white, level basis (m), follows basis (m).
+    """
+    n, m = basis.shape
+    sums = np.zeros((len(rows), 5 + 2 * m))
+    for j in range(len(rows)):
+        f = s = g = u = 0.0
+        here = sums[j]
+        for k in range(max(rows[j] - begin, 0), n):
+            a, b = keep[k, 0], keep[k, 1]
+            f *= a
+            s *= b
+            g *= a
+            u *= b
+            if spread[k] == np.inf:
+                continue
+            left, too = 1.0 - f - s, about[k] - g - u
+            f += gain[k, 0] * left
+            s += gain[k, 1] * left
+            g += gain[k, 0] * too
+            u += gain[k, 1] * too
+            weight = root[k] / spread[k]
+            left *= weight
+            too *= weight
+            here[0] += left * left
+            here[1] += left * too
+            here[2] += too * too
+            here[3] += left * white[k]
+            here[4] += too * white[k]
+            for i in range(m):
+                here[5 + i] += left * basis[k, i]
+                here[5 + m + i] += too * basis[k, i]
+    return sums
