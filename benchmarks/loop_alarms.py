@@ -7,7 +7,7 @@ One loop a seed, from FIRST up to, not including, LAST: kind, scene and whether 
 what is known of it, a set-point in half of them and that the value is a flow in half of the flows. The tail
 of the evidence of the healthy ones is what `sklvalve/mismatch/loop/evidence.py` holds (seeds from 61000 and
 61700 on); rates are measured on other seeds. Sticking loops count where the band is 25 % or more of the
-command's span.
+command's span; a play of that size in a valve drawn as healthy counts as neither.
 """
 
 import sys
@@ -15,7 +15,7 @@ import sys
 import numpy as np
 import pandas as pd
 
-from benchmarks.loop_plant import HEALTHY, KINDS, draw_loop
+from benchmarks.loop_plant import HEALTHY, KINDS, draw_plant
 from sklvalve.mismatch.loop import diagnose_loop
 from sklvalve.recording import InputError, Recording
 
@@ -33,21 +33,27 @@ def recording_of(drawn, *, is_flow=None, setpoint=True):
     return Recording.from_frame(columns)
 
 
-def drawn_at(seed):
-    """The loop of a seed, whether it sticks, and its recording."""
+def drawn_at(seed, *, plant=False):
+    """The loop of a seed, whether it sticks, its recording, and the plant behind it if asked for."""
     rng = np.random.default_rng(seed)
     kind, scene = KINDS[rng.integers(len(KINDS))], HEALTHY[rng.integers(len(HEALTHY))]
     sticking = bool(rng.random() < 0.55) and scene != "small_play"
     setpoint, known = bool(rng.random() < 0.5), bool(rng.random() < 0.5)
-    drawn = draw_loop(seed, kind, scene, sticking)
-    return drawn, sticking, recording_of(drawn, is_flow=known and kind == "flow", setpoint=setpoint)
+    drawn, behind = draw_plant(seed, kind, scene, sticking)
+    recording = recording_of(drawn, is_flow=known and kind == "flow", setpoint=setpoint)
+    return (drawn, sticking, recording, behind) if plant else (drawn, sticking, recording)
+
+
+def is_either(drawn, sticking):
+    """Whether a loop counts neither as sticking nor as healthy, by the size of its band."""
+    return sticking != (drawn.share >= _MATTERS)
 
 
 def measured(seeds):
     """A row for each loop that is not refused."""
     for seed in seeds:
         drawn, sticking, recording = drawn_at(seed)
-        if sticking and drawn.share < _MATTERS:
+        if is_either(drawn, sticking):
             continue
         try:
             found = diagnose_loop(recording)

@@ -10,7 +10,7 @@ diagnosis fits: Choudhury's (a stem keeps moving until the command turns), and a
 that is held by a static friction and braked by a smaller dynamic one.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba as nb
 import numpy as np
@@ -49,6 +49,35 @@ class DrawnLoop:
     rows_a_period: float = np.nan
     """Aimed at; the loop may swing otherwise."""
     form: str = "choudhury"
+
+
+@dataclass(frozen=True, eq=False)
+class Plant:
+    """What no user knows of a drawn loop: its signals in every step, and the plant that made them.
+
+    Parameters
+    ----------
+    command, value, factor : ndarray of shape (n,)
+        In every step; `factor` is the gain that drifts.
+    process : dict
+        `bend`, `lag` [steps], `integrates`, `dead` [steps], `middle` of the command, `first` value, and
+        `follow`, of the filter behind the sensor.
+    friction : dict
+        `slides`, `pace`, `stick`, `slip`.
+    noise : dict
+        Of what disturbs the value: `load`, `colour`: (time [steps], size); `white`: size; `wave`: (form,
+        period [steps], size, spread of its phase a step [rad]) or None; `jumps`: spread a step of what jumps.
+    steps : int, default=1
+        To a row.
+    """
+
+    command: np.ndarray
+    value: np.ndarray
+    factor: np.ndarray
+    process: dict
+    friction: dict
+    noise: dict
+    steps: int = 1
 
 
 @nb.njit(cache=True)
@@ -193,6 +222,17 @@ def draw_loop(random_state, kind="flow", scene="quiet", sticking=False, form=Non
     -------
     drawn : DrawnLoop
     """
+    return draw_plant(random_state, kind, scene, sticking, form)[0]
+
+
+def draw_plant(random_state, kind="flow", scene="quiet", sticking=False, form=None):
+    """The loop that `draw_loop` draws, and the plant behind it; parameters as there.
+
+    Returns
+    -------
+    drawn : DrawnLoop
+    plant : Plant
+    """
     rng = np.random.default_rng([random_state, KINDS.index(kind), HEALTHY.index(scene), int(sticking)])
     rows_a_period = float(np.exp(rng.uniform(np.log(5.0), np.log(500.0))))
     sample_time = round(float(np.exp(rng.uniform(np.log(0.2), np.log(60.0)))), 2)
@@ -201,18 +241,23 @@ def draw_loop(random_state, kind="flow", scene="quiet", sticking=False, form=Non
     drawn_form = FORMS[int(rng.random() < 0.4)]
     form = drawn_form if form is None else form
     seed = int(rng.integers(2**31))
-    pilot = _simulated(np.random.default_rng(seed), kind, scene, sticking, form, _PILOT, 1.0)
-    period = _period(pilot[0])
+    pilot, _ = _simulated(np.random.default_rng(seed), kind, scene, sticking, form, _PILOT, 1.0)
+    period = _period(pilot.command)
     # steps of the second run: many to a row, and enough to a period
     steps = max(1, round(max(2.0 * rows_a_period, 150.0) / rows_a_period))
     stretch = steps * rows_a_period / period
     warm = int(4 * period * stretch)
-    run = _simulated(np.random.default_rng(seed), kind, scene, sticking, form, warm + steps * rows, stretch)
-    kept = slice(warm, None, steps)
-    command, value, setpoint, stick, slip = run[0][kept], run[1][kept], run[2][kept], run[3], run[4]
+    whole, setpoint = _simulated(
+        np.random.default_rng(seed), kind, scene, sticking, form, warm + steps * rows, stretch
+    )
+    plant = replace(
+        whole, command=whole.command[warm:], value=whole.value[warm:], factor=whole.factor[warm:], steps=steps
+    )
+    command, value, setpoint = plant.command[::steps], plant.value[::steps], setpoint[warm::steps]
+    stick, slip = plant.friction["stick"], plant.friction["slip"]
     span = float(np.ptp(np.quantile(command, [0.01, 0.99])))
     digits = int(rng.integers(4, 7))
-    return DrawnLoop(
+    drawn = DrawnLoop(
         np.round(command, digits),
         np.round(value, digits),
         np.round(setpoint, 6),
@@ -225,10 +270,11 @@ def draw_loop(random_state, kind="flow", scene="quiet", sticking=False, form=Non
         rows_a_period,
         form,
     )
+    return drawn, plant
 
 
 def _simulated(rng, kind, scene, sticking, form, n, stretch):
-    """Command, value and set-point in every step, band and jump; all times are stretched."""
+    """The plant with command and value in every step, and the set-point; all times are stretched."""
     time = np.arange(n) / stretch
 
     def wander(tau, size):
@@ -261,7 +307,7 @@ def _simulated(rng, kind, scene, sticking, form, n, stretch):
     bend = rng.uniform(-4, 4) if scene == "curved" else rng.uniform(-1.5, 1.5)
     white = size * np.exp(rng.uniform(np.log(0.01), np.log(1.0)))
     noise_time, noise_size, command_0 = rng.uniform(3, 60), size * rng.uniform(0, 0.5), rng.uniform(0.3, 0.7)
-    load = wander(slow, size)
+    load, load_size, wave, jumped = wander(slow, size), size, None, 0.0
     setpoint = np.full(n, 0.5)
     if scene == "setpoint" or (sticking and draws["setpoint"] < 0.3):
         if draws["shape"] < 0.5:
@@ -271,20 +317,24 @@ def _simulated(rng, kind, scene, sticking, form, n, stretch):
             setpoint = 0.5 + wander(30 + 1470 * draws["hold"], 3 * size)
     if scene in ("oscillation", "saw"):
         walk = np.cumsum(0.003 * rng.standard_normal(n)) / np.sqrt(period * stretch)
-        wave = np.sin(2 * np.pi * (time / period + walk))
+        course, shape = np.sin(2 * np.pi * (time / period + walk)), "sine"
         if scene == "saw":
-            wave = np.sign(wave) if draws["shape"] < 0.5 else 2 / np.pi * np.arcsin(wave)
-        load = 0.3 * load + size * wave_size * wave
+            shape = "square" if draws["shape"] < 0.5 else "triangle"
+            course = np.sign(course) if shape == "square" else 2 / np.pi * np.arcsin(course)
+        load, load_size = 0.3 * load + size * wave_size * course, 0.3 * size
+        wave = shape, period * stretch, size * wave_size, 0.006 * np.pi / np.sqrt(period * stretch)
     if scene == "upsets":
         jumps = (rng.random(n) < 1.0 / (upset_time * stretch)) * size * rng.standard_t(3, n)
-        load = 0.3 * load + np.cumsum(jumps)
+        load, load_size = 0.3 * load + np.cumsum(jumps), 0.3 * size
+        jumped = size * np.sqrt(3.0 / (upset_time * stretch))  # the variance of t with three degrees is 3
     factor = np.ones(n)
     if scene == "drift":
         # a supply or a gain that changes slowly: a ramp, a bend, a wander, over the whole record
         shape = np.linspace(-1.0, 1.0, n)
         course = (shape, shape**2, np.sin(np.pi * shape * 1.5))[int(3 * draws["shape"])]
         factor = 1.0 + (0.02 + 0.1 * draws["hold"]) * course + wander(n / (8.0 * stretch), 0.01)
-        load = (0.02 + 0.5 * draws["band"]) * load
+        small = 0.02 + 0.5 * draws["band"]
+        load, load_size = small * load, small * size
     if scene == "curved":
         setpoint = setpoint + wander(60 + 1440 * draws["hold"], 0.03)
     noise = white * rng.standard_normal(n) + wander(noise_time, noise_size)
@@ -297,7 +347,20 @@ def _simulated(rng, kind, scene, sticking, form, n, stretch):
     elif scene == "small_play":
         stick = size * (0.05 + 0.35 * draws["band"])
         slip = stick * 0.5 * draws["jump"]
-    filt = 1.0 - (0.85 * (1.0 - draws["filter"])) ** (1.0 / stretch)
+    known = 1.0 if kind == "flow" else 0.2
+    process = {
+        "bend": bend, "lag": max(lag * stretch, 1.01), "integrates": kind == "level",
+        "dead": int(dead * stretch), "middle": command_0, "first": float(setpoint[0]),
+        "follow": 1.0 - (0.85 * (1.0 - draws["filter"])) ** (1.0 / stretch),
+    }  # fmt: skip
+    friction = {
+        "slides": form == "sliding", "pace": 1.0 - np.exp(-(0.5 + 1.5 * draws["pace"]) / stretch),
+        "stick": stick, "slip": slip,
+    }  # fmt: skip
+    law = {
+        "load": (slow * stretch, load_size), "colour": (noise_time * stretch, known * noise_size),
+        "white": known * white, "wave": wave, "jumps": jumped,
+    }  # fmt: skip
     command, value = _run(
         setpoint,
         factor,
@@ -308,12 +371,12 @@ def _simulated(rng, kind, scene, sticking, form, n, stretch):
         stick,
         slip,
         bend,
-        max(lag * stretch, 1.01),
-        kind == "level",
-        int(dead * stretch),
+        process["lag"],
+        process["integrates"],
+        process["dead"],
         command_0,
-        filt,
-        form == "sliding",
-        1.0 - np.exp(-(0.5 + 1.5 * draws["pace"]) / stretch),
+        process["follow"],
+        friction["slides"],
+        friction["pace"],
     )
-    return command, value, setpoint, stick, slip
+    return Plant(command, value, factor, process, friction, law), setpoint

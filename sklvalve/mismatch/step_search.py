@@ -52,7 +52,7 @@ class StepSearch:
         return weighed - self.basis @ (self.basis.T @ weighed)
 
     def gains(self, rows, white=None):
-        """Twice the log likelihood that a step of the level gains at each row, and one of the response besides.
+        """Twice the log likelihood that a step of the level gains at each row, and one of the response too.
 
         Parameters
         ----------
