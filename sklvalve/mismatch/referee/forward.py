@@ -64,7 +64,8 @@ def forward_in_time(workbench, nominal, model, unknown=None):
     spans = spans_of(n)
     made = {"nominal": forecast(workbench, nominal, spans)}
     same = model is nominal and unknown is None
-    made["corrected"] = made["nominal"] if same else forecast(workbench, model, spans, unknown)
+    more = {"unknown": unknown, "nominal": nominal}
+    made["corrected"] = made["nominal"] if same else forecast(workbench, model, spans, **more)
     for c in workbench.channels:
         # a signal that nothing found changes is simulated as before
         untouched = np.array_equal(model.predictions[c], nominal.predictions[c], equal_nan=True)
@@ -95,10 +96,11 @@ def closed_loop(workbench, nominal, channel):
     return answers(recording[driver], recording[channel], simulated) >= ANSWERS_FROM
 
 
-def forecast(workbench, model, spans, unknown=None):
+def forecast(workbench, model, spans, *, unknown=None, nominal=None):
     """A hypothesis fitted to the rows before each of some spans, and simulated there.
 
-    An effect that begins too late for those rows to tell of it is left out.
+    An effect that begins too late for those rows to tell of it is left out. Where none is left the `nominal`
+    is forecast, if given: a span in which no effect takes part says nothing for or against one.
 
     Returns
     -------
@@ -107,7 +109,7 @@ def forecast(workbench, model, spans, unknown=None):
     """
     n = len(workbench.recording)
     made = {c: np.full(n, np.nan) for c in workbench.channels}
-    fits = {}
+    fits = {} if nominal is None else {(): nominal}
     for span in spans:
         past = np.arange(n) < span.start
         known = _known_at(model, span.start)
