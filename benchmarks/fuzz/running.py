@@ -12,6 +12,7 @@ import time
 from collections import Counter
 from dataclasses import dataclass, field
 from pathlib import Path
+from unicodedata import category
 
 LONGEST = 10.0  # s
 MOST_MEMORY = 1024.0  # MiB, of the whole process
@@ -121,6 +122,11 @@ def content_of(kind, at, seed):
     return mutated(kind, corpus(kind), random.Random(f"{seed} {kind} {at}"))
 
 
+def _safe(sentence):
+    """Whether a terminal shows a sentence as it is: letters, signs and blanks of any width, and not too many."""
+    return len(sentence) <= 1000 and all(each.isprintable() or category(each) == "Zs" for each in sentence)
+
+
 def _work(kind, first, count, seed):
     import resource
 
@@ -141,7 +147,7 @@ def _work(kind, first, count, seed):
                 read(path, rng)
                 end = "accepted"
             except InputError as error:
-                end = "refused" if str(error).isprintable() and len(str(error)) <= 1000 else "unsafe sentence"
+                end = "refused" if _safe(str(error)) else "unsafe sentence"
             except BaseException as error:
                 end = f"{type(error).__name__}: {str(error)[:80]}"
             took = time.perf_counter() - begun

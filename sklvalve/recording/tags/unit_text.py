@@ -41,6 +41,8 @@ _SPOILT = str.maketrans({"³": "3", "²": "2", "℃": "degc", "℉": "degf", "º
 _OVER_ATMOSPHERE = ("(g)", "-g", "_g", "gauge", "gage", "ü", "g")
 _ABSOLUTE = ("(a)", "(abs)", "-a", "_a", "abs", "a")
 _BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\])>}]*(?:\([^)]*\))?)\s*[\])>}]\s*$")
+# no column has a longer name; on longer ones looking for brackets takes the square of their length
+_LONGEST = 500
 _DEGREES = re.compile(r"(.*?[^\s_.])[\s_.]+(deg(?:rees?)?[\s_.]+[cfk])", re.IGNORECASE)
 # endings of column names that are units beyond doubt; a single letter, or "min", may mean anything
 _SAFE_ENDING = frozenset(
@@ -115,6 +117,8 @@ def split_unit(name: str) -> tuple[str, str]:
     >>> split_unit("FIC101.PV [m3/h]"), split_unit("P74_00_kPa"), split_unit("F")
     (('FIC101.PV', 'm3/h'), ('P74_00', 'kPa'), ('F', ''))
     """
+    if len(name) > _LONGEST:
+        return name.strip(), ""
     bracket = _BRACKETS.match(name)
     if bracket and bracket[1] and (read_unit(bracket[2]) or name.rstrip().endswith("]")):
         return bracket[1].strip(), bracket[2].strip()
