@@ -123,7 +123,7 @@ def content_of(kind, at, seed):
 
 
 def _safe(sentence):
-    """Whether a terminal shows a sentence as it is: letters, signs and blanks of any width, and not too many."""
+    """Whether a terminal shows a sentence as it is: letters, signs and blanks of any width, up to 1,000."""
     return len(sentence) <= 1000 and all(each.isprintable() or category(each) == "Zs" for each in sentence)
 
 
