@@ -52,8 +52,13 @@ sys.exit(entry.main([]))
 
 def begun(folder, where, mark="new", pause="30"):
     """A run that has come to a place."""
+    # tests that were started by nohup, or in the background, hand on what they were told to ignore
+    heard = (
+        "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL); "
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+    )
     work = subprocess.Popen(
-        [sys.executable, "-c", _RUN, where, mark, pause],
+        [sys.executable, "-c", heard + _RUN, where, mark, pause],
         cwd=folder,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
