@@ -30,6 +30,6 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         from sklvalve.cli.entry import main as run
     except KeyboardInterrupt:
-        print("interrupted; nothing was written", file=sys.stderr)
+        sys.stderr.write("interrupted; nothing was written\n")
         return 130
     return run(argv)

@@ -7,6 +7,7 @@ import numpy as np
 from sklearn.utils.validation import check_is_fitted
 
 from sklvalve import __version__
+from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.mismatch.plain_estimator import estimator_of, plain_of
 from sklvalve.recording import InputError
 
@@ -39,20 +40,23 @@ def content_of_estimator(model, rows=None):
     """
     check_is_fitted(model)
     content = {"format": FORMAT, "version": __version__, "estimator": plain_of(model), "trial": None}
-    names = getattr(model, "feature_names_in_", None)
-    width = getattr(model, "n_features_in_", None)
-    if rows is not None:
-        X = np.asarray(rows, dtype=np.float64)[:_ROWS]
-    elif width:
-        X = _made_up(int(width), names)
-    else:
+    if rows is None and not getattr(model, "n_features_in_", None):
         return content
     try:
+        X = _made_up(model) if rows is None else _ordered(rows, model)
         content["trial"] = {"rows": X, "result": _result(model, X)}
     except Exception as error:
         if rows is not None:
             raise InputError(f"the model cannot work on the rows given to try it ({error})") from error
     return content
+
+
+def _ordered(rows, model):
+    """Rows of a trial; columns with names stand as the model wants them."""
+    names = getattr(model, "feature_names_in_", None)
+    if names is not None and hasattr(rows, "columns"):
+        rows = rows[list(names)]
+    return np.asarray(rows, dtype=np.float64)[:_ROWS]
 
 
 def estimator_of_content(content, known):
@@ -70,7 +74,9 @@ def estimator_of_content(content, known):
     """
     model = estimator_of(content["estimator"], known)
     check_is_fitted(model)
-    if content["trial"] is not None:
+    if content["trial"] is None:
+        _require_working(model)
+    else:
         rows, before = content["trial"]["rows"], content["trial"]["result"]
         if not all(isinstance(part, np.ndarray) and part.dtype.kind == "f" for part in (rows, before)):
             raise ValueError("its trial is none")
@@ -83,9 +89,21 @@ def estimator_of_content(content, known):
     return model
 
 
-def _made_up(width, names):
-    X = np.repeat(np.linspace(0.1, 0.9, _ROWS)[:, None], width, axis=1)
-    for k, name in enumerate(() if names is None else names):
+def _require_working(model):
+    """``ValueError`` where a model fails on rows made up; what physics refuses of them is no failure."""
+    if not getattr(model, "n_features_in_", None):
+        return
+    try:
+        _result(model, _made_up(model))
+    except Exception as error:
+        # physics may refuse rows that are made up, or give a gap that a regression refuses
+        if isinstance(model, LSSVMRegressor) or not isinstance(error, ValueError):
+            raise ValueError("it fails on any rows") from error
+
+
+def _made_up(model):
+    X = np.repeat(np.linspace(0.1, 0.9, _ROWS)[:, None], int(model.n_features_in_), axis=1)
+    for k, name in enumerate(getattr(model, "feature_names_in_", ())):
         if name in _USUAL:
             X[:, k] = _USUAL[name] * (1.0 + 0.1 * X[:, k])
     return X
@@ -99,7 +117,11 @@ def _result(model, X):
         # of rows that are made up, physics may say what it likes
         warnings.simplefilter("ignore")
         made = model.predict(table) if hasattr(model, "predict") else model.transform(table)
-    return np.asarray(made, dtype=np.float64)
+    made = made.toarray() if hasattr(made, "toarray") else np.asarray(made)
+    # of labels their place among the classes
+    return np.asarray(
+        made if made.dtype.kind in "biuf" else np.searchsorted(model.classes_, made), dtype=np.float64
+    )
 
 
 def _frame(X, names):

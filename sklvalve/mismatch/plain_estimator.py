@@ -120,6 +120,9 @@ def _plain(value, where, depth):
     if name is None:
         raise InputError(_refusal(value, where))
     state = {key: each for key, each in vars(value).items() if key != "_metadata_request"}
+    for key in state:
+        if not _may_hold(type(value), key):
+            raise InputError(f"{where} holds {key!r}, which no model file takes back; keep it by joblib.dump")
     content = {_MARK: "estimator", "class": name}
     if "_metadata_request" in vars(value):
         content["requests"] = inner(value._metadata_request._serialize(), f"{where}.requests")
@@ -162,8 +165,10 @@ def _class_of(name, missing=ValueError):
     parts = name.split(".") if isinstance(name, str) else []
     if len(parts) == 3 and parts[0] == "sklearn" and parts[1] in _OF_SKLEARN:
         module = importlib.import_module(f"sklearn.{parts[1]}")
-        kind = getattr(module, parts[2], None) if parts[2] in getattr(module, "__all__", ()) else None
-        if isinstance(kind, type) and issubclass(kind, BaseEstimator):
+        kind = getattr(module, parts[2], None)
+        public = isinstance(kind, type) and issubclass(kind, BaseEstimator) and parts[2].isidentifier()
+        # not all of these modules say what is public; what they import from elsewhere is not theirs
+        if public and not parts[2].startswith("_") and kind.__module__.startswith(module.__name__):
             return kind
     if missing is None:
         return None
@@ -238,12 +243,8 @@ def _made_estimator(value, inner):
         raise ValueError(f"parameters of {kind.__name__} are missing")
     attributes = {}
     for name, each in state.items():
-        # what is learnt ends, and what is private begins, with an underscore; a method is neither
-        fitted = name.endswith("_") or name.startswith("_")
-        if not name.isidentifier() or name.startswith("__") or not (fitted or name in allowed):
+        if not _may_hold(kind, name):
             raise ValueError(f"{kind.__name__} has no such attribute")
-        if callable(getattr(kind, name, None)):
-            raise ValueError(f"{kind.__name__} has a method of that name")
         attributes[name] = inner(each)
     made.__dict__.update(attributes)
     _require_sound(made, kind)
@@ -252,10 +253,22 @@ def _made_estimator(value, inner):
     return made
 
 
+def _may_hold(kind, name):
+    """Whether a class may hold an attribute: a parameter, or what is learnt, named with an underscore."""
+    own = name.endswith("_") or name.startswith("_") or name in kind._get_param_names()
+    return (
+        own and name.isidentifier() and not name.startswith("__") and not callable(getattr(kind, name, None))
+    )
+
+
 def _require_sound(made, kind):
     """Parameters in their ranges, numbers that are finite, parts that are estimators."""
     if hasattr(kind, "_parameter_constraints") and not issubclass(kind, Pipeline | FeatureUnion):
         made._validate_params()
+    if issubclass(kind, Pipeline) and not (
+        isinstance(made.steps, list) and made.steps and all(_is_step(step) for step in made.steps)
+    ):
+        raise ValueError("a pipeline has no steps")
     jobs = getattr(made, "n_jobs", None)
     if jobs is not None and not (isinstance(jobs, Integral) and abs(jobs) <= _MOST_THREADS):
         raise ValueError("the number of threads is out of range")
@@ -267,3 +280,10 @@ def _require_sound(made, kind):
             part = getattr(made, name, None)
             if part is not None and not (isinstance(part, Real | np.ndarray) and np.isfinite(part).all()):
                 raise ValueError(f"{name} of the LS-SVM holds no finite numbers")
+
+
+def _is_step(step):
+    """Whether a step of a pipeline is a name and an estimator, or nothing to be done."""
+    if not (isinstance(step, list | tuple) and len(step) == 2 and isinstance(step[0], str)):
+        return False
+    return step[1] is None or step[1] == "passthrough" or isinstance(step[1], BaseEstimator)

@@ -177,9 +177,13 @@ def roles_in_units(
             f"units are given beside {valve.source}, which says the units of its roles; leave one of them out"
         )
     given = f"{where}: units"
+    if not isinstance(units, Mapping):
+        raise InputError(f"units must name one for each role, like {{'flow': 'm3/h'}}; got {shown(units)}")
     told: dict[str, Signal] = {}
     for role, value in units.items():
         entry = {"unit": value} if isinstance(value, str) else value
+        if not isinstance(entry, Mapping):
+            raise InputError(f"{given}: that of {role} must be a text like 'm3/h'; got {shown(value)}")
         if isinstance(entry, Mapping) and "constant" not in entry:
             entry = {"column": role, **entry}
         told[str(role)] = read_role(str(role), entry, valve.travel, given)

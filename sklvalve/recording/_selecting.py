@@ -35,6 +35,11 @@ class Selecting:
     def __getitem__(self, role: str | slice) -> NDArray[np.float64] | Self:
         if isinstance(role, slice):
             return self._at_times(role)
+        if not isinstance(role, str):
+            raise InputError(
+                f"a recording is asked for one role, such as 'flow', or for times; got {shown(role)}: take "
+                "to_frame() for several columns"
+            )
         if role not in self.signals:
             if role not in ROLES:
                 raise InputError(f"{role!r} is no role; {hint(role, ROLES)}")
@@ -141,6 +146,10 @@ class Selecting:
                 last = int(np.searchsorted(self.time, next_day - _least(next_day), side="left"))
             else:
                 last = int(np.searchsorted(self.time, seconds + _least(seconds), side="right"))
+        if start is not None and stop is not None and self._seconds(start) > self._seconds(stop):
+            raise InputError(
+                f"{self.source}: {_words(start, '')} is after {_words(stop, '')}; give the earlier time first"
+            )
         if first >= last:
             raise InputError(
                 f"{self.source}: no row stands between {_words(start, 'its beginning')} and "
@@ -149,6 +158,8 @@ class Selecting:
         return self.slice(first, last)
 
     def _seconds(self, value: object) -> float:
+        if not len(self.time):
+            raise InputError(f"{self.source}: there are no rows to be cut")
         row = self.spans[-1][0]
         return seconds_at(value, self.stamps[row], float(self.time[row]))
 

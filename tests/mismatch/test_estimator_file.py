@@ -9,10 +9,12 @@ import pandas as pd
 import pytest
 from sklearn.compose import ColumnTransformer, TransformedTargetRegressor
 from sklearn.decomposition import PCA
+from sklearn.dummy import DummyRegressor
 from sklearn.ensemble import RandomForestRegressor
 from sklearn.exceptions import NotFittedError
 from sklearn.impute import SimpleImputer
-from sklearn.linear_model import RidgeCV
+from sklearn.kernel_ridge import KernelRidge
+from sklearn.linear_model import LogisticRegression, RidgeCV
 from sklearn.pipeline import make_pipeline
 from sklearn.preprocessing import FunctionTransformer, PolynomialFeatures, StandardScaler
 
@@ -21,7 +23,7 @@ from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
 from sklvalve.lssvm import LSSVMRegressor, LSSVMRegressorCV
 from sklvalve.mechanism import ValveMechanismTransformer
 from sklvalve.mismatch import MissingPhysicsFinder, load_model, save_model
-from sklvalve.mismatch.estimator_file import content_of_estimator
+from sklvalve.mismatch.estimator_file import content_of_estimator, estimator_of_content
 from sklvalve.mismatch.model_file import _built_estimator
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import ValveSimulation
@@ -233,7 +235,7 @@ STATE = ("estimator", "state")
         ((*STATE, "n_jobs", 10**9), "threads is out of range"),
         ((*STATE, "predict", "evil"), "no such attribute"),
         ((*STATE, "__class__", "evil"), "no such attribute"),
-        ((*STATE, "_values", 1.0), "has a method of that name"),
+        ((*STATE, "_values", 1.0), "has no such attribute"),
         ((*STATE, "n_features_in_", -3), "number of columns is none"),
         ((*STATE, "n_features_in_", 4), ""),
         ((*STATE, "dual_coef_", np.zeros(5)), ""),
@@ -326,3 +328,51 @@ def test_a_file_with_any_part_exchanged_is_refused_or_predicts(name):
         with np.errstate(all="ignore"):
             given(loaded, X * 1.01)
     assert refused > 30
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("_kernel_", None), ("_kernel_", -1), ("dual_coef_", np.zeros(3)), ("intercept_", None)],
+)
+def test_a_file_does_not_decide_whether_it_is_tried(name, value):
+    content = content_of_estimator(LSSVMRegressor().fit(SCALED, FLOW))
+    content["estimator"]["state"][name], content["trial"] = value, None
+    with pytest.raises(ValueError):
+        estimator_of_content(content, {})
+
+
+def test_a_pipeline_without_steps_is_refused():
+    content = content_of_estimator(scaled().fit(X, FLOW))
+    content["estimator"]["state"]["steps"], content["trial"] = [], None
+    with pytest.raises(ValueError, match="no steps"):
+        estimator_of_content(content, {})
+
+
+def test_what_no_file_takes_back_is_not_written(tmp_path):
+    model = LSSVMRegressor().fit(SCALED, FLOW)
+    model.note = 1.0
+    with pytest.raises(InputError, match="holds 'note', which no model file takes back"):
+        save_model(tmp_path / "model.skops", model)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("rows", [[["a", "b", "c"]], [[1.0, 2.0], [3.0]]])
+def test_rows_that_are_none_are_told(tmp_path, rows):
+    with pytest.raises(InputError, match="cannot work on the rows given to try it"):
+        save_model(tmp_path / "model.skops", LSSVMRegressor().fit(SCALED, FLOW), rows=rows)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [KernelRidge(kernel="rbf"), DummyRegressor(), make_pipeline(StandardScaler(), LogisticRegression())],
+    ids=lambda model: type(model).__name__,
+)
+def test_every_part_in_the_list_is_taken(tmp_path, model):
+    labels = np.where(np.median(FLOW) < FLOW, "wide", "shut")
+    model.fit(SCALED, labels if hasattr(model, "predict_proba") else FLOW)
+    save_model(tmp_path / "model.skops", model, rows=SCALED)
+    again = load_model(tmp_path / "model.skops")
+    if hasattr(model, "predict_proba"):
+        assert list(again.predict(SCALED)) == list(model.predict(SCALED))
+    else:
+        np.testing.assert_allclose(again.predict(SCALED), model.predict(SCALED), rtol=1e-12)

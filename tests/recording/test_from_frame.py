@@ -121,7 +121,7 @@ def test_units_beside_a_sheet_without_roles():
         ({"flow": "m3"}, r"data frame: units: \[recording.flow\] unit = 'm3' is no known unit of this role"),
         ({"flows": "m3/h"}, "units: .*is no known role; did you mean 'flow'"),
         ({"command": "%", "p2": "bar"}, "there is no column 'p2'"),
-        ({"flow": 3.6}, "must be a section with column and unit"),
+        ({"flow": 3.6}, "that of flow must be a text like"),
         ({"opening": "mm"}, "give the rated travel"),
     ],
 )
@@ -134,3 +134,15 @@ def test_units_beside_a_sheet_that_has_them_are_refused():
     valve = Valve.from_dict({"recording": {"flow": {"column": "flow", "unit": "m3/h"}}})
     with pytest.raises(InputError, match="units are given beside valve, which says the units of its roles"):
         Recording.from_frame(TABLE, valve, units={"flow": "m3/h"})
+
+
+@pytest.mark.parametrize(
+    ("units", "words"),
+    [
+        ("m3/h", "units must name one for each role, like {'flow': 'm3/h'}; got 'm3/h'"),
+        ({"flow": None}, "that of flow must be a text like 'm3/h'; got None"),
+    ],
+)
+def test_units_that_are_none_are_told(units, words):
+    with pytest.raises(InputError, match=words):
+        Recording.from_frame(TABLE, units=units)
