@@ -71,7 +71,7 @@ def test_a_model_file_keeps_the_spells_and_predict_tells_when_they_begin(found, 
     made.frame.to_csv(recording, index=False)
     save_model(model, found[0])
     assert main(["predict", str(recording), "--model", str(model), "--out", str(tmp_path / "out.csv")]) == 0
-    assert "flow_meter_gain acts from a moment on, and 500 of these 1800 rows" in capsys.readouterr().out
+    assert "begins later: 500 of these 1800 rows are before it" in capsys.readouterr().out
     loaded, known = load_model(model)["corrected"], found[0].corrected_simulation_
     assert loaded.onsets == known.onsets
 
