@@ -21,6 +21,7 @@ if os.name != "posix":
 # a process started in the background may have been told to ignore the signal: not so here
 CODE = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "signal.signal(signal.SIGHUP, signal.SIG_DFL); "
     "from sklvalve.cli import main; sys.exit(main(sys.argv[1:]))"
 )
 
