@@ -146,11 +146,12 @@ class Selecting:
                 last = int(np.searchsorted(self.time, next_day - _least(next_day), side="left"))
             else:
                 last = int(np.searchsorted(self.time, seconds + _least(seconds), side="right"))
-        if start is not None and stop is not None and self._seconds(start) > self._seconds(stop):
-            raise InputError(
-                f"{self.source}: {_words(start, '')} is after {_words(stop, '')}; give the earlier time first"
-            )
         if first >= last:
+            if start is not None and stop is not None and self._seconds(start) > self._seconds(stop):
+                raise InputError(
+                    f"{self.source}: {_words(start, '')} is after {_words(stop, '')}; give the earlier time "
+                    "first"
+                )
             raise InputError(
                 f"{self.source}: no row stands between {_words(start, 'its beginning')} and "
                 f"{_words(stop, 'its end')}; {self._span()}"

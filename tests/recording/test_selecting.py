@@ -114,3 +114,8 @@ def test_what_is_asked_otherwise_is_told():
         counted()[["command", "flow"]]
     with pytest.raises(InputError, match="there are no rows to be cut"):
         counted().slice(3, 1).between(100.0, 105.0)
+
+
+def test_the_rest_of_a_day_ends_with_that_day():
+    part = dated()["2024-06-28 12:00":"2024-06-28"]
+    assert [str(stamp)[11:16] for stamp in part.stamps] == ["12:00", "18:00"]
