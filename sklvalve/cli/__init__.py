@@ -18,7 +18,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     Returns
     -------
     status : int
-        As `sklvalve.cli.entry.main` returns it.
+        0 it ran, whatever the verdict; 1 a mismatch, only with ``--exit-code``; 2 bad input, a missing extra
+        or a fault of the package, with one sentence on standard error; 130 interrupted, 143
+        asked to terminate, 129 its terminal gone.
+
+    Notes
+    -----
+    With the environment variable SKLVALVE_DEBUG set, or Python's development mode, an unexpected error comes
+    with its traceback.
 
     Examples
     --------

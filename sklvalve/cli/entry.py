@@ -33,32 +33,7 @@ class _Help(RawDescriptionHelpFormatter):
 
 
 def main(argv: Sequence[str] | None = None) -> int:
-    """Run a command and say how it ended.
-
-    Parameters
-    ----------
-    argv : sequence of str or None, default=None
-        Words after ``sklvalve``; None takes them from the command line.
-
-    Returns
-    -------
-    status : int
-        0 it ran, whatever the verdict; 1 a mismatch, only with ``--exit-code``; 2 bad input, a missing extra
-        or a fault of the package, with one sentence on standard error; 130 interrupted, 143
-        asked to terminate, 129 its terminal gone.
-
-    Notes
-    -----
-    With the environment variable SKLVALVE_DEBUG set, or Python's development mode, an error that nobody
-    foresaw comes with its traceback.
-
-    Examples
-    --------
-    >>> from sklvalve.cli import main
-    >>> main(["--version"])
-    sklvalve 0.1.0
-    0
-    """
+    """`sklvalve.cli.main`, once the commands are loaded."""
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a diagnosis
     try:
