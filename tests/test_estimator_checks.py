@@ -5,6 +5,7 @@ Each folder's own tests run the suite on the usual parameters without exclusions
 anywhere is listed here, with its reason.
 """
 
+import re
 from itertools import product
 
 import numpy as np
@@ -83,6 +84,11 @@ OTHERS = (
 )
 
 
+def _told(estimator):
+    """An estimator's text without addresses: two processes name a test alike."""
+    return re.sub(r" at 0x[0-9a-f]+", "", str(estimator))
+
+
 def _made(**values):
     """The machine of such parameters; None where a fit refuses them."""
     if any(parameters.items() <= values.items() for parameters, _ in EXCLUDED_PARAMETERS):
@@ -99,7 +105,7 @@ def _combinations():
         if estimator is not None:
             # a kernel that is called for each pair of rows takes its time
             late = [pytest.mark.slow] if callable(kernel) and solver not in ("auto", "tiled") else []
-            yield pytest.param(estimator, marks=late, id=str(estimator))
+            yield pytest.param(estimator, marks=late, id=_told(estimator))
 
 
 def _every_combination(kernel, solver):

@@ -200,11 +200,9 @@ def _sureness(content):
 
 
 def _no_sign(content):
-    """Whether nothing was found, and a difference as large is common by chance."""
-    test = content["mismatch"]
-    detected = content["verdict"] == "cannot_tell" and test.get("detected", True)
-    found = detected or content["verdict"] in ("named", "none_of_these")
-    return test["p_value"] >= _NO_SIGN and test["p_value"] > (test.get("alpha") or 0.0) and not found
+    """Whether nothing is missing, and a difference as large is common by chance."""
+    p_value, level = content["mismatch"]["p_value"], content["mismatch"].get("alpha") or 0.0
+    return content["verdict"] == "no_mismatch" and p_value >= _NO_SIGN and p_value > level
 
 
 def _sure(entry):

@@ -263,11 +263,12 @@ def named_effects(d: dict) -> list[dict]:
 
 
 def no_sign(d: dict) -> bool:
-    """Whether nothing was found, and a difference as large is common by chance."""
+    """Whether nothing is missing, and a difference as large is common by chance.
+
+    A diagnosis that leaves the matter open reassures nobody.
+    """
     p_value, level = d["mismatch"].get("p_value"), d["mismatch"].get("alpha") or 0.0
-    detected = d["verdict"] == "cannot_tell" and d["mismatch"].get("detected", True)
-    found = detected or d["verdict"] in ("named", "none_of_these")
-    return p_value is not None and p_value >= _COMMON and p_value > level and not found
+    return d["verdict"] == "no_mismatch" and p_value is not None and p_value >= _COMMON and p_value > level
 
 
 def p_words(p_value: float | None) -> str:

@@ -32,6 +32,7 @@ def test_the_detectable_size_is_just_told(plant, name):
     assert smaller[0] < DISTANCE or smaller[1] < SHARE
 
 
+@pytest.mark.slow
 def test_what_a_sheet_leaves_open_is_no_effect(plant):
     # a capacity 8 % off from the start is calibration, but for what the plant has used of it
     used = plant.trim[-1] / plant.sheet["kv_rated"] - 1.0

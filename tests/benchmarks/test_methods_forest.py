@@ -62,6 +62,7 @@ def test_a_forest_answers_and_is_kept(folder):
     assert 0.0 < sum(m["probability"] for m in members) <= 1.0 + 1e-3
 
 
+@pytest.mark.slow
 def test_a_training_set_at_hand_is_used(folder):
     made_so_far = []
     options = {"each": 2, "healthy": 6, "trees": 60, "names": ("dead_time", "flow_meter_drift")}

@@ -34,6 +34,7 @@ def rated_in(folder):
     return float(flow), int(hits), int(misses)
 
 
+@pytest.mark.slow
 def test_an_edit_of_an_imported_file_is_compiled_anew(tmp_path):
     shutil.copytree(PACKAGE, tmp_path / "sklvalve", ignore=shutil.ignore_patterns("__pycache__"))
     kept = tmp_path / "sklvalve" / "mechanism" / "__pycache__"

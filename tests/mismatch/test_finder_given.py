@@ -70,6 +70,7 @@ def _with_sheet(recording, **changes):
     return replace(recording, valve=replace(recording.valve, **changes))
 
 
+@pytest.mark.slow
 def test_sheet_of_the_simulation_takes_the_place_of_the_recordings(healthy):
     wrong = _with_sheet(healthy, kv_rated=1.5 * healthy.valve.kv_rated)
     few = ("capacity_error", "clogging")
@@ -82,6 +83,7 @@ def test_sheet_of_the_simulation_takes_the_place_of_the_recordings(healthy):
     assert valve.roles == healthy.valve.roles
 
 
+@pytest.mark.slow
 def test_tolerance_of_the_simulation_counts_where_none_is_given(healthy):
     off = _with_sheet(healthy, kv_rated=1.5 * healthy.valve.kv_rated)
     wide = ValveSimulation(tolerance=Tolerance(capacity=0.6))
@@ -91,6 +93,7 @@ def test_tolerance_of_the_simulation_counts_where_none_is_given(healthy):
     assert strict.fit(off).diagnosis_.verdict == "named"
 
 
+@pytest.mark.slow
 def test_effects_of_the_simulation_are_physics_already_held(leaking):
     leak = next(e for e in CATALOGUE if e.key == "seat_leakage")
     onset = {"seat_leakage": float(leaking.time[500])}

@@ -45,6 +45,7 @@ def found(slipping):
     return MissingPhysicsFinder().fit(slipping)
 
 
+@pytest.mark.slow
 def test_slips_name_stiction_with_its_jump(found):
     content = found.diagnosis_.content
     assert found.diagnosis_.verdict == "named"
@@ -83,6 +84,7 @@ def test_model_with_slips_is_read_back(found, slipping, tmp_path):
     np.testing.assert_array_equal(read.predict(slipping), found.corrected_simulation_.predict(slipping))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "less",
     [

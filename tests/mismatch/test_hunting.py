@@ -74,6 +74,7 @@ def found():
     return MissingPhysicsFinder(effects=HUNT).fit(hunts)
 
 
+@pytest.mark.slow
 def test_a_hunting_stem_names_what_makes_stems_hunt(found):
     assert found.diagnosis_.verdict == "named"
     assert found.diagnosis_.effects[0] == tuple(HUNT)
@@ -83,12 +84,14 @@ def test_a_hunting_stem_names_what_makes_stems_hunt(found):
     assert entry["grade"]["level"] in ("strong", "moderate")
 
 
+@pytest.mark.slow
 def test_rows_that_hunt_are_flagged(found):
     flagged = found.diagnosis_.traces["flagged"]
     half = len(flagged) // 2
     assert flagged[half + 40 :].mean() > 0.9
 
 
+@pytest.mark.slow
 def test_the_rarer_causes_of_hunting_alone_get_no_name():
     events = Events("hunting", np.full(12, 0.02), np.ones(len(REST), dtype=bool))
     assert events.may_name

@@ -76,6 +76,7 @@ def test_a_model_file_keeps_the_spells_and_predict_tells_when_they_begin(found, 
     assert loaded.onsets == known.onsets
 
 
+@pytest.mark.slow
 def test_what_begins_and_stays_has_no_spells():
     entry = diagnosed(((700, 1800),))[1]["effects"][0]
     assert "spells" not in entry

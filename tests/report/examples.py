@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hand-made diagnoses of all four verdicts, and signals to draw."""
 
+import copy
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,8 @@ def _errors(nominal, black_box, corrected):
 
 def _diagnosis(verdict, p_value, **parts):
     nothing = {"blocks": [], "regions": [], "onset": None, "intervals": []}
+    # each its own: a test may change what it gets
+    parts = copy.deepcopy(parts)
     return {
         "schema": "sklvalve.diagnosis/1",
         "verdict": verdict,

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The picture of parameters with their intervals: each on its own scale, and told to who cannot see it."""
 
-import copy
-
 import pytest
 
 from sklvalve.report.intervals import _on_own_scale, interval_figures
@@ -22,7 +20,7 @@ def test_one_picture_for_each_thing_found_with_its_numbers_in_words():
 
 
 def test_what_has_no_interval_is_not_drawn():
-    made = copy.deepcopy(examples.named())
+    made = examples.named()
     made["effects"][0]["parameters"]["leak_kv"]["ci95"] = None
     assert interval_figures(made) == [None]
     assert interval_figures(examples.no_mismatch()) == []
