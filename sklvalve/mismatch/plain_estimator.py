@@ -6,6 +6,7 @@ a text, an array, a collection of these or another such estimator, and never cod
 """
 
 import importlib
+import inspect
 from functools import partial
 from numbers import Integral, Real
 
@@ -180,11 +181,13 @@ def _refusal(value, where):
     if isinstance(value, BaseEstimator):
         what = f"a {kind.__name__}, a kind of which model files hold none"
         mend = "take an estimator of the package or a linear one, or keep this one by joblib.dump"
-    elif callable(value):
+    elif inspect.isroutine(value) or isinstance(value, np.ufunc | partial):
         what = f"a function ({getattr(value, '__name__', kind.__name__)}), and a model file holds no code"
         mend = "give numbers or the name of what the package knows, or keep the model by joblib.dump"
     else:
-        what, mend = f"a {kind.__name__}", "keep the model by joblib.dump"
+        name = value.__name__ if isinstance(value, type) else kind.__name__
+        what = f"{'the class' if isinstance(value, type) else 'a'} {name}, and a model file holds none"
+        mend = "keep the model by joblib.dump"
     return f"{where} is {what}; {mend}"
 
 

@@ -35,6 +35,11 @@ class Selecting:
     def __getitem__(self, role: str | slice) -> NDArray[np.float64] | Self:
         if isinstance(role, slice):
             return self._at_times(role)
+        if _is_whole(role):
+            raise InputError(
+                f"a recording has no row [{role}] of its own; write slice({role}, {int(role) + 1}) for that "
+                "row, or ['flow'] for one signal"
+            )
         if not isinstance(role, str):
             raise InputError(
                 f"a recording is asked for one role, such as 'flow', or for times; got {shown(role)}: take "
@@ -60,6 +65,11 @@ class Selecting:
 
     def slice(self, start: int | None, stop: int | None) -> Self:
         """Rows from `start` up to, not including, `stop`; the clock stays that of the whole recording."""
+        if not all(end is None or _is_whole(end) for end in (start, stop)):
+            raise InputError(
+                f"slice({shown(start)}, {shown(stop)}) is no count of rows; give whole numbers, or write "
+                "between(...) for times"
+            )
         rows = slice(start, stop)
         signals = {role: values[rows] for role, values in self.signals.items()}
         return replace(self, time=self.time[rows], stamps=self.stamps[rows], signals=signals)  # type: ignore[type-var]

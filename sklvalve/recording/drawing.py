@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A recording drawn over time, before any diagnosis, in the units that it was recorded in."""
 
+from collections.abc import Iterable
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.recording.errors import InputError, one_line
+from sklvalve.recording.errors import InputError, one_line, shown
 from sklvalve.recording.signal import OPENING_ROLES, Signal
 from sklvalve.recording.thinning import decimate
 
@@ -40,6 +41,8 @@ def _chosen(recording: "Recording", roles: Any) -> list[str]:
     if roles is None:
         chosen = [role for role in recording.signals if role not in recording.constants]
     else:
+        if not isinstance(roles, Iterable):
+            raise InputError(f"roles is {shown(roles)}; give one role, such as 'flow', or a list of these")
         chosen = [roles] if isinstance(roles, str) else list(roles)
         for role in chosen:
             recording[role]

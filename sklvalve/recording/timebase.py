@@ -96,6 +96,9 @@ def seconds_at(value: object, first: object, offset: float) -> float:
     InputError
         If the value is no such time.
     """
+    if isinstance(value, bool | np.bool_ | bytes):
+        like = first if isinstance(first, str) else float(first)  # type: ignore[arg-type]
+        raise InputError(f"{shown(value)} is no time; give one like {like!r}")
     if isinstance(first, str):
         start = _moment(first, "the recording's first time")
         try:

@@ -16,7 +16,13 @@ from sklearn.impute import SimpleImputer
 from sklearn.kernel_ridge import KernelRidge
 from sklearn.linear_model import LogisticRegression, RidgeCV
 from sklearn.pipeline import make_pipeline
-from sklearn.preprocessing import FunctionTransformer, PolynomialFeatures, StandardScaler
+from sklearn.preprocessing import (
+    FunctionTransformer,
+    OneHotEncoder,
+    PolynomialFeatures,
+    SplineTransformer,
+    StandardScaler,
+)
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
@@ -169,6 +175,12 @@ def slope(a, b):
         (
             lambda: ValveMechanismTransformer(fluid="brine", density=lambda t: 1000.0 + 0 * t).fit(X),
             "ValveMechanismTransformer.density is a function",
+        ),
+        # what can be called is not yet a function
+        (lambda: SplineTransformer(n_knots=3).fit(X), r"is a BSpline, and a model file holds none"),
+        (
+            lambda: OneHotEncoder(dtype=np.float64).fit(X[:9]),
+            "OneHotEncoder.dtype is the class float64, and a model file holds none",
         ),
     ],
 )

@@ -97,6 +97,7 @@ def test_roles_stay_what_they_were():
         (slice(103.2, 103.8), "no row stands between 103.2 and 103.8"),
         (slice("2024-06-28", None), "'2024-06-28' is no time of this recording; give a number of seconds"),
         (slice(float("nan"), None), "nan is no time of this recording"),
+        (slice(b"105", None), "b'105' is no time; give one like 100.0"),
     ],
 )
 def test_what_is_no_part_is_told(cut, words):
@@ -112,6 +113,11 @@ def test_a_time_without_the_offset_of_the_recording_is_told():
 def test_what_is_asked_otherwise_is_told():
     with pytest.raises(InputError, match="asked for one role, such as 'flow', or for times"):
         counted()[["command", "flow"]]
+    with pytest.raises(InputError, match=r"has no row \[0\] of its own; write slice\(0, 1\)"):
+        counted()[0]
+    for start, stop in ((0.5, 2), ("a", None)):
+        with pytest.raises(InputError, match=r"is no count of rows; give whole numbers, or write between"):
+            counted().slice(start, stop)
     with pytest.raises(InputError, match="there are no rows to be cut"):
         counted().slice(3, 1).between(100.0, 105.0)
 

@@ -190,6 +190,11 @@ class TestPlot:
             recording().slice(0, 0).plot()
 
 
+def test_a_number_is_no_role_to_draw():
+    with pytest.raises(InputError, match="roles is 5; give one role"):
+        recording().plot(5)
+
+
 def test_matplotlib_is_loaded_when_something_is_drawn():
     code = "import sys, sklvalve.recording; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

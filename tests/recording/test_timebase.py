@@ -105,6 +105,13 @@ def test_no_time_of_a_recording_in_seconds(value):
         recording_at(np.arange(5.0)).index_until(value)
 
 
+@pytest.mark.parametrize("value", [True, np.False_, b"2024"])
+@pytest.mark.parametrize("times", [[0.0, 1.0], ["2024-06-28T00:00Z", "2024-06-28T00:01Z"]])
+def test_truths_and_bytes_are_no_times(times, value):
+    with pytest.raises(InputError, match="is no time; give one like"):
+        recording_at(times).until(value)
+
+
 def test_nothing_left():
     recording = recording_at(np.arange(5.0))
     with pytest.raises(InputError, match="no row stands at or before time -1; give a time between"):
