@@ -20,6 +20,8 @@ from sklvalve.recording.historian.zones import (
 )
 
 _MINUTE = 60 * SECOND
+# rows whose times are written out together
+_PART = 100_000
 
 
 class Timeline:
@@ -121,10 +123,9 @@ class Timeline:
             else np.full(len(base), self._written_offset, dtype=np.int64)
         )
         texts = _iso(base + offsets)
-        endings = {int(offset): _ending(int(offset), self.zone) for offset in np.unique(offsets)}
-        return np.array(
-            [text + endings[int(offset)] for text, offset in zip(texts, offsets, strict=True)], dtype=object
-        )
+        for offset in np.unique(offsets):
+            texts[offsets == offset] += _ending(int(offset), self.zone)
+        return texts
 
     def _read(self, table: Table, clock: Clock) -> Moments:
         rows = [row for row, cell in enumerate(clock.cells) if cell]
@@ -182,11 +183,15 @@ class Timeline:
 
 
 def _iso(ticks: NDArray[np.int64]) -> NDArray:
-    moments = ticks.astype("datetime64[us]")
-    for step, unit in ((SECOND, "s"), (1000, "ms")):
-        if not (ticks % step).any():
-            return np.datetime_as_string(moments, unit=unit).astype(object)  # type: ignore[call-overload]
-    return np.datetime_as_string(moments).astype(object)
+    """Texts of moments [us], to the second where that says all of them, else to the ms or us."""
+    units = ((SECOND, "s"), (1000, "ms"), (1, "us"))
+    unit = next(unit for step, unit in units if not (ticks % step).any())
+    texts = np.empty(len(ticks), dtype=object)
+    # in parts: numpy's own texts of millions of rows take several times the room of these
+    for low in range(0, len(ticks), _PART):
+        part = slice(low, low + _PART)
+        texts[part] = np.datetime_as_string(ticks[part].astype("datetime64[us]"), unit=unit)
+    return texts
 
 
 def _ending(offset: int, zone: tzinfo | None) -> str:
