@@ -190,7 +190,8 @@ def _iso(ticks: NDArray[np.int64]) -> NDArray:
     # in parts: numpy's own texts of millions of rows take several times the room of these
     for low in range(0, len(ticks), _PART):
         part = slice(low, low + _PART)
-        texts[part] = np.datetime_as_string(ticks[part].astype("datetime64[us]"), unit=unit)
+        moments = ticks[part].astype("datetime64[us]")
+        texts[part] = np.datetime_as_string(moments, unit=unit)  # type: ignore[call-overload]
     return texts
 
 
