@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import sklvalve
+from sklvalve import mechanism, recording
 
 plt = pytest.importorskip("matplotlib.pyplot", reason='needs pip install "sklvalve[plot]"')
 
@@ -18,8 +19,12 @@ def _name(file):
     return ".".join([FOLDER.name, *file.relative_to(FOLDER).with_suffix("").parts])
 
 
+# a plan of a test with its simulations, and a compilation
+LONG = {"sklvalve.mismatch.advice", "sklvalve.mechanism.rating"}
 WITH_EXAMPLES = [
-    _name(file) for file in sorted(FOLDER.rglob("*.py")) if ">>> " in file.read_text(encoding="utf-8")
+    pytest.param(_name(file), marks=[pytest.mark.slow] if _name(file) in LONG else [])
+    for file in sorted(FOLDER.rglob("*.py"))
+    if ">>> " in file.read_text(encoding="utf-8")
 ]
 
 
@@ -32,6 +37,14 @@ def test_examples_run(module, tmp_path, monkeypatch):
     assert result.failed == 0
 
 
-@pytest.mark.parametrize("name", [name for name in sklvalve.__all__ if callable(getattr(sklvalve, name))])
-def test_there_is_an_example(name):
-    assert ">>> " in getattr(sklvalve, name).__doc__
+def _public():
+    """Module and name of what can be called, of the package and of its lower layers."""
+    for module in (sklvalve, mechanism, recording):
+        yield from ((module, name) for name in module.__all__ if callable(getattr(module, name)))
+
+
+@pytest.mark.parametrize(
+    ("module", "name"), [pytest.param(m, n, id=f"{m.__name__}.{n}") for m, n in _public()]
+)
+def test_there_is_an_example(module, name):
+    assert ">>> " in getattr(module, name).__doc__
