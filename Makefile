@@ -14,7 +14,7 @@ hooks:  ## check at every commit what .pre-commit-config.yaml lists
 	python -m pip install pre-commit
 	pre-commit install
 
-test:  ## run the short part of the tests, with every example of a docstring
+test:  ## run the short part of the tests, with nearly every example of a docstring
 	python -m pytest
 
 slow:  ## run the rest of the tests, those marked slow

@@ -35,10 +35,11 @@ class Selecting:
     def __getitem__(self, role: str | slice) -> NDArray[np.float64] | Self:
         if isinstance(role, slice):
             return self._at_times(role)
-        if _is_whole(role):
+        if _is_whole(role) and not isinstance(role, bool):
+            behind = None if role == -1 else int(role) + 1
             raise InputError(
-                f"a recording has no row [{role}] of its own; write slice({role}, {int(role) + 1}) for that "
-                "row, or ['flow'] for one signal"
+                f"a recording has no row [{role}] of its own; write slice({role}, {behind}) for that row, or "
+                "['flow'] for one signal"
             )
         if not isinstance(role, str):
             raise InputError(
@@ -65,7 +66,7 @@ class Selecting:
 
     def slice(self, start: int | None, stop: int | None) -> Self:
         """Rows from `start` up to, not including, `stop`; the clock stays that of the whole recording."""
-        if not all(end is None or _is_whole(end) for end in (start, stop)):
+        if not all(end is None or (_is_whole(end) and not isinstance(end, bool)) for end in (start, stop)):
             raise InputError(
                 f"slice({shown(start)}, {shown(stop)}) is no count of rows; give whole numbers, or write "
                 "between(...) for times"

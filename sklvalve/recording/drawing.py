@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A recording drawn over time, before any diagnosis, in the units that it was recorded in."""
 
-from collections.abc import Iterable
 from datetime import datetime
 from typing import TYPE_CHECKING, Any
 
@@ -39,11 +38,14 @@ def draw(recording: "Recording", roles: Any, ax: Any) -> NDArray:
 
 def _chosen(recording: "Recording", roles: Any) -> list[str]:
     if roles is None:
-        chosen = [role for role in recording.signals if role not in recording.constants]
+        chosen: list = [role for role in recording.signals if role not in recording.constants]
     else:
-        if not isinstance(roles, Iterable):
+        try:
+            chosen = [roles] if isinstance(roles, str) else list(roles)
+        except TypeError:
+            chosen = [None]
+        if not all(isinstance(role, str) for role in chosen):
             raise InputError(f"roles is {shown(roles)}; give one role, such as 'flow', or a list of these")
-        chosen = [roles] if isinstance(roles, str) else list(roles)
         for role in chosen:
             recording[role]
     if not chosen or not len(recording):

@@ -115,7 +115,11 @@ def test_what_is_asked_otherwise_is_told():
         counted()[["command", "flow"]]
     with pytest.raises(InputError, match=r"has no row \[0\] of its own; write slice\(0, 1\)"):
         counted()[0]
-    for start, stop in ((0.5, 2), ("a", None)):
+    with pytest.raises(InputError, match=r"write slice\(-1, None\) for that row"):
+        counted()[-1]
+    with pytest.raises(InputError, match="asked for one role"):
+        counted()[True]
+    for start, stop in ((0.5, 2), ("a", None), (True, 3)):
         with pytest.raises(InputError, match=r"is no count of rows; give whole numbers, or write between"):
             counted().slice(start, stop)
     with pytest.raises(InputError, match="there are no rows to be cut"):

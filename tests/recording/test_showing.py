@@ -190,9 +190,10 @@ class TestPlot:
             recording().slice(0, 0).plot()
 
 
-def test_a_number_is_no_role_to_draw():
-    with pytest.raises(InputError, match="roles is 5; give one role"):
-        recording().plot(5)
+@pytest.mark.parametrize("roles", [5, [5], b"flow", np.array(5)])
+def test_a_number_is_no_role_to_draw(roles):
+    with pytest.raises(InputError, match=r"roles is .*; give one role, such as 'flow', or a list"):
+        recording().plot(roles)
 
 
 def test_matplotlib_is_loaded_when_something_is_drawn():

@@ -6,10 +6,16 @@ import pytest
 
 from sklvalve.recording.historian import timeline
 
+SECONDS = 1_000_000 * np.arange(10, dtype=np.int64)
 
-@pytest.mark.parametrize(("step", "digits"), [(1_000_000, 0), (1_500, 6), (2_000, 3)])
-def test_parts_of_a_base_are_written_alike(monkeypatch, step, digits):
-    ticks = 1_719_560_000_000_000 + step * np.arange(10, dtype=np.int64)
+
+@pytest.mark.parametrize(
+    ("base", "digits"),
+    # in the last, one part alone needs more digits
+    [(SECONDS, 0), (SECONDS // 500, 3), (SECONDS // 400 + 1, 6), (SECONDS + 1_500 * (SECONDS > 8e6), 6)],
+)
+def test_parts_of_a_base_are_written_alike(monkeypatch, base, digits):
+    ticks = 1_719_560_000_000_000 + base
     together = timeline._iso(ticks)
     monkeypatch.setattr(timeline, "_PART", 3)
     in_parts = timeline._iso(ticks)
