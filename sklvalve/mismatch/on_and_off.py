@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Effects that come and go: their spells, found one switch after the other."""
 
+from math import sqrt
+
+import numba as nb
 import numpy as np
 
 from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, begun, may_come_and_go, worth
-from sklvalve.mismatch.onset import losses_of
+from sklvalve.simulation.robust import ROBUST_FROM
 
 # a spell, or a pause, is at least so many rows; more of them than this are noise
 _FEWEST_ROWS, _MOST = 20, 16
@@ -102,39 +105,61 @@ class _Course:
         )
         left = [workbench.residuals(m) for m in (off, on)]
         self.rows = len(workbench.recording)
-        # what the effect adds to the simulation
+        # what the effect adds to the simulation, where both are known
         self.adds = {c: left[0][c] - left[1][c] for c in self.channels}
         self.left = {c: left[last.onset is None][c].copy() for c in self.channels}
 
-    def _toggled(self, k, state):
-        """Residuals with the effect switched to the other state from a row on."""
-        sign = 1.0 if state else -1.0
-        after = np.arange(self.rows) >= k
-        return {c: self.left[c] + sign * np.where(after, self.adds[c], 0.0) for c in self.channels}
-
-    def _losses(self, left):
-        return sum(losses_of(self.noise[c], left[c]) for c in self.channels)
-
-    def _gain(self, now, k, state):
-        """What a switch gains over the rows behind it; what comes much later may be the next one's."""
-        behind = slice(k, k + _BEHIND)
-        return float(now[behind].sum() - self._losses(self._toggled(k, state))[behind].sum())
+    def _gains(self, rows, state):
+        """What a switch at each row gains over the rows behind it; what comes later may be the next one's."""
+        gains, sign = np.zeros(len(rows)), 1.0 if state else -1.0
+        for c in self.channels:
+            white, adds = self.noise[c].whiten(self.left[c]), self.adds[c] + 0.0 * self.left[c]
+            for low, high, *filters in self.noise[c].pieces:
+                part = slice(low, high)
+                gains += _gains_behind(rows - low, *filters, white[part], sign * adds[part])
+        return gains
 
     def next_switch(self, first, state):
         """Row of the next switch; None where none gains its price."""
-        now, places = self._losses(self.left), np.arange(first, self.rows - _FEWEST_ROWS, _EVERY)
+        places = np.arange(first, self.rows - _FEWEST_ROWS, _EVERY)
         if not len(places):
             return None
-        gains = np.array([self._gain(now, k, state) for k in places])
+        gains = self._gains(places, state)
         enough = max(_SHARE * gains.max(), _CLEAR * SWITCH_PRICE)
         if gains.max() < enough:
             return None
         k = int(np.argmax(gains >= enough))
         while k + 1 < len(gains) and gains[k + 1] > gains[k]:
             k += 1
-        near = range(max(places[k] - _EVERY, first), min(places[k] + _EVERY, self.rows - 1) + 1)
-        return max(near, key=lambda row: self._gain(now, row, state))
+        near = np.arange(max(places[k] - _EVERY, first), min(places[k] + _EVERY, self.rows - 1) + 1)
+        return int(near[np.argmax(self._gains(near, state))])
 
     def switch(self, k, state):
-        """Keep a switch."""
-        self.left = self._toggled(k, state)
+        """Keep a switch: from a row on the effect is in the other state."""
+        sign = 1.0 if state else -1.0
+        for c in self.channels:
+            self.left[c][k:] += sign * self.adds[c][k:]
+
+
+@nb.njit(cache=True, nogil=True)
+def _gains_behind(rows, gain, keep, spread, white, adds):
+    """Robust loss that something added from a row on takes off the rows next behind it, for each row.
+
+    A filter is linear: what is added is whitened from its row on and laid over the whitened residual.
+    """
+    found = np.zeros(len(rows))
+    for j in range(len(rows)):
+        fast = slow = total = 0.0
+        for k in range(max(rows[j], 0), min(rows[j] + _BEHIND, len(white))):
+            fast *= keep[k, 0]
+            slow *= keep[k, 1]
+            if spread[k] == np.inf or adds[k] != adds[k]:
+                continue
+            left = adds[k] - fast - slow
+            fast += gain[k, 0] * left
+            slow += gain[k, 1] * left
+            new = (white[k] + left / spread[k]) / ROBUST_FROM
+            old = white[k] / ROBUST_FROM
+            total += sqrt(1.0 + old * old) - sqrt(1.0 + new * new)
+        found[j] = ROBUST_FROM**2 * total
+    return found

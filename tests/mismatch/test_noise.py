@@ -7,7 +7,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from sklvalve.mismatch.noise import NoiseModel, fit_noise, movement
+from sklvalve.mismatch.noise import NoiseModel
+from sklvalve.mismatch.noise_fit import _loss, fit_noise, movement
+from sklvalve.simulation.robust import robust_cost
 
 ROWS = 2000
 
@@ -133,3 +135,43 @@ def test_movement_is_forgotten_at_its_pace():
     assert moved[9] == 0.5
     np.testing.assert_allclose(moved[11:20], np.exp(-np.arange(1, 10) / 4.5), rtol=1e-12)
     np.testing.assert_array_equal(moved[:9], 0.0)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_the_slopes_of_the_likelihood_are_its_central_differences(seed):
+    rng = np.random.default_rng(seed)
+    residuals = 10.0 ** rng.uniform(-8, 3) * _noise(seed, fast=0.5, slow=1.0)[:600]
+    residuals[rng.random(600) < 0.05] = np.nan
+    # some rows come late
+    step = np.where(rng.random(600) < 0.1, 7.0, 1.0)
+    size = np.nanstd(residuals) ** 2
+    rows = step, rng.random(600), rng.random(600)
+    spread, times = size * 10.0 ** rng.uniform(-2, 0.5, 7), rng.uniform([1.0, 30.0], [20.0, 400.0])
+    numbers = np.concatenate([spread[:4], times[:1], spread[5:6], times[1:]])
+    slope = _loss(residuals, *rows, *numbers)[1]
+    for i, own in enumerate(slope):
+        reach = 1e-5 * numbers[i] * np.eye(7)[i]
+        ends = [_loss(residuals, *rows, *(numbers + way * reach))[0] for way in (1.0, -1.0)]
+        # a step's share of the whole is what rounding leaves of a difference
+        assert own * numbers[i] == pytest.approx((ends[0] - ends[1]) / 2e-5, rel=1e-6, abs=1e-4)
+
+
+@pytest.mark.parametrize("cautious", [False, True])
+@pytest.mark.parametrize("seed", range(6))
+def test_a_fit_is_no_worse_than_what_made_the_noise(seed, cautious):
+    made = {"fast": (0.0, 0.6)[seed % 2], "slow": (0.0, 0.4, 0.8)[seed % 3], "fast_time": 6.0}
+    residuals = _noise(seed, **made)
+    noise = fit_noise(residuals, np.ones(ROWS), np.ones(ROWS), cautious=cautious)
+    true = NoiseModel(
+        np.ones(ROWS), np.ones(ROWS), 6.0, max(made["fast"] ** 2, 1e-9), 200.0, max(made["slow"] ** 2, 1e-9)
+    )
+    loss = [robust_cost(m.whiten(residuals)) + m.log_spread for m in (noise, true)]
+    # the weak priors of its seven numbers may keep it from the very least
+    assert loss[0] < loss[1] + 4.0
+
+
+def test_what_no_noise_may_exceed_may_lie_far_below_the_quick_noise():
+    noise = fit_noise(_noise(1), np.ones(ROWS), np.ones(ROWS), largest=1e-6)
+    assert np.isfinite(noise.whiten(_noise(2))).all()
+    assert noise.fast_size <= 1e-12 * 1.001
