@@ -19,8 +19,8 @@ _TUNED_ON = 600
 _GRID = tuple((gamma, C) for gamma in (0.01, 0.05, 0.2) for C in (10.0, 1000.0))
 
 
-def black_box_prediction(recording, channel, train, *, closed=False):
-    """Prediction of a channel for all rows by a black box that saw the `train` rows only.
+def black_box_prediction(recording, channel, train, *, closed=False, how=None, at=None):
+    """Prediction of a channel by a black box that saw the `train` rows only.
 
     Parameters
     ----------
@@ -30,33 +30,61 @@ def black_box_prediction(recording, channel, train, *, closed=False):
     closed : bool, default=False
         Whether a controller answers the channel by the driver. An LS-SVM on lagged commands would learn the
         controller backwards there, so responses of one sign take its place (`one_sign_prediction`).
+    how : (float, float), default=None
+        Width of the kernel and weight of the errors; `chosen` on the same rows unless given.
+    at : slice, default=None
+        Rows to predict; all unless given.
 
     Returns
     -------
-    predicted : ndarray of shape (n,)
+    predicted : ndarray of shape (n,), or of the rows asked for
         [SI]
     """
+    at = slice(None) if at is None else at
     if closed:
-        return _of_one_sign(recording, channel, train)
+        return _of_one_sign(recording, channel, train)[at]
+    learnt = _learnt_from(recording, channel, train)
+    if learnt is None:
+        y = recording[channel]
+        return np.full(len(y), np.nanmean(y[train] if np.isfinite(y[train]).any() else y))[at]
+    rows, Z, y, size = learnt
+    gamma, C = how or _best(rows, Z, y)
+    many = rows[:: max(len(rows) // _MOST_ROWS, 1)]
+    return LSSVMRegressor(gamma=gamma, C=C).fit(Z[many], y[many]).predict(Z[at]) * size
+
+
+def chosen(recording, channel, train):
+    """Width of the kernel and weight of the errors that predict quarters of the `train` rows best.
+
+    Returns
+    -------
+    how : (float, float) or None
+        None where there is too little to learn from.
+    """
+    learnt = _learnt_from(recording, channel, train)
+    return None if learnt is None else _best(*learnt[:3])
+
+
+def _learnt_from(recording, channel, train):
+    """Rows to learn from, scaled inputs and values of all rows, and the values' unit; None where too few."""
     X, y = lagged_signals(recording, channel), recording[channel]
     rows = np.flatnonzero(train & np.isfinite(y))
     # what stood still in the rows learnt from tells nothing there
     X = X[:, X[rows].std(axis=0) > 0.0] if len(rows) else X[:, :0]
     if len(rows) < _FEWEST or not X.shape[1]:
-        return np.full(len(y), np.nanmean(y[rows] if len(rows) else y))
-    centre, scale = X[rows].mean(axis=0), X[rows].std(axis=0) + 1e-12
-    Z = (X - centre) / scale
+        return None
     size = y[rows].std() + 1e-30
+    return rows, (X - X[rows].mean(axis=0)) / (X[rows].std(axis=0) + 1e-12), y / size, size
+
+
+def _best(rows, Z, y):
     few = rows[:: max(len(rows) // _TUNED_ON, 1)]
 
     def error(gamma, C):
         held_out = blocked_errors(Z[few], C=C, gamma=gamma, blocks=_quarters(len(few)))
-        return float(np.sum(held_out(y[few] / size) ** 2))
+        return float(np.sum(held_out(y[few]) ** 2))
 
-    gamma, C = min(_GRID, key=lambda pair: error(*pair))
-    many = rows[:: max(len(rows) // _MOST_ROWS, 1)]
-    regressor = LSSVMRegressor(gamma=gamma, C=C).fit(Z[many], y[many] / size)
-    return regressor.predict(Z) * size
+    return min(_GRID, key=lambda pair: error(*pair))
 
 
 def lagged_signals(recording, channel):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sklvalve.mismatch.origins import spans_of
-from sklvalve.mismatch.referee.black_box import black_box_prediction
+from sklvalve.mismatch.referee.black_box import black_box_prediction, chosen
 from sklvalve.mismatch.referee.feedback import ANSWERS_FROM, answers, driver_of
 from sklvalve.mismatch.refitting import lines_of, refitted
 from sklvalve.mismatch.slow_rest import learn_rest
@@ -72,14 +72,20 @@ def forward_in_time(workbench, nominal, model, unknown=None):
         if untouched and (unknown is None or unknown.channel != c):
             made["corrected"][c] = made["nominal"][c]
     closed = {c: closed_loop(workbench, nominal, c) for c in workbench.channels}
-    made["black_box"] = {c: np.full(n, np.nan) for c in workbench.channels}
-    for span in spans:
-        past = np.arange(n) < span.start
-        for c in workbench.channels:
-            made["black_box"][c][span] = black_box_prediction(workbench.recording, c, past, closed=closed[c])[
-                span
-            ]
+    made["black_box"] = {
+        c: _black_box_ahead(workbench.recording, c, spans, closed[c]) for c in workbench.channels
+    }
     return Forward(made, spans, closed)
+
+
+def _black_box_ahead(recording, channel, spans, closed):
+    """Forecasts of one channel by the black box; how it learns is chosen once, before the first origin."""
+    n = len(recording)
+    pasts = [np.arange(n) < span.start for span in spans]
+    how, made = None if closed else chosen(recording, channel, pasts[0]), np.full(n, np.nan)
+    for span, past in zip(spans, pasts, strict=True):
+        made[span] = black_box_prediction(recording, channel, past, closed=closed, how=how, at=span)
+    return made
 
 
 def closed_loop(workbench, nominal, channel):
