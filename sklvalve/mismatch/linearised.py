@@ -4,7 +4,7 @@
 import numpy as np
 
 from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET
-from sklvalve.simulation.robust import least_within, robust_cost, robust_weights
+from sklvalve.simulation.robust import least_within, normal_equations, robust_cost, robust_weights
 
 
 class Linearised:
@@ -38,22 +38,22 @@ class Linearised:
         self._assemble(parts)
         self.cost = robust_cost(self.errors)
         self._weights = robust_weights(self.errors)
-        weighed = self._slopes * np.sqrt(self._weights)[:, None]
-        self._inverse = np.linalg.pinv(weighed.T @ weighed, rcond=1e-10, hermitian=True)
+        _, hessian = normal_equations(self._slopes, self._weights, self.errors)
+        self._inverse = np.linalg.pinv(hessian, rcond=1e-10, hermitian=True)
         self._vectors = [m.vector for m in misfits]
 
     def _assemble(self, parts):
         """One system of all groups: they share no parameter, so their derivatives stand block by block."""
         rows = [len(p["whitened"]) for p in parts]
         width = [len(p["z"]) for p in parts]
-        priors = [p["slopes"].shape[0] - r for p, r in zip(parts, rows, strict=True)]
-        slopes = np.zeros((sum(rows) + sum(priors), sum(width)))
+        priors = [p["slopes"].shape[1] - r for p, r in zip(parts, rows, strict=True)]
+        slopes = np.zeros((sum(width), sum(rows) + sum(priors)))
         row, prior, column = 0, sum(rows), 0
         self._raw = {}
         for part, r, w, q in zip(parts, rows, width, priors, strict=True):
             span = slice(column, column + w)
-            slopes[row : row + r, span] = part["slopes"][:r]
-            slopes[prior : prior + q, span] = part["slopes"][r:]
+            slopes[span, row : row + r] = part["slopes"][:, :r]
+            slopes[span, prior : prior + q] = part["slopes"][:, r:]
             for channel, raw in part["raw"].items():
                 self._raw[channel] = (span, raw)
             row, prior, column = row + r, prior + q, column + w
@@ -76,12 +76,8 @@ class Linearised:
         rows : ndarray of bool, shape (n,)
         """
         counts = np.concatenate([np.tile(rows, len(self.channels)), np.ones(len(self._priors), dtype=bool)])
-        kept = self._slopes
-        self._slopes = np.where(counts[:, None], kept, 0.0)
-        try:
-            return self.values(self.answered(np.where(counts, self.errors, 0.0))[1])
-        finally:
-            self._slopes = kept
+        errors, slopes = (np.where(counts, each, 0.0) for each in (self.errors, self._slopes))
+        return self.values(least_within(slopes, errors, self._low, self._high)[1])
 
     def answered(self, errors, columns=None, low=None, high=None):
         """Least cost of changed errors when the calibration, and `columns` beside it, may answer in bounds.
@@ -99,12 +95,10 @@ class Linearised:
         cost : float
         steps : ndarray of shape (n_parameters + m,)
         """
-        lowest, highest = self._low, self._high
         if columns is None:
-            columns = np.empty((len(errors), 0))
-        else:
-            lowest, highest = np.concatenate([lowest, low]), np.concatenate([highest, high])
-        return least_within(self._slopes, columns, errors, lowest, highest)
+            return least_within(self._slopes, errors, self._low, self._high)
+        lowest, highest = np.concatenate([self._low, low]), np.concatenate([self._high, high])
+        return least_within(np.vstack([self._slopes, columns.T]), errors, lowest, highest)
 
     def gain_at_any_size(self, errors):
         """What a change gains at the best share of it up to one and a half."""
@@ -122,8 +116,8 @@ class Linearised:
         behind = lambda each: _sums_from_here(each.reshape(-1, self.n).sum(axis=0))  # noqa: E731
         towards = -behind(weights * change * self.errors[:rows])
         square = behind(weights * change * change)
-        shared = (weights * change)[:, None] * self._slopes[:rows]
-        shared = _sums_from_here(shared.reshape(-1, self.n, shared.shape[1]).sum(axis=0))
+        shared = weights * change * self._slopes[:, :rows]
+        shared = _sums_from_here(shared.reshape(len(shared), -1, self.n).sum(axis=1).T)
         left = square - np.einsum("ij,jk,ik->i", shared, self._inverse, shared, optimize=True)
         left = np.maximum(left, 1e-3 * square + 1e-12)
         share = np.clip(towards / left, 0.0, 1.5)
@@ -150,7 +144,7 @@ class Linearised:
 
     def predictions(self, changed, steps):
         """Changed predictions after steps of the calibration."""
-        return {c: changed[c] + raw @ steps[span] for c, (span, raw) in self._raw.items()}
+        return {c: changed[c] + steps[span] @ raw for c, (span, raw) in self._raw.items()}
 
 
 def _derivatives(misfit):
@@ -160,14 +154,14 @@ def _derivatives(misfit):
     base = misfit.predictions(z)
     whitened, priors = misfit.whitened(base), vector.prior_residuals(z)
     moved, reach = misfit.neighbours(z)
-    slopes = np.empty((len(whitened) + len(priors), len(z)))
-    raw = {c: np.empty((len(base[c]), len(z))) for c in misfit.channels}
+    slopes = np.empty((len(z), len(whitened) + len(priors)))
+    raw = {c: np.empty((len(z), len(base[c]))) for c in misfit.channels}
     for j, (m, r) in enumerate(zip(moved, reach, strict=True)):
         beside = misfit.predictions(m)
-        slopes[: len(whitened), j] = (misfit.whitened(beside) - whitened) / r
-        slopes[len(whitened) :, j] = (vector.prior_residuals(m) - priors) / r
+        slopes[j, : len(whitened)] = (misfit.whitened(beside) - whitened) / r
+        slopes[j, len(whitened) :] = (vector.prior_residuals(m) - priors) / r
         for c in misfit.channels:
-            raw[c][:, j] = (beside[c] - base[c]) / r
+            raw[c][j] = (beside[c] - base[c]) / r
     return {
         "z": z,
         "low": vector.low,

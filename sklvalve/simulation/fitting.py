@@ -8,7 +8,13 @@ import numpy as np
 
 from sklvalve.recording.dead_bands import band_of
 from sklvalve.simulation.parameters import ParameterVector
-from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
+from sklvalve.simulation.robust import (
+    normal_equations,
+    robust_cost,
+    robust_weights,
+    step_inside,
+    stepped,
+)
 
 # old derivatives serve on while a step gains more than this share of the first step that they led
 _STALE = 0.05
@@ -127,9 +133,12 @@ class Misfit:
         return moved, reach
 
     def slopes(self, z, base):
-        """Derivatives of `errors` [n_errors, n_parameters], by one-sided differences from `base`."""
+        """Derivatives of `errors` [n_errors, n_parameters], by one-sided differences from `base`.
+
+        A parameter's own lie side by side in memory: the transpose is in C order.
+        """
         moved, reach = self.neighbours(z)
-        return np.stack([(self.errors(m) - base) / r for m, r in zip(moved, reach, strict=True)], axis=1)
+        return np.stack([(self.errors(m) - base) / r for m, r in zip(moved, reach, strict=True)]).T
 
 
 def fit_chain(
@@ -200,12 +209,10 @@ def _minimise(stacked, slopes, z, vector, max_steps, loss):
     left = stacked(z)
     cost, damping, hessian, idle, settled = loss.cost(left), 1e-3, np.eye(len(z)), 0, False
     for _ in range(max_steps):
-        columns, first = slopes(z, left), 0.0
+        rows, first = np.ascontiguousarray(slopes(z, left).T), 0.0
         gained, before, tries = 0.0, cost, 0
         while tries < 6:
-            weights = loss.weights(left)
-            gradient = columns.T @ (weights * left)
-            hessian = columns.T @ (weights[:, None] * columns)
+            gradient, hessian = normal_equations(rows, loss.weights(left), left)
             # relative to each parameter's own curvature, with a little of its scale where there is none
             damped = hessian + damping * np.diag(np.diag(hessian) + 1e-6 / vector.scale**2)
             moved = z + step_inside(damped, gradient, vector.low - z, vector.high - z)
@@ -214,8 +221,8 @@ def _minimise(stacked, slopes, z, vector, max_steps, loss):
             way = (moved - z) / vector.scale
             if way.any():
                 # what the step showed of the slopes along it (Broyden)
-                missed = new_left - left - columns @ (moved - z)
-                columns += np.outer(missed, way / vector.scale / (way @ way))
+                missed = new_left - stepped(left, rows, moved - z)
+                rows += np.outer(way / vector.scale / (way @ way), missed)
             if new_cost < cost:
                 gained = cost - new_cost
                 z, left, cost = moved, new_left, new_cost

@@ -15,6 +15,8 @@ ROBUST_FROM = 3.0
 _SQUARE = ROBUST_FROM**2
 # of its own curvature: a parameter of which less is left beside the others is one that nothing speaks of
 _NOTHING_LEFT = 1e-13
+# rows of a block that a score of parameters keep in the first cache
+_BLOCK = 256
 
 
 @nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
@@ -26,7 +28,7 @@ def robust_cost(left):
     return _SQUARE * total
 
 
-@nb.njit(cache=True, nogil=True)
+@nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def robust_weights(left):
     """Weight of each whitened residual in the quadratic that touches the soft L1 cost from above."""
     weights = np.empty_like(left)
@@ -106,62 +108,107 @@ def step_inside(hessian, gradient, lowest, highest):
     return np.minimum(np.maximum(step, low), high) * unit
 
 
+@nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+def normal_equations(rows, weights, left):
+    """Gradient and Hessian of half the weighed squares of errors, without squares of the weights.
+
+    Parameters
+    ----------
+    rows : ndarray of shape (p, n), C order
+        Derivatives of the errors, a parameter a row: so each sum runs along memory.
+    weights, left : ndarray of shape (n,)
+
+    Returns
+    -------
+    gradient : ndarray of shape (p,)
+    hessian : ndarray of shape (p, p)
+    """
+    p, n = rows.shape
+    gradient, hessian, weighed = np.zeros(p), np.zeros((p, p)), np.empty(_BLOCK)
+    for begin in range(0, n, _BLOCK):
+        many = min(_BLOCK, n - begin)
+        weight, error = weights[begin : begin + many], left[begin : begin + many]
+        for i in range(p):
+            own, pull = rows[i, begin : begin + many], 0.0
+            for k in range(many):
+                weighed[k] = weight[k] * own[k]
+                pull += weighed[k] * error[k]
+            gradient[i] += pull
+            for j in range(i + 1):
+                other, both = rows[j, begin : begin + many], 0.0
+                for k in range(many):
+                    both += weighed[k] * other[k]
+                hessian[i, j] += both
+    for i in range(p):
+        for j in range(i):
+            hessian[j, i] = hessian[i, j]
+    return gradient, hessian
+
+
+@nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+def _gradient(rows, weights, left):
+    gradient, pull = np.empty(len(rows)), weights * left
+    for i in range(len(rows)):
+        total = 0.0
+        for k in range(len(pull)):
+            total += pull[k] * rows[i, k]
+        gradient[i] = total
+    return gradient
+
+
+@nb.njit(cache=True, nogil=True, fastmath={"contract", "nsz"})
+def stepped(left, rows, step):
+    """Errors after a step, to first order; arguments as in `normal_equations`."""
+    moved = left.copy()
+    for i in range(len(rows)):
+        for k in range(len(moved)):
+            moved[k] += step[i] * rows[i, k]
+    return moved
+
+
 @nb.njit(cache=True, nogil=True)
-def least_within(slopes, columns, errors, lowest, highest):
+def least_within(rows, errors, lowest, highest):
     """Least robust cost of errors that change in proportion to parameters, these within bounds.
 
     Parameters
     ----------
-    slopes, columns : ndarray of shape (n, p), (n, m)
-        Derivatives of the errors, in two parts.
+    rows : ndarray of shape (p, n), C order
+        Derivatives of the errors, a parameter a row.
     errors : ndarray of shape (n,)
-    lowest, highest : ndarray of shape (p + m,)
+    lowest, highest : ndarray of shape (p,)
         How far each parameter may go.
 
     Returns
     -------
     cost : float
-    at : ndarray of shape (p + m,)
+    at : ndarray of shape (p,)
         Where the parameters end.
 
     Notes
     -----
     Reweighted least squares; the quadratic of one step serves the next as long as that lowers the cost.
     """
-    n, p, m = len(errors), slopes.shape[1], columns.shape[1]
-    at, left, hessian = np.zeros(p + m), errors, np.zeros((p + m, p + m))
+    at, left, hessian = np.zeros(len(rows)), errors, np.zeros((len(rows), len(rows)))
     cost, stale = robust_cost(left), True
     for _ in range(8):
         weights = robust_weights(left)
         fresh = stale
         if stale:
-            weighed = np.empty((n, p))
-            for k in range(n):
-                for i in range(p):
-                    weighed[k, i] = weights[k] * slopes[k, i]
-            hessian[:p, :p] = np.dot(weighed.T, slopes)
-            if m:
-                hessian[:p, p:] = np.dot(weighed.T, columns)
-                hessian[p:, :p] = hessian[:p, p:].T
-                beside = np.empty((n, m))
-                for k in range(n):
-                    for i in range(m):
-                        beside[k, i] = weights[k] * columns[k, i]
-                hessian[p:, p:] = np.dot(beside.T, columns)
+            gradient, hessian = normal_equations(rows, weights, left)
             # of each parameter's own curvature: that of one in pascals is nothing beside others
-            for i in range(p + m):
+            for i in range(len(rows)):
                 hessian[i, i] += 1e-12 * hessian[i, i] + 1e-300
             stale = False
-        pull = weights * left
-        gradient = np.empty(p + m)
-        gradient[:p] = np.dot(pull, slopes)
-        if m:
-            gradient[p:] = np.dot(pull, columns)
+        else:
+            gradient = _gradient(rows, weights, left)
         step = step_inside(hessian, gradient, lowest - at, highest - at)
-        moved = left + np.dot(slopes, step[:p])
-        if m:
-            moved += np.dot(columns, step[p:])
+        moved = stepped(left, rows, step)
         lower = robust_cost(moved)
+        # a parameter that was set on its bound may have been needed there no longer: not so far, then
+        if fresh and lower >= cost:
+            step *= 0.3
+            moved = stepped(left, rows, step)
+            lower = robust_cost(moved)
         if lower >= cost:
             # weights grow as errors shrink: old ones promise too long a step
             if fresh:

@@ -59,7 +59,7 @@ def test_what_nothing_speaks_of_stays():
 def test_least_cost_is_nearly_that_of_a_general_optimiser(seed):
     slopes, errors = _drawn(seed)
     low, high = np.full(4, -2.0), np.full(4, 2.0)
-    cost, at = least_within(*map(np.ascontiguousarray, np.split(slopes, [3], axis=1)), errors, low, high)
+    cost, at = least_within(np.ascontiguousarray(slopes.T), errors, low, high)
     assert cost == pytest.approx(robust_cost(errors + slopes @ at), rel=1e-9)
     oracle = least_squares(
         lambda z: errors + slopes @ z, np.zeros(4), bounds=(low, high), loss="soft_l1", f_scale=ROBUST_FROM

@@ -14,6 +14,6 @@ def test_a_parameter_in_any_unit_is_found(unit):
     column = rng.standard_normal((400, 1))
     errors = -(slopes @ [0.01, -0.02, 0.03]) - 0.7 * column[:, 0] + 0.01 * rng.standard_normal(400)
     far = np.array([1.0, 1.0, 1.0, 10.0 * unit])
-    _, at = least_within(slopes, column / unit, errors, -far, far)
+    _, at = least_within(np.vstack([slopes.T, column.T / unit]), errors, -far, far)
     np.testing.assert_allclose(at[:3], [0.01, -0.02, 0.03], atol=1e-5)
     assert at[3] == pytest.approx(0.7 * unit, rel=0.01)
