@@ -6,10 +6,8 @@ from html import escape
 
 import numpy as np
 
+from sklvalve._no_sign import no_sign
 from sklvalve.mismatch.diagnosis_file import read_diagnosis, write_diagnosis
-
-#: A difference that comes by chance as often as this is no sign of a fault.
-_NO_SIGN = 0.05
 
 
 class Diagnosis:
@@ -191,18 +189,12 @@ def _sureness(content):
     p_value = (content.get("mismatch") or {}).get("p_value")
     if p_value is not None:
         by_chance = f"a difference as large comes by chance with {_p_words(p_value)}"
-        parts.append("no sign of a fault" if _no_sign(content) else by_chance)
+        parts.append("no sign of a fault" if no_sign(content) else by_chance)
     told = f"{'; '.join(parts)}." if parts else ""
     reasons = [] if content["verdict"] == "no_mismatch" else content.get("reasons") or []
     # what must be mended first is both the reason and what to do
     words = " ".join([told, *(r for r in reasons if r != content.get("next_test"))]).strip()
     return words[:1].upper() + words[1:]
-
-
-def _no_sign(content):
-    """Whether nothing is missing, and a difference as large is common by chance."""
-    p_value, level = content["mismatch"]["p_value"], content["mismatch"].get("alpha") or 0.0
-    return content["verdict"] == "no_mismatch" and p_value >= _NO_SIGN and p_value > level
 
 
 def _sure(entry):
