@@ -6,7 +6,7 @@ from html import escape
 
 import numpy as np
 
-from sklvalve._no_sign import no_sign
+from sklvalve._telling import BEGINS, UNKNOWN, no_sign, untested
 from sklvalve.mismatch.diagnosis_file import read_diagnosis, write_diagnosis
 
 
@@ -166,18 +166,21 @@ def _finding(content):
             return "This recording cannot show whether anything is missing."
         likely = f" Most likely: {'; '.join(names)}." if names else ""
         return f"Something is missing; the recording does not identify what.{likely}"
-    left = len(content.get("not_testable") or [])
-    untested = f"; {left} effects could not be tested, see not_testable" if left else ""
-    found = f"Nothing relevant is missing{untested}."
+    left = len(untested(content))
+    besides = f"; {_counted(left)} could not be tested, see not_testable" if left else ""
+    found = f"Nothing relevant is missing{besides}."
     return " ".join([found, *(content.get("reasons") or [])])
 
 
+def _counted(effects):
+    return "1 effect" if effects == 1 else f"{effects} effects"
+
+
 def _named(entries):
-    """Faults, and what the simulation lacks: never one for the other."""
-    faults = [_name(entry) for entry in entries if entry.get("kind") == "fault"]
-    lacking = [_name(entry) for entry in entries if entry.get("kind") != "fault"]
-    told = [f"Likely fault: {'; '.join(faults)}."] if faults else []
-    return " ".join([*told, *([f"The simulation lacks {'; '.join(lacking)}."] if lacking else [])])
+    """Faults, what the simulation lacks, and what may be either: never one for the other."""
+    told = {begin: [_name(e) for e in entries if e.get("kind") == kind] for kind, begin in BEGINS.items()}
+    told[UNKNOWN] = [_name(e) for e in entries if e.get("kind") not in BEGINS]
+    return " ".join(f"{begin} {'; '.join(names)}." for begin, names in told.items() if names)
 
 
 def _sureness(content):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The top of a report: the finding in one short sentence, how sure it is, what it brings, what to do next."""
 
-from sklvalve._no_sign import no_sign
+from sklvalve._telling import no_sign
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, to_be_declared, what_is_it
 from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out

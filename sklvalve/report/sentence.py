@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first thing that a person reads: the diagnosis in one sentence."""
 
-from sklvalve._no_sign import no_sign
+from sklvalve._telling import no_sign
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, what_is_it
 from sklvalve.report.parameters import shown_parameters
 from sklvalve.report.place import located, onset_words, regions_words, since_known

@@ -9,7 +9,6 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import Diagnosis, MissingPhysicsFinder
-from sklvalve.mismatch import diagnosis as of_notebooks
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 from sklvalve.recording import Recording, Valve
 from sklvalve.report import summary_sentence, to_markdown, to_text
@@ -168,10 +167,6 @@ def test_weak_evidence_is_no_likely_cause():
         d["effects"][0] | {"grade": {"level": "weak", "reason": "The command makes only 1 turn."}}
     ]
     assert of_reports.verdict_words(d) == "possible cause, weak evidence"
-
-
-def test_notebook_and_report_agree_on_what_is_common_by_chance():
-    assert of_notebooks._NO_SIGN == of_reports._COMMON
 
 
 def test_every_effect_has_a_name_and_a_clause():
