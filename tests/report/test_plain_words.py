@@ -76,7 +76,12 @@ def _diagnosed(drop=(), sheet=True, **settings):
     return MissingPhysicsFinder(effects=ASKED).fit(recording).diagnosis_
 
 
-@pytest.fixture(scope="module", params=MADE)
+# what these say is said by the made diagnoses too, which take no time
+_SLOW = ("no catalogue", "no sheet")
+_PARAMS = [pytest.param(name, marks=[pytest.mark.slow] if name in _SLOW else []) for name in MADE]
+
+
+@pytest.fixture(scope="module", params=_PARAMS)
 def made(request):
     return _diagnosis(request.param)
 
@@ -119,6 +124,7 @@ def test_likelihoods_and_distances_are_under_details_alone(made):
         assert "nats" in folded
 
 
+@pytest.mark.slow
 def test_the_corpus_is_varied():
     verdicts = {name: _diagnosis(name).verdict for name in MADE}
     assert verdicts["leak"] == "named"
@@ -135,6 +141,7 @@ def test_sizes_have_the_recorded_unit(made):
         assert "of span" not in to_text(d)
 
 
+@pytest.mark.slow
 def test_without_a_sheet_nothing_is_called_by_the_sheet():
     page, _ = _page_words(_diagnosis("no sheet"))
     assert "calibrated on this recording" in page
