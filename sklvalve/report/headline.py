@@ -172,9 +172,9 @@ def _named_sureness(effects: list[dict]) -> str:
     parts = []
     if len(effects) == 1 and checked:
         count = len(checked[0]["members"])
-        what = "" if count == 1 else f", one of these {_COUNTS.get(count, count)} causes,"
+        what = "" if count == 1 else f": one of the {_COUNTS.get(count, count)} causes was the true one"
         parts.append(
-            f"{_BLIND} such a diagnosis{what} was right in {right(checked[0]['probability'])} of cases."
+            f"{_BLIND} such a diagnosis was right in {right(checked[0]['probability'])} of cases{what}."
         )
     elif checked:
         each = [f"{right(e['probability'])} of cases for {_of(e)}" for e in checked]

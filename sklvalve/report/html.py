@@ -111,7 +111,7 @@ def _words(d: dict) -> dict[str, Any]:
         "details": rows.details(d),
         "simulated": simulated(d),
         "untestable": [
-            (f"With {needs}", either(names, "and")) for needs, names in rows.untestable_by_need(d)
+            (f"Without {needs}", either(names, "and")) for needs, names in rows.untestable_by_need(d)
         ],
         "data": rows.data_findings(d),
         "provenance": rows.provenance(d),

@@ -75,11 +75,11 @@ def to_be_declared(effects: list[dict]) -> str:
     names = either([class_words(effect["members"]) for effect in lacking], "and")
     keys = [words for words in map(_declaration, lacking) if words]
     sheet = f": {either(keys, 'and')} in the [actuator] section of valve.toml" if keys else ""
-    told = f"If the valve was built so, add {names} to the simulation{sheet}."
+    told = f"If this is normal for the valve, add {names} to the simulation{sheet}."
     if all(likely(effect) == "property" for effect in effects):
         told += " No maintenance is needed."
     elif any(likely(effect) == "either" for effect in lacking):
-        told += " If it was not, look for the fault at the valve."
+        told += " If it is not, look for the fault at the valve."
     return told
 
 

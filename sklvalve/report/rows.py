@@ -262,7 +262,7 @@ def untestable_by_need(d: dict) -> list[tuple[str, list[str]]]:
 
 
 def _needs(needs: object) -> str:
-    """What an effect needs, as it follows "with": signals are said to be recorded ones."""
+    """What an effect needs, as it follows "without": signals are said to be recorded ones."""
     asked = (
         [str(need) for need in needs] if isinstance(needs, list | tuple) else str(needs or "").split(" and ")
     )

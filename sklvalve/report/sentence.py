@@ -137,7 +137,7 @@ def beyond_noise(d: dict) -> str:
         size = in_recorded(d, unknown.get("signal", "flow"), beyond["size"])
         return f"follows from nothing recorded, but its slow part ({size}) is larger than slow noise can be"
     told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
-    return f"follows from {told}, so it is no noise"
+    return f"follows from {told}, so it is not noise"
 
 
 def _count(many: int) -> str:

@@ -173,7 +173,7 @@ def _numbered(items: list) -> list:
 
 def _by_need(d: dict) -> list[str]:
     """Effects by what would be needed to test them."""
-    return [f"With {needs}: {either(names, 'and')}." for needs, names in rows.untestable_by_need(d)]
+    return [f"Without {needs}: {either(names, 'and')}." for needs, names in rows.untestable_by_need(d)]
 
 
 def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:

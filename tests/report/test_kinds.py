@@ -66,7 +66,7 @@ def test_either_says_so():
     begin = "A fault, or a property that the simulation lacks: a limited stroking speed, in the actuator"
     assert headline(made).startswith(begin)
     assert "(a property" not in headline(made)
-    assert "If it was not, look for the fault at the valve." in to_be_declared(made["effects"])
+    assert "If it is not, look for the fault at the valve." in to_be_declared(made["effects"])
 
 
 def test_faults_then_what_may_be_either_then_properties():

@@ -45,6 +45,10 @@ ARCHAIC = (
     r"\bcannot tell\b",
     r"\blikeliest\b",
     r"\bstands? (below|beside|still there)\b",
+    r"\bso large a\b",
+    r"\bis no noise\b",
+    r"\bbuilt so\b",
+    r"\bled by\b",
 )
 STATISTICS = (r"\bD = ", r"\bdistance D\b", r"\bnats?\b", r"\bp = (1|0\.[1-9])")
 # every recording is short, and few effects are asked, so that all of it takes seconds
@@ -154,7 +158,7 @@ ROWS = {
     "nothing found": (examples.no_mismatch, "No sign of a fault.", "does not fall"),
     "fault": (examples.named, "Likely fault: the seat leaks", "leaves out"),
     "undecided": (examples.cannot_tell, "the recording does not identify what", "what it is is not"),
-    "not testable": (examples.named, "With a temperature recorded: viscous", "(needs temperature)"),
+    "not testable": (examples.named, "Without a temperature recorded: viscous", "(needs temperature)"),
 }
 
 
