@@ -4,10 +4,10 @@
     python -m benchmarks.fuzz [--inputs N] [--seed N] [--only KIND ...] [--keep DIR]
 
 N inputs of each kind are made from seeds that are made here too: valve.toml, recordings as CSV, packed CSV
-and Parquet, exports of historians, model files with a right checksum. Nothing but the package's own error may
-come of them, in one printable sentence; nothing that is accepted may hold an infinity; nothing may take more
-than 10 s or a GiB of memory. --keep writes the first input of each kind of failure into a folder. Ends with 1
-where something failed. Needs a POSIX system.
+and Parquet, exports of historians, model files of finders and of estimators with a right checksum. Nothing
+but the package's own error may come of them, in one printable sentence; nothing that is accepted may hold an
+infinity; nothing may take more than 10 s or a GiB of memory. --keep writes the first input of each kind of
+failure into a folder. Ends with 1 where something failed. Needs a POSIX system.
 """
 
 import argparse

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Mutations: bytes changed, moved and lost, tokens that break readers, and structures that lie."""
 
+import copy
 import gzip
 import io
 import json
@@ -152,7 +153,7 @@ def mutated(kind, seeds, rng):
         return _bytes(seed, seeds, rng)
     if kind == "parquet" and rng.random() < 0.6:
         return _footer(seed, rng)
-    if kind == "model" and rng.random() < 0.9:
+    if kind in ("model", "estimator") and rng.random() < 0.9:
         return _model(seed, rng)
     return _bytes(seed, seeds, rng)
 
@@ -281,5 +282,6 @@ def _leaf(held, rng):
             changed.flat[rng.randrange(child.size)] = rng.choice((np.nan, np.inf, 1e300, 0.0, -1.0))
             node[key] = changed
         else:
-            node[key] = rng.choice(_LEAVES)
+            # a copy, or a later change of it would change the next input too
+            node[key] = copy.deepcopy(rng.choice(_LEAVES))
         return

@@ -83,7 +83,7 @@ def corpus(kind):
 
     Parameters
     ----------
-    kind : {"toml", "csv", "gz", "parquet", "export", "model"}
+    kind : {"toml", "csv", "gz", "parquet", "export", "model", "estimator"}
 
     Returns
     -------
@@ -141,11 +141,6 @@ def _export():
 
 
 def _model():
-    import tempfile
-    from pathlib import Path
-
-    from sklvalve.mismatch import save_model
-
     made = []
     for correction in (None, _correction()):
         simulation = simulated(correction)
@@ -154,11 +149,43 @@ def _model():
             nominal_simulation_=simulation,
             diagnosis_=SimpleNamespace(to_dict=lambda: {"schema": "sklvalve.diagnosis/1", "effects": []}),
         )
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "model.skops"
-            save_model(path, finder)
-            made.append(path.read_bytes())
+        made.append(_saved(finder))
     return made
+
+
+def _estimator():
+    from sklearn.pipeline import make_pipeline
+    from sklearn.preprocessing import StandardScaler
+
+    from sklvalve.hybrid import SeriesHybridRegressor
+    from sklvalve.lssvm import LSSVMRegressor
+
+    X, flow = rows_of_estimators()
+    scaled = make_pipeline(StandardScaler(), LSSVMRegressor(gamma=0.3, C=100.0)).fit(X, flow)
+    hybrid = SeriesHybridRegressor(regressor_columns=[0]).fit(X, flow)
+    alone = LSSVMRegressor(gamma=1e-10, C=10.0, uncertainty=True).fit(X, flow)
+    # with a trial of known result, and with one that is made up
+    return [_saved(scaled, rows=X), _saved(scaled), _saved(hybrid, rows=X), _saved(alone)]
+
+
+def rows_of_estimators():
+    """Opening and both pressures [Pa], and the flow of a valve of Kv 40 [m3/s]."""
+    wave = np.sin(np.arange(_ROWS) / 5.0)
+    X = np.column_stack([0.5 + 0.4 * wave, 6e5 + 5e4 * np.cos(np.arange(_ROWS) / 3.0), 3e5 + 4e4 * wave])
+    return X, 40.0 * X[:, 0] ** 2 * np.sqrt((X[:, 1] - X[:, 2]) / 1e5) / 3600.0
+
+
+def _saved(model, **settings):
+    """A model file's content."""
+    import tempfile
+    from pathlib import Path
+
+    from sklvalve.mismatch import save_model
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "model.skops"
+        save_model(path, model, **settings)
+        return path.read_bytes()
 
 
 def simulated(correction=None):
@@ -213,5 +240,6 @@ _MAKERS = {
     "parquet": _parquet,
     "export": _export,
     "model": _model,
+    "estimator": _estimator,
 }
 KINDS = tuple(_MAKERS)

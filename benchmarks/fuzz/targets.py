@@ -17,6 +17,7 @@ NAMES = {
     "parquet": "recording.parquet",
     "export": "export.txt",
     "model": "model.skops",
+    "estimator": "estimator.skops",
 }
 
 
@@ -28,7 +29,7 @@ def reader(kind):
     """Function of a path that reads a file of this kind as the commands do, and judges what it gives."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        prepared = {"model": _prepare_model}.get(kind, lambda: None)()
+        prepared = {"model": _prepare_model, "estimator": _prepare_estimator}.get(kind, lambda: None)()
 
     def read(path, rng):
         # a warning is a sentence for a person; what is a fault comes as an exception
@@ -122,6 +123,19 @@ def _model(path, rng, recording):
     json.dumps(model["diagnosis"], allow_nan=False)
 
 
+def _prepare_estimator():
+    from benchmarks.fuzz.seeds import rows_of_estimators
+
+    return rows_of_estimators()[0]
+
+
+def _estimator(path, rng, rows):
+    from sklvalve.mismatch import load_model
+
+    made = load_model(path).predict(rows)
+    _require_finite([np.asarray(made)], gaps=True)
+
+
 def _require_finite(held, *, gaps=False):
     """No infinity, and no NaN where gaps are none, in nested data."""
     if isinstance(held, dict):
@@ -144,4 +158,5 @@ _READERS = {
     "parquet": _recording,
     "export": _export,
     "model": _model,
+    "estimator": _estimator,
 }

@@ -97,7 +97,7 @@ def change_in(workbench, model, channel):
     steady = _steady_columns(workbench, model, channel)
     settings = workbench.noise_settings(channel)
     about = shown - np.nanmean(shown)
-    about = np.nan_to_num(about) / max(float(np.nanstd(about)), 1e-12)
+    about /= max(float(np.nanstd(about)), 1e-12)
     places = _places(workbench.recording.spans, n)
     places = places[_comparable(left, shown, places)]
     if not len(places):
@@ -176,8 +176,6 @@ def _steady_columns(workbench, model, channel):
     recording, n = workbench.recording, len(workbench.recording)
     shown = _filled(model.predictions[channel])
     columns = [np.linspace(-1.0, 1.0, n)]
-    for low, high in recording.spans:
-        columns.append(((np.arange(n) >= low) & (np.arange(n) < high)).astype(float))
     for driver in _drivers(recording, channel, shown):
         columns.append(driver)
         knots = np.quantile(driver, np.linspace(0.0, 1.0, _KNOTS + 2)[1:-1])
@@ -191,7 +189,9 @@ def _steady_columns(workbench, model, channel):
             columns.append(_filled(recording[role]))
     made = [c - (c.mean() if np.ptp(c) > 0.0 else 0.0) for c in columns]
     scaled = [c / max(float(np.std(c)), 1e-30) if np.std(c) > 0.0 else c for c in made]
-    return np.stack([c for c in scaled if np.any(c)], axis=1)
+    # each recording has a level of its own; centred, these would lose the one that all have
+    levels = [((np.arange(n) >= low) & (np.arange(n) < high)).astype(float) for low, high in recording.spans]
+    return np.stack([*levels, *(c for c in scaled if np.any(c))], axis=1)
 
 
 def _drivers(recording, channel, shown):

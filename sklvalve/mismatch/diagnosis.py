@@ -6,10 +6,8 @@ from html import escape
 
 import numpy as np
 
+from sklvalve._telling import BEGINS, UNKNOWN, no_sign, untested
 from sklvalve.mismatch.diagnosis_file import read_diagnosis, write_diagnosis
-
-#: A difference that comes by chance as often as this is no sign of a fault.
-_NO_SIGN = 0.05
 
 
 class Diagnosis:
@@ -168,18 +166,21 @@ def _finding(content):
             return "This recording cannot show whether anything is missing."
         likely = f" Most likely: {'; '.join(names)}." if names else ""
         return f"Something is missing; the recording does not identify what.{likely}"
-    left = len(content.get("not_testable") or [])
-    untested = f"; {left} effects could not be tested, see not_testable" if left else ""
-    found = f"Nothing relevant is missing{untested}."
+    left = len(untested(content))
+    besides = f"; {_counted(left)} could not be tested, see not_testable" if left else ""
+    found = f"Nothing relevant is missing{besides}."
     return " ".join([found, *(content.get("reasons") or [])])
 
 
+def _counted(effects):
+    return "1 effect" if effects == 1 else f"{effects} effects"
+
+
 def _named(entries):
-    """Faults, and what the simulation lacks: never one for the other."""
-    faults = [_name(entry) for entry in entries if entry.get("kind") == "fault"]
-    lacking = [_name(entry) for entry in entries if entry.get("kind") != "fault"]
-    told = [f"Likely fault: {'; '.join(faults)}."] if faults else []
-    return " ".join([*told, *([f"The simulation lacks {'; '.join(lacking)}."] if lacking else [])])
+    """Faults, what the simulation lacks, and what may be either: never one for the other."""
+    told = {begin: [_name(e) for e in entries if e.get("kind") == kind] for kind, begin in BEGINS.items()}
+    told[UNKNOWN] = [_name(e) for e in entries if e.get("kind") not in BEGINS]
+    return " ".join(f"{begin} {'; '.join(names)}." for begin, names in told.items() if names)
 
 
 def _sureness(content):
@@ -191,18 +192,12 @@ def _sureness(content):
     p_value = (content.get("mismatch") or {}).get("p_value")
     if p_value is not None:
         by_chance = f"a difference as large comes by chance with {_p_words(p_value)}"
-        parts.append("no sign of a fault" if _no_sign(content) else by_chance)
+        parts.append("no sign of a fault" if no_sign(content) else by_chance)
     told = f"{'; '.join(parts)}." if parts else ""
     reasons = [] if content["verdict"] == "no_mismatch" else content.get("reasons") or []
     # what must be mended first is both the reason and what to do
     words = " ".join([told, *(r for r in reasons if r != content.get("next_test"))]).strip()
     return words[:1].upper() + words[1:]
-
-
-def _no_sign(content):
-    """Whether nothing is missing, and a difference as large is common by chance."""
-    p_value, level = content["mismatch"]["p_value"], content["mismatch"].get("alpha") or 0.0
-    return content["verdict"] == "no_mismatch" and p_value >= _NO_SIGN and p_value > level
 
 
 def _sure(entry):

@@ -68,7 +68,7 @@ def _why(grounds, evidence, level):
         return "including it does not lower the error on forecast rows"
     if level < LEVELS.index(STRONG):
         return _weakest(grounds)
-    words = "so large a difference is rare among healthy valves"
+    words = "a difference this large is rare among healthy valves"
     if skill is None:
         return words
     return f"{words}, and the correction explains {100.0 * min(skill, 1.0):.0f} % of it on forecast rows"
@@ -79,10 +79,10 @@ def _weakest(grounds):
     right, many = SEALED.held.get(grounds.leading, (0, 0))
     rarity, beside, coarse, _ = np.multiply(SEALED.of_grounds, grounds.columns)
     facts = {
-        f"in blind tests on simulated valves {right} of {many} diagnoses led by this effect were right": (
+        f"in blind tests {right} of {many} diagnoses that named this effect first were right": (
             SEALED.of_name * log_odds_of_name(grounds.leading, SEALED.held)
         ),
-        "so large a difference is not very rare among healthy valves": rarity,
+        "a difference this large is not very rare among healthy valves": rarity,
         "it was found beside a stronger finding": beside,
         "the recorded values are compressed or coarsely quantised": coarse,
     }
@@ -95,4 +95,4 @@ def _weakest(grounds):
 
 
 def _either(names):
-    return " and ".join(name.replace("_", " ") for name in names)
+    return " and ".join(name.replace("_kv", " Kv").replace("_", " ") for name in names)

@@ -40,7 +40,7 @@ def next_test(classes, verdict, unknown, workbench, plan=None):
             "a batch. Record it, or record the valve while it is off."
         )
     if unknown is not None:
-        inputs = " and ".join(name.replace("_", " ") for name in unknown.inputs)
+        inputs = " and ".join(f"the {name.replace('_', ' ')}" for name in unknown.inputs)
         return f"Sweep {inputs} slowly up and down, at three levels of the other signals."
     if verdict == "no_mismatch" and "opening" not in workbench.recording:
         return (

@@ -202,8 +202,8 @@ def distances_told(names, now, after):
     pairs = [(j, i) for i in range(len(names)) for j in range(i)]
     each = [f"{_pairs_listed(names, [pair])} {_short(now[pair])} and {_short(after[pair])}" for pair in pairs]
     return (
-        f"Distance D of explanations now and with the next test: {'; '.join(each)}. From "
-        f"{DISTINGUISHABLE:.0f} on two are told apart, and {SURE:.0f} is needed to expect it of a test."
+        f"Distance D of explanations now and with the next test: {'; '.join(each)}. Two can be "
+        f"distinguished from {DISTINGUISHABLE:.0f} on; a test should promise {SURE:.0f}."
     )
 
 

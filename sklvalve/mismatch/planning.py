@@ -270,7 +270,7 @@ def _for_its_size(advisor, finding, limits):
         return None
     what = f"the {quantity.name.replace('_', ' ')} ({member.effect.name.replace('_', ' ')})"
     sentence = (
-        f"{program.text}: this should narrow the 95 % interval of {what} to {100 * share:.0f} %. To confirm "
-        f"the cause: {member.effect.separated_by}"
+        f"{program.text}: this should narrow the 95 % interval of {what} to {100 * share:.0f} % of its "
+        f"present width. To confirm the cause: {member.effect.separated_by}"
     )
     return _plan(advisor, program, sentence, considered={p.name: float(s) for s, p in tried})

@@ -6,6 +6,7 @@ from dataclasses import replace
 from numbers import Integral
 
 from sklvalve.mismatch.effects import CATALOGUE, Effect
+from sklvalve.mismatch.effects.gas_expansion import GasExpansion
 from sklvalve.mismatch.effects.spring_fault import knows_air
 from sklvalve.mismatch.gate import effects_switched_off, redraws_the_flow
 from sklvalve.mismatch.hypothesis import begun, is_in
@@ -159,7 +160,7 @@ def candidates(workbench, wanted, data):
     -------
     found : list of Effect
     not_testable : list of dict
-        ``name`` and ``needs``.
+        ``name`` and ``needs``; and ``applies``, which is False, of what this fluid or actuator cannot have.
 
     Raises
     ------
@@ -204,5 +205,19 @@ def candidates(workbench, wanted, data):
             found.append(_throughout(effect) if steady else effect)
         else:
             untestable.setdefault(effect.name, effect.requires)
-    tested = {e.name for e in found}
-    return found, [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]
+    tested, never = {e.name for e in found}, _never(workbench.plain)
+    lacking = [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]
+    return found, [
+        each | ({"needs": never[each["name"]], "applies": False} if each["name"] in never else {})
+        for each in lacking
+    ]
+
+
+def _never(chain):
+    """Effects that a valve of this fluid and actuator cannot have, and what it would have to have."""
+    fluid = "gas" if GasExpansion().possible(chain) else "liquid"
+    found = {e.name: f"a {e.fluid}" for e in CATALOGUE if e.fluid not in ("", fluid)}
+    if chain.electric:
+        motors = {e.name for e in CATALOGUE if e.stage != "actuator" or getattr(e, "motor", False)}
+        found |= {name: "an actuator driven by air" for name in _NAMES if name not in motors}
+    return found

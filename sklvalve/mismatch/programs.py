@@ -145,7 +145,7 @@ def library(low, high, about, rows, step, limits):
     middle = _between(about, low + small[-1], high - small[-1])
     told = ", ".join(f"{100 * s:.3g}" for s in small)
     found.append(
-        ("reversals", f"Ramp the command up and down about {100 * middle:.3g} %, by {told} % to either "
+        ("reversals", f"Ramp the command up and down around {100 * middle:.3g} %, by {told} % to either "
          f"side, {length / len(small):.0f} s each", middle + _reversals(small, rows))
     )  # fmt: skip
     # a sound actuator comes to rest in between: haste shows what a simulation gets wrong of any

@@ -22,7 +22,8 @@ def too_much_left(left, findings, workbench):
     size, allowed = (in_recorded(workbench, left.channel, share) for share in (left.size, left.allowed))
     return (
         f"{what} is off by {size} where the {left.channel} is steady, {left.times:.2g} times the {allowed} "
-        "that noise and tolerances allow. A data sheet, or the missing signal, would show why."
+        "that noise and tolerances allow. A fuller data sheet, or a signal that is not recorded, may "
+        "show why."
     )
 
 

@@ -3,6 +3,7 @@
 
 import numba as nb
 import numpy as np
+from scipy.linalg import qr
 
 # deviations from which on a row counts less
 _ROBUST = 3.0
@@ -12,6 +13,8 @@ _ONE_MORE = 6.0
 _TAIL = 0.025
 # of what a step is, so much must be left beside the columns, or rounding is all that is compared
 _LEFT = 1e-10
+# of its length, so much of a column must be no sum of the others, or it counts as one
+_OWN = 1e-9
 
 
 class StepSearch:
@@ -26,11 +29,13 @@ class StepSearch:
     steady : ndarray of shape (n, m)
         What may be wrong throughout.
     about : ndarray of shape (n,)
-        The simulated signal, centred and scaled: how far the residual follows it may change as well.
+        The simulated signal, centred and scaled: how far the residual follows it may change as well. Rows
+        at which it is not finite say nothing of that.
     """
 
     def __init__(self, noise, left, steady, about):
-        self.noise, self.left, self.steady, self.about = noise, left, steady, about
+        self.noise, self.left, self.steady = noise, left, steady
+        self.about = np.where(np.isfinite(about), about, 0.0)
         self.response = 0.0
         white = noise.whiten(left)
         columns = np.stack([noise.whiten(c) for c in steady.T], axis=1)
@@ -44,7 +49,7 @@ class StepSearch:
 
     def _project(self, white, columns):
         root = np.sqrt(self.weights)
-        self.basis = np.linalg.qr(columns * root[:, None])[0]
+        self.basis = _orthonormal(columns * root[:, None])
         self.white = self._beside(white)
 
     def _beside(self, white):
@@ -82,7 +87,8 @@ class StepSearch:
         more -= share * both
         seen_too -= share * seen
         first = np.divide(seen**2, size, out=np.zeros(len(rows)), where=some)
-        also = some & (more > np.maximum(1e-6, _LEFT * follows))
+        # at a join the level is free already, and the response may still change
+        also = more > np.maximum(1e-6, _LEFT * follows)
         second = np.divide(seen_too**2, more, out=np.zeros(len(rows)), where=also)
         return np.stack([first, first + second], axis=1)
 
@@ -129,6 +135,14 @@ class StepSearch:
             if inside or reach > n:
                 return int(np.floor(min(ends[0], row))), int(np.ceil(max(ends[1], row)))
             reach *= 4
+
+
+def _orthonormal(columns):
+    """Orthonormal columns with the same span; what sums of others leave is rounding, and no direction."""
+    length = np.linalg.norm(columns, axis=0)
+    made, left, _ = qr(columns[:, length > 0.0] / length[length > 0.0], mode="economic", pivoting=True)
+    own = np.abs(np.diag(left))
+    return np.ascontiguousarray(made[:, : np.count_nonzero(own > _OWN)])
 
 
 def _worth(scores):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The top of a report: the finding in one short sentence, how sure it is, what it brings, what to do next."""
 
+from sklvalve._telling import no_sign
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, to_be_declared, what_is_it
 from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
@@ -13,7 +14,6 @@ from sklvalve.report.words import (
     lacks_sheet,
     likeliest_first,
     named_effects,
-    no_sign,
     p_words,
     percent,
     right,
@@ -172,9 +172,9 @@ def _named_sureness(effects: list[dict]) -> str:
     parts = []
     if len(effects) == 1 and checked:
         count = len(checked[0]["members"])
-        what = "" if count == 1 else f", one of these {_COUNTS.get(count, count)} causes,"
+        what = "" if count == 1 else f": one of the {_COUNTS.get(count, count)} causes was the true one"
         parts.append(
-            f"{_BLIND} such a diagnosis{what} was right in {right(checked[0]['probability'])} of cases."
+            f"{_BLIND} such a diagnosis was right in {right(checked[0]['probability'])} of cases{what}."
         )
     elif checked:
         each = [f"{right(e['probability'])} of cases for {_of(e)}" for e in checked]

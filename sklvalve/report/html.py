@@ -18,7 +18,7 @@ from sklvalve.report.intervals import interval_figures
 from sklvalve.report.signals import as_shown
 from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
-from sklvalve.report.words import lacks_sheet, verdict_words, with_units
+from sklvalve.report.words import either, lacks_sheet, verdict_words, with_units
 
 
 def write_report(
@@ -110,7 +110,9 @@ def _words(d: dict) -> dict[str, Any]:
         "notes": rows.proof_notes(d),
         "details": rows.details(d),
         "simulated": simulated(d),
-        "untestable": [(f"With {needs}", ", ".join(names)) for needs, names in rows.untestable_by_need(d)],
+        "untestable": [
+            (f"Without {needs}", either(names, "and")) for needs, names in rows.untestable_by_need(d)
+        ],
         "data": rows.data_findings(d),
         "provenance": rows.provenance(d),
     }

@@ -1,12 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fault or property, in words: what is to be mended, and what belongs into the sheet or the simulation."""
 
+from sklvalve._telling import BEGINS, UNKNOWN
 from sklvalve.report.words import class_clause, class_words, either, number
 
-_BEGINS = {"fault": "Likely fault:", "property": "The simulation lacks", "either": "The simulation lacks"}
-_IS = {"property": "a property of a sound valve", "either": "a property of a sound valve, or a fault"}
-#: Diagnoses made before the kind was known have none.
-UNKNOWN = "Not in the simulation:"
 # a class of several kinds is likely of the one that holds this share of its probability
 _LIKELY = 0.8
 # effect -> key of [actuator], parameter, and the value to be declared from it
@@ -36,7 +33,7 @@ def likely(effect: dict) -> str:
 
 def begins(effect: dict) -> str:
     """How a sentence on an effect begins."""
-    return _BEGINS.get(likely(effect), UNKNOWN)
+    return BEGINS.get(likely(effect), UNKNOWN)
 
 
 def what_is_it(effect: dict, limit: int = 3) -> str:
@@ -46,9 +43,8 @@ def what_is_it(effect: dict, limit: int = 3) -> str:
 
 
 def is_what(effect: dict) -> str:
-    """What an effect is, in brackets; empty for a fault, which the beginning names."""
-    words = _IS.get(likely(effect))
-    return f" ({words})" if words else ""
+    """What an effect is, in brackets; empty where the beginning names it."""
+    return " (a property of a sound valve)" if likely(effect) == "property" else ""
 
 
 def faults_first(effects: list[dict]) -> list[dict]:
@@ -59,14 +55,16 @@ def faults_first(effects: list[dict]) -> list[dict]:
 
 def by_beginning(effects: list[dict]) -> list[tuple[str, list[tuple[int, dict]]]]:
     """Numbered effects by how a sentence on them begins, faults first."""
-    order = ["Likely fault:", "The simulation lacks", UNKNOWN]
+    order = [*BEGINS.values(), UNKNOWN]
     groups: dict[str, list[tuple[int, dict]]] = {}
     for count, effect in enumerate(effects, start=1):
         groups.setdefault(begins(effect), []).append((count, effect))
     found = sorted(groups.items(), key=lambda item: order.index(item[0]))
-    if len(found) > 1 and [first for first, _ in found[:2]] == order[:2]:
-        found[1] = ("The simulation also lacks", found[1][1])
-    return found
+    lacks = BEGINS["property"]
+    return [
+        ("The simulation also lacks" if place and first == lacks else first, group)
+        for place, (first, group) in enumerate(found)
+    ]
 
 
 def to_be_declared(effects: list[dict]) -> str:
@@ -77,11 +75,11 @@ def to_be_declared(effects: list[dict]) -> str:
     names = either([class_words(effect["members"]) for effect in lacking], "and")
     keys = [words for words in map(_declaration, lacking) if words]
     sheet = f": {either(keys, 'and')} in the [actuator] section of valve.toml" if keys else ""
-    told = f"If the valve was built so, add {names} to the simulation{sheet}."
+    told = f"If this is normal for the valve, add {names} to the simulation{sheet}."
     if all(likely(effect) == "property" for effect in effects):
         told += " No maintenance is needed."
     elif any(likely(effect) == "either" for effect in lacking):
-        told += " If it was not, look for the fault at the valve."
+        told += " If it is not, look for the fault at the valve."
     return told
 
 

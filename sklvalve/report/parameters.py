@@ -144,7 +144,8 @@ def shown_parameters(effect: dict, d: dict) -> list[Parameter]:
 def _shown(who: str, name: str, item: dict, d: dict) -> Parameter:
     unit = item.get("unit") or "1"
     low, high = item.get("ci95") or (None, None)
-    plain: _Words = (name.replace("_", " "), 1.0, "" if unit == "1" else unit)
+    spelt = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
+    plain: _Words = (spelt, 1.0, "" if unit == "1" else unit)
     words, factor, shown = _OF_EFFECT.get((who, name)) or _SPOKEN.get((name, unit), plain)
     flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
     quantity = quantity_of(unit)

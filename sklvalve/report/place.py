@@ -8,6 +8,7 @@ from sklvalve.recording.units import from_si, quantity_of
 from sklvalve.report.words import block_words, number, percent, role_words, with_unit
 
 _STAMP = "%Y-%m-%d %H:%M:%S"
+_MOVES = {"opening": "opens", "closing": "closes"}
 _FORMULA = " dp/(p1 - FF pv)"
 # signal -> what it is called, factor and offset from SI to what is shown, unit shown; the last three where
 # the recording has no unit of its own
@@ -54,7 +55,7 @@ def _scale(signal: str, units: dict) -> tuple[str, float, float, str]:
 
 
 def region_words(region: dict, digits: int = 3, units: dict | None = None) -> str:
-    """Words for one region: ``below 12 % opening while closing``.
+    """Words for one region: ``below 12 % opening while the stem closes``.
 
     Parameters
     ----------
@@ -68,7 +69,7 @@ def region_words(region: dict, digits: int = 3, units: dict | None = None) -> st
     """
     words = _range_words(region, digits, units or {})
     if region.get("direction"):
-        words += f" while {region['direction']}"
+        words += f" while the stem {_MOVES.get(region['direction'], region['direction'])}"
     if region.get("and"):
         words += f" {_placed(_range_words(region['and'], digits, units or {}))}"
     return words
@@ -228,7 +229,7 @@ def change_words(location: dict) -> str:
     which = "lower" if change["size"] < 0.0 else "higher"
     return (
         f"at {moment(change['time'], location)} [{_span(low, high, location, change['time'])}]: the "
-        f"{role_words(change['signal'])} reads {size} {which} from then on"
+        f"{role_words(change['signal'])} reads {size} {which} from then on, in the median"
     )
 
 

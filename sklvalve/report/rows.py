@@ -3,6 +3,7 @@
 
 from typing import NamedTuple
 
+from sklvalve._telling import untested
 from sklvalve.report.kinds import faults_first
 from sklvalve.report.noise import noise_told
 from sklvalve.report.parameters import parameters
@@ -34,6 +35,8 @@ from sklvalve.report.words import (
 
 MODELS = {"nominal": "nominal", "black_box": "black box", "corrected": "corrected"}
 _SHOWN_FROM = 0.001
+# effects of one need that are all named
+_MANY = 8
 _MEASURES = {"rmse": "RMSE", "mape": "mean error, % of flow", "err_max": "largest error, %"}
 # roles that a recording may lack, as needs name them
 _ROLES = {"command", "opening", "flow", "p1", "p2", "temperature", "setpoint", "process_value"}
@@ -243,20 +246,23 @@ def _evidence(effect: dict) -> str:
 
 
 def untestable(d: dict) -> list[tuple[str, str]]:
-    """Effects that could not be tested with this recording: (effect, what it needs)."""
-    return [(spoken(item["name"]), _needs(item.get("needs"))) for item in d.get("not_testable") or []]
+    """Effects that another recording of this valve could test: (effect, what it needs)."""
+    return [(spoken(item["name"]), _needs(item.get("needs"))) for item in untested(d)]
 
 
 def untestable_by_need(d: dict) -> list[tuple[str, list[str]]]:
-    """What would be needed, and which effects could be tested with it."""
+    """What would be needed, and which effects could be tested with it; of many the first few."""
     found: dict[str, list[str]] = {}
     for name, needs in untestable(d):
         found.setdefault(needs, []).append(name)
-    return list(found.items())
+    return [
+        (needs, [*names[:3], f"{len(names) - 3} others"] if len(names) > _MANY else names)
+        for needs, names in found.items()
+    ]
 
 
 def _needs(needs: object) -> str:
-    """What an effect needs, as it follows "with": signals are said to be recorded ones."""
+    """What an effect needs, as it follows "without": signals are said to be recorded ones."""
     asked = (
         [str(need) for need in needs] if isinstance(needs, list | tuple) else str(needs or "").split(" and ")
     )

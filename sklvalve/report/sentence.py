@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first thing that a person reads: the diagnosis in one sentence."""
 
+from sklvalve._telling import no_sign
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, what_is_it
 from sklvalve.report.parameters import shown_parameters
 from sklvalve.report.place import located, onset_words, regions_words, since_known
@@ -14,7 +15,6 @@ from sklvalve.report.words import (
     lacks_sheet,
     likeliest_first,
     named_effects,
-    no_sign,
     number,
     p_words,
     role_words,
@@ -137,7 +137,7 @@ def beyond_noise(d: dict) -> str:
         size = in_recorded(d, unknown.get("signal", "flow"), beyond["size"])
         return f"follows from nothing recorded, but its slow part ({size}) is larger than slow noise can be"
     told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
-    return f"follows from {told}, so it is no noise"
+    return f"follows from {told}, so it is not noise"
 
 
 def _count(many: int) -> str:

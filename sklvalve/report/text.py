@@ -15,7 +15,6 @@ __all__ = ["summary_sentence", "to_markdown", "to_text"]
 
 _WIDTH, _NARROWEST = 96, 40
 _INDENT = 14
-_MANY = 8
 # what the top of a report says besides the finding, in the width of a label
 _LABELS = {
     "How sure": "How sure",
@@ -173,12 +172,8 @@ def _numbered(items: list) -> list:
 
 
 def _by_need(d: dict) -> list[str]:
-    """Effects by what would be needed to test them; of many the first few."""
-    lines = []
-    for needs, names in rows.untestable_by_need(d):
-        shown = [*names[:3], f"{len(names) - 3} others"] if len(names) > _MANY else names
-        lines.append(f"With {needs}: {either(shown, 'and')}.")
-    return lines
+    """Effects by what would be needed to test them."""
+    return [f"Without {needs}: {either(names, 'and')}." for needs, names in rows.untestable_by_need(d)]
 
 
 def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:

@@ -5,8 +5,6 @@ import re
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
-# a difference that comes by chance in as many recordings of a healthy valve is no sign of a fault
-_COMMON = 0.05
 # what effects need that only a data sheet can give, as `not_testable` has it
 _SHEET = "a data sheet that gives the trim's characteristic"
 EFFECTS = {
@@ -260,15 +258,6 @@ def named_effects(d: dict) -> list[dict]:
     effects = d.get("effects") or []
     sure = [each for each in effects if (each.get("grade") or {}).get("level") != "weak"]
     return sure or effects
-
-
-def no_sign(d: dict) -> bool:
-    """Whether nothing is missing, and a difference as large is common by chance.
-
-    A diagnosis that leaves the matter open reassures nobody.
-    """
-    p_value, level = d["mismatch"].get("p_value"), d["mismatch"].get("alpha") or 0.0
-    return d["verdict"] == "no_mismatch" and p_value is not None and p_value >= _COMMON and p_value > level
 
 
 def p_words(p_value: float | None) -> str:

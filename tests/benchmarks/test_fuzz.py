@@ -14,11 +14,11 @@ if os.name != "posix":
 
 from benchmarks.fuzz import running  # noqa: E402
 from benchmarks.fuzz.__main__ import main, table  # noqa: E402
-from benchmarks.fuzz.mutating import mutated  # noqa: E402
+from benchmarks.fuzz.mutating import _LEAVES, _leaf, mutated  # noqa: E402
 from benchmarks.fuzz.seeds import KINDS, corpus  # noqa: E402
 from benchmarks.fuzz.targets import NAMES, Unsound, _require_finite, reader  # noqa: E402
 
-_SHARES = {"toml": 400, "csv": 400, "gz": 200, "parquet": 400, "export": 400, "model": 200}
+_SHARES = {"toml": 400, "csv": 400, "gz": 200, "parquet": 400, "export": 400, "model": 200, "estimator": 200}
 
 
 @pytest.mark.slow
@@ -54,6 +54,15 @@ class _Plain:
 def test_an_input_comes_again():
     one, other = (mutated("csv", corpus("csv"), random.Random("0 csv 7")) for _ in range(2))
     assert one == other == running.content_of("csv", 7, 0)
+
+
+def test_an_input_is_the_same_whatever_came_before():
+    before, rng = repr(_LEAVES), random.Random(0)
+    for _ in range(200):
+        held = {"a": [1.0, {"b": 2.0}], "c": 3.0}
+        for _ in range(20):
+            _leaf(held, rng)
+    assert repr(_LEAVES) == before
 
 
 _LINE = 'print(json.dumps({"at": at, "end": END, "took": 0.1, "memory": 9.0}), flush=True)'

@@ -37,3 +37,30 @@ def test_what_hides_play_everywhere_hides_it_in_the_opening(bench, data):
     keys, (lacking,) = _plays(bench, data)
     assert keys == set()
     assert lacking["name"] == "backlash"
+
+
+def _lacking(sheet=None, fluid=None):
+    made = make_valve_recording(None, loop="wide", n_samples=600, n_later=0, random_state=5)
+    valve = {**made.valve, "fluid": fluid or made.valve["fluid"], **(sheet or {})}
+    bench = prepared_workbench(Recording.from_frame(made.frame, Valve.from_dict(valve)))
+    found, lacking = candidates(bench, "all", [])
+    return {e.name for e in found}, {each["name"]: each for each in lacking}
+
+
+def test_what_a_fluid_cannot_have_does_not_apply(bench):
+    _, lacking = _lacking()
+    assert lacking["gas_expansion"] == {"name": "gas_expansion", "needs": "a gas", "applies": False}
+    assert [name for name, each in lacking.items() if not each.get("applies", True)] == ["gas_expansion"]
+    air = {"name": "air", "density": 6.0, "molar_mass": 0.029, "heat_capacity_ratio": 1.4}
+    found, lacking = _lacking(fluid=air)
+    assert "gas_expansion" in found
+    for name in ("choked_flow", "cavitation", "flashing"):
+        assert lacking[name] == {"name": name, "needs": "a liquid", "applies": False}
+
+
+def test_what_a_motor_cannot_have_does_not_apply():
+    found, lacking = _lacking({"actuator": {"kind": "electric"}})
+    never = {name for name, each in lacking.items() if not each.get("applies", True)}
+    assert {"spring_fault", "actuator_leak", "supply_pressure_drop"} <= never
+    assert not never & found
+    assert "slew_limit" in found

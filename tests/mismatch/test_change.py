@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve import Recording, Valve
-from sklvalve.mismatch.change import change_in, find_change, size_of
+from sklvalve.mismatch.change import _steady_columns, change_in, find_change, size_of
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.dated import change_entry, dated
 from sklvalve.mismatch.late import stands_out
@@ -131,3 +131,28 @@ def test_a_change_turns_agreement_into_doubt_and_is_told_in_the_signals_unit():
 def test_a_signal_of_which_nothing_is_known_later_has_no_size():
     left = np.where(np.arange(400) < 300, 0.01, np.nan)
     assert size_of(left, np.linspace(0.0, 1.0, 400), 300) is None
+
+
+def test_the_levels_of_joined_recordings_hold_the_one_that_all_have():
+    bench = Bench(_nothing)
+    recording = _Joined(bench.recording, [(0, 700), (700, ROWS)])
+    columns = _steady_columns(SimpleNamespace(recording=recording, channels=("flow",)), bench.model, "flow")
+    for level in (np.ones(ROWS), np.arange(ROWS) < 700):
+        found = np.linalg.lstsq(columns, level.astype(float), rcond=1e-10)[0]
+        np.testing.assert_allclose(columns @ found, level, atol=1e-6)
+
+
+class _Joined:
+    """A recording as if two had been joined."""
+
+    def __init__(self, recording, spans):
+        self._recording, self.spans = recording, spans
+
+    def __len__(self):
+        return len(self._recording)
+
+    def __contains__(self, role):
+        return role in self._recording
+
+    def __getitem__(self, role):
+        return self._recording[role]

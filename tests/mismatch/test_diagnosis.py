@@ -76,6 +76,10 @@ def test_what_could_not_be_tested_is_no_all_clear():
     page = Diagnosis(content)._repr_html_()
     assert "How sure: No sign of a fault." in page
     assert "is missing; 2 effects could not be tested, see not_testable." in page
+    gas = {"name": "gas_expansion", "needs": "a gas", "applies": False}
+    content["not_testable"] = [content["not_testable"][0], gas]
+    assert "is missing; 1 effect could not be tested" in Diagnosis(content)._repr_html_()
+    assert "not_testable" not in Diagnosis(content | {"not_testable": [gas]})._repr_html_()
 
 
 def test_several_findings_are_told_with_their_own_probabilities():
@@ -90,6 +94,18 @@ def test_several_findings_are_told_with_their_own_probabilities():
     told = "Right in more than 99 % of blind tests of backlash; right in 80 % of blind tests of choked flow."
     assert told in page
     assert "<td>width 0.031</td>" in page
+
+
+def test_what_may_be_a_fault_or_a_property_is_called_neither():
+    entries = [
+        {"kind": kind, "members": [{"name": name, "probability": 0.9}], "probability": 0.9, "parameters": {}}
+        for kind, name in (("either", "seat_leakage"), ("property", "choked_flow"), (None, "clogging"))
+    ]
+    page = Diagnosis({"verdict": "named", "effects": entries})._repr_html_()
+    assert (
+        "A fault, or a property that the simulation lacks: seat leakage. The simulation lacks choked flow. "
+        "Not in the simulation: clogging."
+    ) in page
 
 
 def test_dict_is_a_copy(diagnosis):

@@ -26,12 +26,12 @@ def test_by_its_probability():
 
 def test_reasons_are_one_plain_sentence():
     assert _grade()["reason"] == (
-        "So large a difference is rare among healthy valves, and the correction explains 90 % of it on "
+        "A difference this large is rare among healthy valves, and the correction explains 90 % of it on "
         "forecast rows."
     )
     friction = _grade(0.7, Grounds("friction", 1e-4))["reason"]
-    assert friction.startswith("In blind tests on simulated valves ")
-    assert "diagnoses led by this effect were right" in friction
+    assert friction.startswith("In blind tests ")
+    assert "diagnoses that named this effect first were right" in friction
     coarse = _grade(0.7, Grounds("dead_time", 1e-4, coarse=True))
     assert coarse["reason"] == "The recorded values are compressed or coarsely quantised."
     few = _grade(0.7, Grounds("dead_time", 1e-4, few_signals=True))

@@ -38,6 +38,7 @@ def test_suspected_is_what_comes_near_the_best():
     assert judging._suspects(_explanation({})) == ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("rarity", "named"),
     [(1e-4, True), (0.2, False)],

@@ -199,7 +199,7 @@ def test_distances_are_for_the_details():
     now, after = np.full((2, 2), 1.0), np.full((2, 2), 40.0)
     said = distances_told(("erosion", "clogging"), now, after)
     assert "erosion from clogging 1 and 40" in said
-    assert "From 14 on two are told apart, and 28 is needed to expect it of a test." in said
+    assert "Two can be distinguished from 14 on; a test should promise 28." in said
 
 
 def test_a_test_lowers_no_distance(lags):

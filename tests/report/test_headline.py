@@ -23,12 +23,12 @@ def test_finding_in_one_sentence():
     made["effects"][0] = examples.LEAK | {"size": {"flow": 0.032, "opening": 1e-5}}
     assert headline(made) == (
         "Likely fault: the seat leaks or a bypass is open, in the valve, below 12 % opening, from 812 s on. "
-        "It moves the flow by 3 % of span where it acts (leak kv 0.8 m3/h)."
+        "It moves the flow by 3 % of span where it acts (leak Kv 0.8 m3/h)."
     )
     assert _glance(made) == {
-        "How sure": "In blind tests on simulated valves such a diagnosis, one of these two causes, was right "
-        "in 97 % of cases. A difference as large comes by chance in fewer than 1 of 1000 recordings of a "
-        "healthy valve (p < 0.001).",
+        "How sure": "In blind tests on simulated valves such a diagnosis was right in 97 % of cases: one "
+        "of the two causes was the true one. A difference as large comes by chance in fewer than 1 of 1000 "
+        "recordings of a healthy valve (p < 0.001).",
         "What to do next": "Close the valve for 60 s.",
         "What correcting it brings": "Including it lowers the flow error on 1440 unseen rows from 1.9 to "
         "0.22 m3/h. For comparison: a black box trained on the same rows has 0.5 m3/h, noise alone gives "
@@ -164,7 +164,7 @@ def test_what_no_effect_explains():
         "Something is missing that no known effect explains. It acts in the valve and moves the flow by "
         "4 % of span."
     )
-    assert "follows from opening, so it is no noise." in _glance(made)["How sure"]
+    assert "follows from opening, so it is not noise." in _glance(made)["How sure"]
     made["unknown"] |= {"closest": [{"members": examples.LEAK["members"]}], "closest_leaves": 0.05}
     told = "Seat leakage or an open bypass fits best, but 5 % of span beyond noise would remain."
     assert told in _glance(made)["How sure"]
@@ -211,7 +211,7 @@ def test_without_a_frequency_the_grade_and_its_reason_stand_in_its_place():
 
 def test_a_weak_finding_beside_others_is_not_named():
     made = examples.named_twice()
-    weak = {"level": "weak", "reason": "The interval of its leak kv includes the value of no effect."}
+    weak = {"level": "weak", "reason": "The interval of its leak Kv includes the value of no effect."}
     made["effects"][1] = made["effects"][1] | {"grade": weak}
     for sentence in (headline(made), summary_sentence(made)):
         assert "backlash" in sentence

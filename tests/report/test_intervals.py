@@ -13,8 +13,8 @@ pytest.importorskip("matplotlib", reason='needs pip install "sklvalve[plot]"')
 def test_one_picture_for_each_thing_found_with_its_numbers_in_words():
     play, leak = interval_figures(examples.named_twice())
     assert play.alt == "Parameters with their 95 % intervals: play 3.1 % of travel [2.9 to 3.3]"
-    assert leak.alt == "Parameters with their 95 % intervals: leak kv 0.8 m3/h [0.7 to 0.9]"
-    for picture, name in ((play, "play"), (leak, "leak kv")):
+    assert leak.alt == "Parameters with their 95 % intervals: leak Kv 0.8 m3/h [0.7 to 0.9]"
+    for picture, name in ((play, "play"), (leak, "leak Kv")):
         assert f'aria-label="{picture.alt}"' in picture.svg
         assert f">{name}</text>" in picture.svg
 

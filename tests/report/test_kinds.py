@@ -63,8 +63,26 @@ def test_with_both_the_faults_come_first():
 
 def test_either_says_so():
     made = _made(SLOW | {"kind": "either", "members": [{"name": "slew_limit", "probability": 0.94}]})
-    assert "(a property of a sound valve, or a fault)" in headline(made)
-    assert "If it was not, look for the fault at the valve." in to_be_declared(made["effects"])
+    begin = "A fault, or a property that the simulation lacks: a limited stroking speed, in the actuator"
+    assert headline(made).startswith(begin)
+    assert "(a property" not in headline(made)
+    assert "If it is not, look for the fault at the valve." in to_be_declared(made["effects"])
+
+
+def test_faults_then_what_may_be_either_then_properties():
+    effects = [
+        SLOW,
+        SLOW | {"kind": "either", "members": [{"name": "seat_leakage", "probability": 0.9}]},
+        PLAY,
+    ]
+    sentence = summary_sentence(_made(*effects))
+    begins = [
+        "Likely fault: 1. the stem has play",
+        ". A fault, or a property that the simulation lacks: 2. seat leakage",
+        ". The simulation also lacks 3. a limited",
+    ]
+    places = [sentence.index(begin) for begin in begins]
+    assert places == sorted(places)
 
 
 def test_a_class_of_both_kinds_is_what_most_of_it_is():

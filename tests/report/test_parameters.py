@@ -16,7 +16,7 @@ def _one(name, unit, value, ci95, flow_unit="m3/h"):
         ("fl", "1", 0.71, [0.68, 0.74], ("F_L", "0.71 [0.68 to 0.74]")),
         ("bias", "1", -0.02, None, ("offset", "-2 % of travel")),
         ("bias", "m3/s", 0.001, [0.0005, 0.0015], ("offset", "3.6 m3/h [1.8 to 5.4]")),
-        ("leak_kv", "m3/h", 0.8, [0.7, 0.9], ("leak kv", "0.8 m3/h [0.7 to 0.9]")),
+        ("leak_kv", "m3/h", 0.8, [0.7, 0.9], ("leak Kv", "0.8 m3/h [0.7 to 0.9]")),
         ("new_thing", "Pa", 1.0, [None, None], ("new thing", "1 Pa")),
         ("new_thing", "1", None, None, ("new thing", "unknown")),
     ],

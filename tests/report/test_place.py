@@ -22,8 +22,8 @@ from tests.report import examples
     [
         ("opening", 0.0, 0.12, None, "below 12 % opening"),
         ("opening", 0.66, 1.0, None, "above 66 % opening"),
-        ("opening", 0.12, 0.4, "closing", "between 12 and 40 % opening while closing"),
-        ("opening", 0.0, 1.0, "opening", "at every opening while opening"),
+        ("opening", 0.12, 0.4, "closing", "between 12 and 40 % opening while the stem closes"),
+        ("opening", 0.0, 1.0, "opening", "at every opening while the stem opens"),
         ("pressure_ratio", 0.52, None, None, "pressure ratio dp/(p1 - FF pv) above 0.52"),
         ("dp", 1e5, 3e5, None, "pressure drop between 100 and 300 kPa"),
         ("temperature", None, 323.15, None, "temperature below 50 degC"),
@@ -150,11 +150,13 @@ def test_large_classes_are_cut_short():
 
 def test_a_change_has_a_time_an_interval_and_a_size():
     change = {"signal": "flow", "time": 9757.0, "ci95": [9750.0, 9761.0], "size": -12.3, "unit": "cm3/s"}
-    words = "at 9757 s [9750 to 9761 s]: the flow reads 12.3 cm3/s lower from then on"
+    words = "at 9757 s [9750 to 9761 s]: the flow reads 12.3 cm3/s lower from then on, in the median"
     assert change_words({"change": change}) == words
     assert change_words({"change": None}) == change_words({}) == ""
     opened = change | {"signal": "opening", "size": 0.05, "unit": "1"}
-    assert change_words({"change": opened}).endswith("the opening reads 5 % of travel higher from then on")
+    assert change_words({"change": opened}).endswith(
+        "the opening reads 5 % of travel higher from then on, in the median"
+    )
     nameless = {"verdict": "none_of_these", "location": {"blocks": ["valve"], "change": change}}
     assert ("Changed", words) in places(nameless)
     assert "Since" not in dict(places(nameless))

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 import copy
 import json
+import re
 
 import pytest
 
@@ -26,7 +27,7 @@ def test_sentence_when_the_difference_is_real_but_too_small_to_count():
 
 def test_sentence_names_class_size_place_onset_certainty_and_gain():
     assert summary_sentence(examples.named()) == (
-        "Likely fault: the seat leaks or a bypass is open (right in 97 % of blind tests): leak kv 0.8 m3/h "
+        "Likely fault: the seat leaks or a bypass is open (right in 97 % of blind tests): leak Kv 0.8 m3/h "
         "[0.7 to 0.9], acting in the valve below 12 % opening from 812 s on; including it lowers the flow "
         "error on 1440 unseen rows from 1.9 to 0.22 m3/h."
     )
@@ -192,7 +193,7 @@ def test_missing_numbers_leave_gaps_not_errors():
     }
     made["fit"]["flow"] |= {"rmse": {"nominal": None, "black_box": None, "corrected": None}, "skill": None}
     text = to_text(made)
-    assert "leak kv 0.8 m3/h" in text
+    assert "leak Kv 0.8 m3/h" in text
     assert "lowers" not in text
     made["fit"] = {"flow": None}
     assert "Error" not in to_text(made)
@@ -256,3 +257,20 @@ def test_text_keeps_to_the_width_asked_for(width):
     assert max(len(line) for line in narrow.splitlines() if len(line.split()) > 2) <= width
     assert narrow.split() == to_text(made).split()
     assert to_text(made, width=7) == to_text(made, width=40)
+
+
+def test_many_effects_of_one_need_are_one_sentence_and_what_cannot_be_is_not_listed():
+    lacking = [{"name": f"effect {k}", "needs": "p1 and p2"} for k in range(43)]
+    lacking.append({"name": "gas_expansion", "needs": "a gas", "applies": False})
+    made = examples.named() | {"not_testable": lacking}
+    told = "an inlet pressure and an outlet pressure recorded: effect 0, effect 1, effect 2 and 40 others."
+    for page in (
+        to_text(made),
+        to_markdown(made),
+        re.sub("</?strong>", "", render(examples.diagnosis(made))),
+    ):
+        words = " ".join(page.split())
+        assert f"Without {told}" in words
+        assert "effect 3" not in words
+        assert "expansion of the gas" not in words
+    assert "Not testable" not in to_text(made | {"not_testable": lacking[-1:]})

@@ -78,7 +78,7 @@ class Backlash(Effect):
     family = "play"
     phrase = "there is play between stem and plug of {width:.1%} of travel"
     separated_by = (
-        "Step the command up and down by 1, 2 and 5 % at a slow and at a fast rate: play is the same."
+        "Step the command up and down by 1, 2 and 5 % at a slow and at a fast rate: play is the same at both."
     )
     damadics = "f4"
 

@@ -88,12 +88,14 @@ class Effect:
         fluid may.
     declared_as : str
         Key of ``[actuator]`` in valve.toml that declares it, or ``""``.
+    fluid : {"", "liquid", "gas"}
+        What it happens in; either where it is ``""``.
     requires : str
         What must be known or seen for `possible` to hold, as it is told where the effect cannot be tested.
     """
 
     name = key = block = stage = phrase = separated_by = damadics = ""
-    family = alike = source = declared_as = ""
+    family = alike = source = declared_as = fluid = ""
     kind, kind_late = "fault", "fault"
     begins_with: tuple = ()
     requires = "a data sheet that gives the characteristic and the fluid"

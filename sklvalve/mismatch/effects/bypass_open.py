@@ -11,7 +11,7 @@ class BypassOpen(SeatLeakage):
 
     name = key = "bypass_open"
     parameters = (Quantity("bypass_kv", "m3/h", 0.0, 1.0, (0.3,)),)
-    phrase = "a bypass is open (kv {bypass_kv:.2g} m3/h)"
+    phrase = "a bypass is open (Kv {bypass_kv:.2g} m3/h)"
     damadics = "f18"
 
     def apply(self, value, p, chain):

@@ -20,7 +20,7 @@ class Cavitation(Effect):
     """
 
     name = key = "cavitation"
-    kind = "property"
+    kind, fluid = "property", "liquid"
     block, stage = "valve", "capacity"
     parameters = (
         Quantity("loss", "1", 0.0, 0.4, (0.05, 0.15)),

@@ -16,7 +16,7 @@ class ChokedFlow(Effect):
     """
 
     name = key = "choked_flow"
-    kind = "property"
+    kind, fluid = "property", "liquid"
     block, stage = "valve", "choking"
     parameters = (
         Quantity("fl", "1", 0.25, 0.99, (0.85, 0.65, 0.5), null=None),

@@ -23,7 +23,7 @@ class Erosion(Effect):
     )
     needs = ("flow",)
     phrase = (
-        "trim and seat are worn: kv {wear_kv:.2g} m3/h more at the seat, fading over {reach:.0%} of travel"
+        "trim and seat are worn: Kv {wear_kv:.2g} m3/h more at the seat, fading over {reach:.0%} of travel"
     )
     separated_by = (
         "Open the valve slowly from shut to 15 %, then hold it shut for 60 s: wear fades with the opening, a "

@@ -20,7 +20,7 @@ class ExternalLeakage(Effect):
     block, stage = "valve", "flow"
     parameters: tuple = (Quantity("leak_kv", "m3/h", 0.0, 1.0, (0.3,)),)
     needs: tuple = ("flow", "p1", "p2")
-    phrase = "liquid leaks out before the trim (kv {leak_kv:.2g} m3/h)"
+    phrase = "liquid leaks out before the trim (Kv {leak_kv:.2g} m3/h)"
     separated_by = (
         "Shut the valve and raise the pressures on both sides by 1 bar: a leak to the outside grows, a "
         "meter's zero and an inner leak do not."
@@ -54,5 +54,5 @@ class OutletLeakage(ExternalLeakage):
     """
 
     key = "external_leakage_outlet"
-    phrase = "liquid leaks out behind the trim (kv {leak_kv:.2g} m3/h)"
+    phrase = "liquid leaks out behind the trim (Kv {leak_kv:.2g} m3/h)"
     _role, _sign = "p2", -1.0

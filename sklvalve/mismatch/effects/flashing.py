@@ -19,7 +19,7 @@ class Flashing(Effect):
     """
 
     name = key = "flashing"
-    kind = "property"
+    kind, fluid = "property", "liquid"
     block, stage = "valve", "flow"
     parameters = (Quantity("swelling", "1", 0.0, 20.0, (0.3, 3.0)),)
     needs = ("flow", "p1", "p2")

@@ -19,7 +19,7 @@ class GasExpansion(Effect):
     """
 
     name = key = "gas_expansion"
-    kind = "property"
+    kind, fluid = "property", "gas"
     block, stage = "valve", "capacity"
     parameters = (Quantity("xt", "1", 0.15, 0.9, (0.7, 0.4), null=None),)
     needs = ("flow", "p1", "p2")

@@ -12,7 +12,7 @@ class SeatLeakage(Effect):
     parameters = (Quantity("leak_kv", "m3/h", 0.0, 1.0, (0.3,)),)
     needs = ("flow",)
     family = "parallel"
-    phrase = "the seat leaks (kv {leak_kv:.2g} m3/h)"
+    phrase = "the seat leaks (Kv {leak_kv:.2g} m3/h)"
     separated_by = "Close the valve for 60 s at two pressure drops, once with the bypass blocked off."
     damadics = "f6"
     requires = "a data sheet that gives the trim's characteristic"

@@ -3,7 +3,6 @@
 
 import sklvalve
 from sklvalve.recording.calendar_time import begins_of
-from sklvalve.recording.signal import ROLES
 
 
 def loop_content(finding, recording, *, data=(), random_state=0):
@@ -90,6 +89,6 @@ def _not_testable(recording):
     from sklvalve.mismatch.effects import CATALOGUE
 
     seen = ("stiction", "backlash")
-    others = [role for role in ("opening", "p1", "p2") if role in ROLES and role not in recording]
+    others = [role for role in ("opening", "flow", "p1", "p2") if role not in recording]
     names = dict.fromkeys(effect.name for effect in CATALOGUE if effect.name not in seen)
     return [(name, " and ".join(others)) for name in names]

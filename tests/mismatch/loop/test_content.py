@@ -8,6 +8,7 @@ import pytest
 
 from sklvalve.mismatch import Diagnosis
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, stick_slip
+from sklvalve.mismatch.loop.content import _not_testable
 from sklvalve.recording import Recording, Valve
 
 TIME = 10.0 * np.arange(300)
@@ -43,7 +44,11 @@ def test_a_named_loop_is_a_diagnosis_in_the_recordings_own_unit():
         3600.0 * found.fit["rmse"]["corrected"], rel=1e-9
     )
     assert content["proof"] == "forward"
-    assert "clogging" in {entry["name"] for entry in content["not_testable"]}
+    needs = {entry["name"]: entry["needs"] for entry in content["not_testable"]}
+    assert needs["clogging"] == "opening and p1 and p2"
+    assert set(dict(_not_testable({"command", "process_value"})).values()) == {
+        "opening and flow and p1 and p2"
+    }
 
 
 def test_a_loop_is_what_has_no_other_signal_of_the_valve():

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What holds wherever a diagnosis is put into words: in notebooks, which need no report, and in reports."""
+
+# a difference that comes by chance in as many recordings of a healthy valve is no sign of a fault
+_COMMON = 0.05
+#: How a sentence on an effect of each kind begins.
+BEGINS = {
+    "fault": "Likely fault:",
+    "either": "A fault, or a property that the simulation lacks:",
+    "property": "The simulation lacks",
+}
+#: The same of diagnoses made before the kind was known.
+UNKNOWN = "Not in the simulation:"
+
+
+def no_sign(content: dict) -> bool:
+    """Whether nothing is missing, and a difference as large is common by chance.
+
+    A diagnosis that leaves the matter open reassures nobody.
+
+    Parameters
+    ----------
+    content : dict
+        A diagnosis as diagnosis.json has it.
+
+    Examples
+    --------
+    >>> no_sign({"verdict": "no_mismatch", "mismatch": {"p_value": 0.43, "alpha": 0.01}})
+    True
+    """
+    p_value, level = content["mismatch"].get("p_value"), content["mismatch"].get("alpha") or 0.0
+    return (
+        content["verdict"] == "no_mismatch" and p_value is not None and p_value >= _COMMON and p_value > level
+    )
+
+
+def untested(content: dict) -> list[dict]:
+    """Entries of ``not_testable`` that another recording could test: not those that this valve cannot have.
+
+    Examples
+    --------
+    >>> gas = {"name": "gas_expansion", "needs": "a gas", "applies": False}
+    >>> untested({"not_testable": [gas, {"name": "viscous_flow", "needs": "p1 and p2"}]})
+    [{'name': 'viscous_flow', 'needs': 'p1 and p2'}]
+    """
+    return [item for item in content.get("not_testable") or [] if item.get("applies", True)]
