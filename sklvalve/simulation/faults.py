@@ -21,6 +21,9 @@ FAULTS = (
 def columns_of_faults(drive, rows):
     """Faults of a drive (a number or an array under each name of `FAULTS`) as the scan takes them."""
     columns = [drive[name] for name in FAULTS]
-    if all(np.ndim(column) == 0 and column == 0.0 for column in columns):
+    if all(isinstance(column, float) and column == 0.0 for column in columns):
         return np.empty((0, len(FAULTS)))
-    return np.column_stack([np.broadcast_to(column, rows) for column in columns])
+    faults = np.empty((rows, len(FAULTS)))
+    for i, column in enumerate(columns):
+        faults[:, i] = column
+    return faults

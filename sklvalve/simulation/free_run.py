@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Free run of the stem: from the command alone, through signal, positioner and actuator."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from sklvalve.recording import InputError
@@ -24,12 +26,18 @@ _STAGES = ("signal", "actuator")
 
 def key_of_free_run(chain, values):
     """What a free run hangs on: runs of equal keys are the same."""
-    own = [frozenset(item for item in values.items() if item[0].startswith("actuator_"))]
+    own = [tuple((name, values[name]) for name in _of_actuator(tuple(values)))]
     for e in chain.effects:
         if e.stage in _STAGES:
             own.append((e.key, chain.onsets.get(e.key)))
             own += [(p.name, values[f"{e.key}.{p.name}"]) for p in e.parameters]
     return tuple(own)
+
+
+@lru_cache(maxsize=1000)
+def _of_actuator(names):
+    """Those of an actuator, in one order whatever that of the names."""
+    return tuple(sorted(name for name in names if name.startswith("actuator_")))
 
 
 def free_run(chain, values, through):

@@ -8,6 +8,10 @@ from sklvalve.cli import main
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.hypothesis import begun, may_come_and_go
+from sklvalve.mismatch.noise import NoiseModel
+from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
+from sklvalve.mismatch.on_and_off import _Course
+from sklvalve.mismatch.onset import losses_of
 from sklvalve.recording import Recording, Valve
 
 EFFECTS = ("flow_meter_gain", "flow_meter_bias", "clogging", "choked_flow")
@@ -90,3 +94,23 @@ def test_a_rival_acts_when_the_effect_does():
     assert begun(by_key["stiction"], times).switches == ()
     assert begun(by_key["flow_meter_gain"], None).onset is None
     assert not may_come_and_go(by_key["sedimentation"])
+
+
+@pytest.mark.parametrize("state", [True, False])
+def test_what_a_switch_gains_is_the_difference_of_two_whole_losses(state):
+    rng, n = np.random.default_rng(3), 700
+    left, adds = rng.standard_normal((2, n))
+    left[rng.random(n) < 0.1] = np.nan
+    noises = [
+        NoiseModel(np.full(m, 0.7), rng.choice([1.0, 4.0], m), 3.0, 0.4, 90.0, 0.6) for m in (300, n - 300)
+    ]
+    noise = NoiseOfPieces([(0, 300), (300, n)], noises)
+    course = object.__new__(_Course)
+    course.noise, course.channels, course.rows = {"flow": noise}, ("flow",), n
+    course.adds, course.left = {"flow": adds}, {"flow": left}
+    # one window goes on behind the join, one ends with the recording
+    rows = np.array([0, 30, 170, 299, 300, 520, 690])
+    for row, gain in zip(rows, course._gains(rows, state), strict=True):
+        toggled = left + (1.0 if state else -1.0) * np.where(np.arange(n) >= row, adds, 0.0)
+        losses = [losses_of(noise, each)[row : row + 150].sum() for each in (left, toggled)]
+        assert gain == pytest.approx(losses[0] - losses[1], rel=1e-9, abs=1e-9)

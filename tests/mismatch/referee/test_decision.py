@@ -10,6 +10,7 @@ import pytest
 import sklvalve.mismatch.referee.decision as decision
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.referee import black_box_prediction
+from sklvalve.mismatch.referee.black_box import chosen
 from sklvalve.mismatch.referee.comparison import Compared, compare, share_explained
 from sklvalve.mismatch.referee.forward import Forward
 
@@ -182,3 +183,13 @@ def test_a_channel_that_is_first_known_late_has_a_rival_all_the_same(healthy):
     still = {role: np.full(len(flow), 0.5) for role in ("command", "opening")}
     made = black_box_prediction(replace(healthy, signals={**healthy.signals, **still}), "opening", rows)
     np.testing.assert_allclose(made, 0.5)
+
+
+def test_rows_asked_for_are_those_of_the_whole_prediction(healthy):
+    train, later = np.arange(len(healthy)) < 480, slice(480, 560)
+    whole = black_box_prediction(healthy, "flow", train)
+    how = chosen(healthy, "flow", train)
+    made = black_box_prediction(healthy, "flow", train, how=how, at=later)
+    np.testing.assert_allclose(made, whole[later], rtol=1e-9)
+    other = black_box_prediction(healthy, "flow", train, how=(1.0, 1e-3), at=later)
+    assert not np.allclose(other, made, rtol=1e-3)
