@@ -28,18 +28,17 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 #: The commit that first held what is measured here.
 AGAINST = "f2c266f"
-#: Where the time goes: a function, and what it does. The first guess holds runs of the stem.
+#: Where the time goes: file and function, and what it does. The first guess holds runs of the stem.
 PARTS = {
-    "first_guess": "first guess of the actuator",
-    "positioner_and_actuator": "stem",
-    "flow": "flow",
-    "least_within": "bounded least squares",
-    "fit_noise": "noise",
-    "black_box_prediction": "black box",
-    "chosen": "black box, chosen",
-    "look_for_rest": "rest that no effect explains",
-    "find_change": "dating of a change",
-    "in_spells": "spells",
+    ("first_guess.py", "first_guess"): "first guess of the actuator",
+    ("stem.py", "positioner_and_actuator"): "stem",
+    ("chain.py", "flow"): "flow",
+    ("robust.py", "least_within"): "bounded least squares",
+    ("noise_fit.py", "fit_noise"): "noise",
+    ("black_box.py", "black_box_prediction"): "black box",
+    ("unknown.py", "look_for_rest"): "rest that no effect explains",
+    ("change.py", "find_change"): "dating of a change",
+    ("on_and_off.py", "in_spells"): "spells",
 }
 
 
@@ -184,6 +183,7 @@ def _found(diagnosis):
 
 def _where(places):
     """Share of the time of each part, of this code, over all recordings."""
+    _fitted(places[0])
     profile = cProfile.Profile()
     for place in places:
         profile.enable()
@@ -192,11 +192,12 @@ def _where(places):
     stats = pstats.Stats(profile)
     shares = dict.fromkeys(PARTS, 0.0)
     for (file, _, name), (*_, cumulative, _) in stats.stats.items():
-        if name in shares and "sklvalve" in file:
-            shares[name] += cumulative / stats.total_tt
+        part = Path(file).name, name
+        if part in shares:
+            shares[part] += cumulative / stats.total_tt
     print("\n| part (some hold others) | share of the time |\n|---|---|")
-    for name, share in sorted(shares.items(), key=lambda item: -item[1]):
-        print(f"| {PARTS[name]} | {share:.0%} |")
+    for part, share in sorted(shares.items(), key=lambda item: -item[1]):
+        print(f"| {PARTS[part]} | {share:.0%} |")
 
 
 def _side_by_side(places, jobs):

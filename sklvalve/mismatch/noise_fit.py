@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Noise of a channel, fitted to what a simulation leaves over of it: largest likelihood, by its derivatives."""
+"""Noise of a channel, fitted to what a simulation leaves over of it: the likeliest, by derivatives."""
 
 import numba as nb
 import numpy as np
@@ -9,9 +9,12 @@ from sklvalve.mismatch.noise import NoiseModel
 
 # how far a number may go from where its prior lies, logarithm
 _FURTHEST = 12.0
-# A fit begins twice. From where a part is nearly nothing no slope leads away, so once all are felt; and where
-# the quick part is begun as large as the white one it may pass for it, so once both correlated ones are small.
-_FELT, _SMALL = 0.1, (1.0, 30.0, 0.3, 0.1, 1.0, 0.1, 1.0)
+# A fit begins twice. From where a variance is nearly nothing no slope leads away, so once all are felt; and
+# where the quick part is begun as large as the white one it may pass for it, so once nearly all is white.
+_FELT, _SMALL = 0.1, np.array([1.0, 30.0, 0.3, 0.1, 1.0, 0.1, 1.0])
+_VARIANCES = np.array([True, True, True, True, False, True, False])
+# whole variance over that of differences from which on the latter are not trusted alone
+_STILL = 1e5
 _ENOUGH = {"maxiter": 60, "ftol": 1e-7, "gtol": 0.02}
 
 
@@ -50,7 +53,8 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
     size = max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
     moving = movement(simulated, step) ** 2
     level = np.nan_to_num(np.asarray(simulated, dtype=float) / max(np.nanmax(np.abs(simulated)), 1e-12)) ** 2
-    bounds, start = _bounds(step, cautious, (largest / size) ** 2)
+    whole = float(np.nanvar(residuals)) / size**2
+    bounds, start = _bounds(step, cautious, (largest / size) ** 2, whole)
     own = quantum**2 / 12.0
     unit = np.array([size**2, 1.0, size**2, size**2, 1.0, size**2, 1.0])
 
@@ -61,10 +65,12 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
         away = z - start
         return total + away @ away / 50.0, slope * numbers + away / 25.0
 
-    fits = [
-        minimize(loss, np.clip(z, *bounds), jac=True, method="L-BFGS-B", bounds=Bounds(*bounds), options=_ENOUGH)
-        for z in (np.maximum(start, np.log(_FELT)), start + np.log(_SMALL))
-    ]
+    felt = np.where(_VARIANCES, np.maximum(start, np.log(_FELT)), start)
+    white = start + np.log(_SMALL)
+    # of residuals that mostly stand still, or are mostly not known, the differences tell next to nothing
+    wide = [white + np.log(whole) * np.eye(7)[0]] if whole > _STILL else []
+    options = {"jac": True, "method": "L-BFGS-B", "bounds": Bounds(*bounds), "options": _ENOUGH}
+    fits = [minimize(loss, np.clip(z, *bounds), **options) for z in (felt, white, *wide)]
     base, timing, share, *correlated = unit * np.exp(min(fits, key=lambda each: each.fun).x)
     fast, fast_time, slow, slow_time = correlated
     sensor = own + base + share * level
@@ -72,16 +78,17 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
     return NoiseModel(white, step, fast_time, fast, slow_time, slow, float(np.mean(sensor[seen])))
 
 
-def _bounds(step, cautious, cap):
+def _bounds(step, cautious, cap, whole):
     """Least and most of the logarithms of a noise's numbers, and where their weak priors lie.
 
     In units of the quick noise's variance and in seconds: white part, its growth with movement and with the
-    signal's size, size and time constant of the quick part and of the wander.
+    signal's size, size and time constant of the quick part and of the wander. `cap` is the most of what is
+    correlated, `whole` the residuals' variance.
     """
-    dt, length = float(np.median(step)), float(np.sum(step))
-    most = 1.0 if cautious else np.inf
+    dt, length = max(float(np.median(step)), 1e-9), float(np.sum(step))
+    most, cap = 1.0 if cautious else np.inf, max(cap, 1e-30)
     numbers = [
-        (0.5, 0.0, min(3.0 * most, cap)),
+        (0.5, 0.0, 3.0 * most),
         # a sample too early or too late is wrong by the movement itself; more is no matter of timing
         (1e-3, 0.0, 0.1 if cautious else 1.0),
         (0.3, 0.0, np.inf),
@@ -93,7 +100,8 @@ def _bounds(step, cautious, cap):
     ]
     begin, low, high = np.array(numbers).T
     start = np.log(begin)
-    high = np.minimum(np.log(high), start + _FURTHEST)
+    reach = max(_FURTHEST, np.log(max(whole, 1.0)) + 3.0)
+    high = np.minimum(np.log(high), start + np.where(_VARIANCES, reach, _FURTHEST))
     low = np.maximum(np.log(np.maximum(low, 1e-300)), np.minimum(start, high) - _FURTHEST)
     return (low, high), start
 

@@ -218,6 +218,8 @@ def _never(chain):
     fluid = "gas" if GasExpansion().possible(chain) else "liquid"
     found = {e.name: f"a {e.fluid}" for e in CATALOGUE if e.fluid not in ("", fluid)}
     if chain.electric:
-        motors = {e.name for e in CATALOGUE if e.stage != "actuator" or getattr(e, "motor", False)}
-        found |= {name: "an actuator driven by air" for name in _NAMES if name not in motors}
+        of_air = "an actuator driven by air"
+        moved = [e for e in CATALOGUE if e.requires != of_air]
+        motors = {e.name for e in moved if e.stage != "actuator" or getattr(e, "motor", False)}
+        found |= {name: of_air for name in _NAMES if name not in motors}
     return found

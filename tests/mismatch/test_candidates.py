@@ -64,3 +64,4 @@ def test_what_a_motor_cannot_have_does_not_apply():
     assert {"spring_fault", "actuator_leak", "supply_pressure_drop"} <= never
     assert not never & found
     assert "slew_limit" in found
+    assert not [name for name, each in lacking.items() if "air" in each["needs"] and name not in never]

@@ -175,3 +175,31 @@ def test_what_no_noise_may_exceed_may_lie_far_below_the_quick_noise():
     noise = fit_noise(_noise(1), np.ones(ROWS), np.ones(ROWS), largest=1e-6)
     assert np.isfinite(noise.whiten(_noise(2))).all()
     assert noise.fast_size <= 1e-12 * 1.001
+
+
+@pytest.mark.parametrize("largest", [0.3, 0.1])
+def test_white_noise_may_be_larger_than_what_is_correlated(largest):
+    # shut for half of the time: what grows with the signal is no white noise then
+    signal = np.maximum(np.sin(np.arange(ROWS) / 100.0), 0.0)
+    residuals = _noise(4)
+    noise = fit_noise(residuals, signal, np.ones(ROWS), largest=largest)
+    assert np.std(noise.whiten(residuals)) == pytest.approx(1.07, abs=0.05)
+
+
+@pytest.mark.parametrize("inadequacy", [0.0, 0.05])
+@pytest.mark.parametrize("way", ["held", "every second"])
+def test_values_that_stand_still_or_are_mostly_missing_have_their_noise(way, inadequacy):
+    residuals = _noise(5)
+    if way == "held":
+        residuals = np.repeat(residuals[::5], 5)
+    else:
+        residuals[1::2] = np.nan
+    noise = fit_noise(residuals, np.ones(ROWS), np.ones(ROWS), inadequacy=inadequacy)
+    white = noise.whiten(residuals)[np.isfinite(residuals)]
+    assert np.std(white) == pytest.approx(1.1, abs=0.25)
+
+
+@pytest.mark.parametrize("step", [0.0, 1e-3])
+def test_steps_of_no_time_and_of_little_are_fitted(step):
+    noise = fit_noise(_noise(6), np.ones(ROWS), np.full(ROWS, step), largest=0.0)
+    assert np.std(noise.whiten(_noise(6))) == pytest.approx(1.07, abs=0.05)

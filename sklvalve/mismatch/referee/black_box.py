@@ -19,7 +19,7 @@ _TUNED_ON = 600
 _GRID = tuple((gamma, C) for gamma in (0.01, 0.05, 0.2) for C in (10.0, 1000.0))
 
 
-def black_box_prediction(recording, channel, train, *, closed=False, how=None, at=None):
+def black_box_prediction(recording, channel, train, *, closed=False, at=None):
     """Prediction of a channel by a black box that saw the `train` rows only.
 
     Parameters
@@ -30,8 +30,6 @@ def black_box_prediction(recording, channel, train, *, closed=False, how=None, a
     closed : bool, default=False
         Whether a controller answers the channel by the driver. An LS-SVM on lagged commands would learn the
         controller backwards there, so responses of one sign take its place (`one_sign_prediction`).
-    how : (float, float), default=None
-        Width of the kernel and weight of the errors; `chosen` on the same rows unless given.
     at : slice, default=None
         Rows to predict; all unless given.
 
@@ -48,21 +46,9 @@ def black_box_prediction(recording, channel, train, *, closed=False, how=None, a
         y = recording[channel]
         return np.full(len(y), np.nanmean(y[train] if np.isfinite(y[train]).any() else y))[at]
     rows, Z, y, size = learnt
-    gamma, C = how or _best(rows, Z, y)
+    gamma, C = _best(rows, Z, y)
     many = rows[:: max(len(rows) // _MOST_ROWS, 1)]
     return LSSVMRegressor(gamma=gamma, C=C).fit(Z[many], y[many]).predict(Z[at]) * size
-
-
-def chosen(recording, channel, train):
-    """Width of the kernel and weight of the errors that predict quarters of the `train` rows best.
-
-    Returns
-    -------
-    how : (float, float) or None
-        None where there is too little to learn from.
-    """
-    learnt = _learnt_from(recording, channel, train)
-    return None if learnt is None else _best(*learnt[:3])
 
 
 def _learnt_from(recording, channel, train):
@@ -78,6 +64,7 @@ def _learnt_from(recording, channel, train):
 
 
 def _best(rows, Z, y):
+    """Width of the kernel and weight of the errors that predict quarters of the rows best."""
     few = rows[:: max(len(rows) // _TUNED_ON, 1)]
 
     def error(gamma, C):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from sklvalve.mismatch.origins import spans_of
-from sklvalve.mismatch.referee.black_box import black_box_prediction, chosen
+from sklvalve.mismatch.referee.black_box import black_box_prediction
 from sklvalve.mismatch.referee.feedback import ANSWERS_FROM, answers, driver_of
 from sklvalve.mismatch.refitting import lines_of, refitted
 from sklvalve.mismatch.slow_rest import learn_rest
@@ -79,12 +79,12 @@ def forward_in_time(workbench, nominal, model, unknown=None):
 
 
 def _black_box_ahead(recording, channel, spans, closed):
-    """Forecasts of one channel by the black box; how it learns is chosen once, before the first origin."""
+    """Forecasts of one channel by the black box."""
     n = len(recording)
-    pasts = [np.arange(n) < span.start for span in spans]
-    how, made = None if closed else chosen(recording, channel, pasts[0]), np.full(n, np.nan)
-    for span, past in zip(spans, pasts, strict=True):
-        made[span] = black_box_prediction(recording, channel, past, closed=closed, how=how, at=span)
+    made = np.full(n, np.nan)
+    for span in spans:
+        past = np.arange(n) < span.start
+        made[span] = black_box_prediction(recording, channel, past, closed=closed, at=span)
     return made
 
 

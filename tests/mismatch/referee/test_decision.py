@@ -10,7 +10,6 @@ import pytest
 import sklvalve.mismatch.referee.decision as decision
 from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.referee import black_box_prediction
-from sklvalve.mismatch.referee.black_box import chosen
 from sklvalve.mismatch.referee.comparison import Compared, compare, share_explained
 from sklvalve.mismatch.referee.forward import Forward
 
@@ -188,8 +187,5 @@ def test_a_channel_that_is_first_known_late_has_a_rival_all_the_same(healthy):
 def test_rows_asked_for_are_those_of_the_whole_prediction(healthy):
     train, later = np.arange(len(healthy)) < 480, slice(480, 560)
     whole = black_box_prediction(healthy, "flow", train)
-    how = chosen(healthy, "flow", train)
-    made = black_box_prediction(healthy, "flow", train, how=how, at=later)
+    made = black_box_prediction(healthy, "flow", train, at=later)
     np.testing.assert_allclose(made, whole[later], rtol=1e-9)
-    other = black_box_prediction(healthy, "flow", train, how=(1.0, 1e-3), at=later)
-    assert not np.allclose(other, made, rtol=1e-3)
