@@ -66,6 +66,13 @@ class Evidence:
     slopes : ndarray of shape (n_channels * n + n_priors, n_parameters), default=None
         Derivatives of the whitened residuals, and of the distances from the priors, with regard to the
         calibration, which answers where the change acts in other rows.
+
+    Attributes
+    ----------
+    change : dict
+        Channel -> what the change takes off the residual.
+    without : ndarray
+        Residuals without the change, whitened, weighed, less what the calibration can answer.
     """
 
     noise: dict
@@ -81,6 +88,8 @@ class Evidence:
         weights[: len(settled)] = np.sqrt(robust_weights(settled))
         object.__setattr__(self, "_weights", weights)
         object.__setattr__(self, "_basis", np.linalg.qr(slopes * weights[:, None])[0])
+        object.__setattr__(self, "change", {c: b - self.after[c] for c, b in self.before.items()})
+        object.__setattr__(self, "without", self.free(self.whitened(self.before)))
 
     @property
     def n(self):
@@ -100,10 +109,9 @@ class Evidence:
 
     def cost(self, acts):
         """Robust cost where the change acts in some rows only, the calibration and its size in answer."""
-        change = {c: self.before[c] - self.after[c] for c in self.before}
-        left = self.whitened({c: np.where(acts, self.after[c], b) for c, b in self.before.items()})
-        left = self.free(left)
-        own = self.free(self.whitened({c: np.where(acts, gap, 0.0 * gap) for c, gap in change.items()}))
+        # what acts in some rows is taken off all that is left: filter and projection are linear
+        own = self.free(self.whitened({c: np.where(acts, gap, 0.0 * gap) for c, gap in self.change.items()}))
+        left = self.without - own
         size = float(own @ left) / max(float(own @ own), 1e-300)
         return robust_cost((left - np.clip(size, -_MORE, _MORE) * own) / self._weights)
 
@@ -113,9 +121,9 @@ class Evidence:
         for low, high in zip(starts, np.append(starts[1:], self.n), strict=True):
             inside = (place >= low) & (place < high)
             # a gap stays one
-            columns.append(self.whitened({c: (b - self.after[c]) * inside for c, b in self.before.items()}))
+            columns.append(self.whitened({c: gap * inside for c, gap in self.change.items()}))
         moved = self.free(np.stack(columns, axis=1))
-        return moved.T @ moved, moved.T @ self.free(self.whitened(self.before))
+        return moved.T @ moved, moved.T @ self.without
 
 
 def course_of(evidence, acts, *, late=0):
@@ -258,11 +266,11 @@ def growing_course(evidence, clock, acts, candidates):
     """
     n, begin = evidence.n, int(np.argmax(acts))
     since = clock - clock[0]
-    target, gains, sizes = evidence.free(evidence.whitened(evidence.before)), [], []
+    target, gains, sizes = evidence.without, [], []
     places = sorted({int(k) for k in candidates} | {begin})
     for k in places:
         strength = np.maximum(since - since[k], 0.0) / np.where(since > 0.0, since, 1.0)
-        grown = {c: strength * (b - evidence.after[c]) for c, b in evidence.before.items()}
+        grown = {c: strength * gap for c, gap in evidence.change.items()}
         ramp = evidence.free(evidence.whitened(grown))
         sizes.append(float(ramp @ target) / max(float(ramp @ ramp), 1e-12))
         gains.append(0.5 * float(ramp @ target) * sizes[-1])
