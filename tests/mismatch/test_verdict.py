@@ -159,7 +159,7 @@ def test_next_test_separates_what_is_open_first():
     assert next_test([clogging, open_one], "named", None, stem_seen) == EFFECTS["seat_leakage"].separated_by
     assert next_test([clogging], "named", None, stem_seen) == EFFECTS["clogging"].separated_by
     unknown = SimpleNamespace(inputs=("opening", "pressure_ratio"), period=None)
-    assert "opening and pressure ratio" in next_test([], "none_of_these", unknown, stem_seen)
+    assert "opening and the pressure ratio" in next_test([], "none_of_these", unknown, stem_seen)
     assert next_test([], "no_mismatch", None, stem_seen) is None
     assert "stem position" in next_test([], "no_mismatch", None, SimpleNamespace(recording=set()))
 
