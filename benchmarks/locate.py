@@ -26,7 +26,7 @@ from sklvalve.datasets import CONCEALABLE, make_valve_recording
 from sklvalve.mismatch.bands import simultaneous_bands
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.cells import cells_of, cells_of_signals, rate_of_travel
-from sklvalve.mismatch.noise_fit import fit_noise
+from sklvalve.mismatch.noise import fit_noise
 from sklvalve.mismatch.preparation import prepared_workbench
 
 IN_NO_CATALOGUE = ("trim_rotation", "thermal_bow", "hydrate_pulses")

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import nnls
 
-from sklvalve.mismatch.noise import NoiseModel
-from sklvalve.mismatch.noise_fit import movement
+from sklvalve.mismatch.noise import NoiseModel, movement
 from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
 from sklvalve.simulation.calibration import span_of
 from sklvalve.simulation.chain import ATMOSPHERE

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Noise of a channel: white, quickly correlated and slowly wandering parts, as a filter that whitens.
+"""Noise of a channel: white, quickly correlated and slowly wandering parts, fitted by likelihood.
 
 Residuals of a valve are correlated. A test that takes them for independent raises a false alarm in nearly
 every healthy record, and one that whitens them without a slow part in most. So the noise is a state-space
@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numba as nb
 import numpy as np
+from scipy.optimize import minimize
 
 
 @nb.njit(cache=True, nogil=True)
@@ -64,6 +65,47 @@ def _innovations(residuals, gain, keep, spread):
             s += gain[k, 1] * left
             out[k] = left / spread[k]
     return out
+
+
+@nb.njit(cache=True, nogil=True)
+def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_size, slow_time, slow_size):
+    """Negative robust log likelihood of residuals, in one pass: gains, innovations and their spreads.
+
+    The white variance of a row is ``base + share level + timing moving``.
+    """
+    p11, p12, p22 = fast_size, 0.0, slow_size
+    a = b = last = f = s = total = 0.0
+    product = 1.0
+    for k in range(len(residuals)):
+        if step[k] != last:
+            last = step[k]
+            a = np.exp(-last / fast_time)
+            b = np.exp(-last / slow_time)
+        p11 = a * a * p11 + (1.0 - a * a) * fast_size
+        p22 = b * b * p22 + (1.0 - b * b) * slow_size
+        p12 = a * b * p12
+        f *= a
+        s *= b
+        e = residuals[k]
+        if e != e:
+            continue
+        v = p11 + 2.0 * p12 + p22 + base + share * level[k] + timing * moving[k]
+        g1 = (p11 + p12) / v
+        g2 = (p12 + p22) / v
+        left = e - f - s
+        f += g1 * left
+        s += g2 * left
+        total += 9.0 * (np.sqrt(1.0 + left * left / (9.0 * v)) - 1.0)
+        # logarithms are dear: of a product of some rows, before it leaves the range of a number
+        product *= v
+        if product < 1e-200 or product > 1e200:
+            total += 0.5 * np.log(product)
+            product = 1.0
+        q11, q12, q22 = p11, p12, p22
+        p11 = q11 - g1 * (q11 + q12)
+        p12 = q12 - g1 * (q12 + q22)
+        p22 = q22 - g2 * (q12 + q22)
+    return total + 0.5 * np.log(product)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,3 +175,101 @@ class NoiseModel:
     @property
     def _white(self):
         return float(np.mean(self.white[np.isfinite(self.white)]))
+
+
+def movement(simulated, step, memory=4.5):
+    """How fast a simulated signal moves around each row: where errors of timing and response weigh.
+
+    Parameters
+    ----------
+    simulated, step : ndarray of shape (n,)
+    memory : float, default=4.5
+        Time constant with which a movement is forgotten [s]; a healthy response is over after a few.
+    """
+    signal = np.asarray(simulated, dtype=float)
+    known = np.isfinite(signal)
+    filled = np.interp(np.arange(len(signal)), np.flatnonzero(known), signal[known])
+    slope = np.abs(np.diff(filled, prepend=filled[0]))
+    ahead = np.append(slope[1:], 0.0)
+    return _forgotten(np.maximum(slope, 0.5 * ahead), np.exp(-step / memory))
+
+
+@nb.njit(cache=True, nogil=True)
+def _forgotten(values, keep):
+    out = np.empty_like(values)
+    held = 0.0
+    for k in range(len(values)):
+        held = max(values[k], keep[k] * held)
+        out[k] = held
+    return out
+
+
+def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, largest=np.inf, cautious=False):
+    """Noise model of residuals, by maximum likelihood.
+
+    Parameters
+    ----------
+    residuals : ndarray of shape (n,)
+        Recorded minus simulated; NaN in gaps.
+    simulated : ndarray of shape (n,)
+        The simulated signal: the white part may grow with its movement and with its size.
+    step : ndarray of shape (n,)
+        Time since the sample before [s].
+    quantum : float, default=0.0
+        Resolution of the recorded signal; its variance is a floor of the white part.
+    inadequacy : float, default=0.0
+        Standard deviation of what a healthy simulation gets wrong; it keeps a very quiet sensor from making
+        a giant of every small error.
+    largest : float, default=inf
+        Largest standard deviation of a correlated part: what is larger is no noise of a sensor.
+    cautious : bool, default=False
+        Hold the wander to the size of the quick noise. For residuals that may still hold missing physics,
+        which a free wander would take up.
+
+    Returns
+    -------
+    noise : NoiseModel
+    """
+    residuals = np.asarray(residuals, dtype=float)
+    seen = np.isfinite(residuals)
+    # from differences, so that missing physics, which is mostly slow, does not pass for noise
+    quick = np.diff(residuals)
+    quick = quick[np.isfinite(quick)]
+    size = 1.4826 * float(np.median(np.abs(quick))) / np.sqrt(2.0) if len(quick) else 0.0
+    size = max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
+    most = 1.0 if cautious else np.inf
+    cap = (largest / size) ** 2
+    moving = movement(simulated, step) ** 2
+    level = np.nan_to_num(np.asarray(simulated, dtype=float) / max(np.nanmax(np.abs(simulated)), 1e-12)) ** 2
+    length = float(np.sum(step))
+    dt = float(np.median(step))
+
+    def parts(z):
+        base, timing, share, fast, fast_time, slow, slow_time = np.exp(z)
+        fast, slow, base = min(fast, most, cap), min(slow, 0.3 * most, cap), min(base, 3.0 * most)
+        # a sample too early or too late is wrong by the movement itself; more is no matter of timing
+        timing = min(timing, 0.1 if cautious else 1.0)
+        # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
+        fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
+        slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
+        own = quantum**2 / 12.0 + base * size**2
+        return own, share * size**2, timing, fast_time, fast * size**2, slow_time, slow * size**2
+
+    def loss(z):
+        own, share, timing, *correlated = parts(z)
+        # weak priors keep parts that are not there from running off
+        away = np.sum((z - start) ** 2) / 50.0
+        white = own + inadequacy**2
+        return away + _loss(residuals, step, white, share, level, timing, moving, *correlated)
+
+    start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
+    found = minimize(
+        loss,
+        start,
+        method="Nelder-Mead",
+        options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
+    )
+    own, share, timing, *correlated = parts(found.x)
+    sensor = own + share * level
+    white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
+    return NoiseModel(white, step, *correlated, float(np.mean(sensor[seen])))

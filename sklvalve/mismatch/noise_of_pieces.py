@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sklvalve.mismatch.noise import NoiseModel
-from sklvalve.mismatch.noise_fit import fit_noise
+from sklvalve.mismatch.noise import NoiseModel, fit_noise
 from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
 

@@ -24,7 +24,7 @@ def white_noise(residuals, simulated, step, *, quantum=0.0, **settings):
     quantum : float, default=0.0
         Resolution of the recorded signal; its variance is a floor.
     **settings
-        Of `sklvalve.mismatch.noise_fit.fit_noise`; not used.
+        Of `sklvalve.mismatch.noise.fit_noise`; not used.
 
     Returns
     -------
