@@ -70,7 +70,9 @@ def test_a_lost_supply_is_found_wherever_the_calibration_lies(starved):
     assert first.effect is SUPPLY
     assert found[0].values["supply_pressure_drop.drop"] == pytest.approx(0.72, abs=0.03)
     left = [np.nanmean(bench.residuals(m)["opening"] ** 2) for m in (nominal, *found)]
-    assert max(left[1:]) <= 0.5 * left[0]
+    # the cause leaves a twentieth; a mere lag, the other that a slow stem suggests, half of it
+    assert left[1] <= 0.1 * left[0]
+    assert max(left[1:]) <= 0.6 * left[0]
     assert left[1:] == sorted(left[1:])
 
 
