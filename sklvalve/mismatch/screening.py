@@ -118,8 +118,8 @@ class Trial:
         errors = line.with_priors(self.errors_at([z])[0])
         cost, steps = line.answered(errors)
         for _ in range(_STEPS):
-            moved, reach = self.misfit.neighbours(z)
-            beside = [line.with_priors(e) for e in self.errors_at(moved)]
+            moved, reach, near = self.misfit.neighbours(z)
+            beside = [line.with_priors(near.whitened(near.predictions(m))) for m in moved]
             columns = np.stack([(e - errors) / r for e, r in zip(beside, reach, strict=True)], axis=1)
             _, joint = line.answered(errors, columns, vector.low - z, vector.high - z)
             gained = 0.0

@@ -14,7 +14,7 @@ import numpy as np
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
-from sklvalve.simulation.free_run import free_run, key_of_free_run
+from sklvalve.simulation.free_run import free_run, key_of_free_run, slopes_of_free_run
 from sklvalve.simulation.side_by_side import side_by_side
 from sklvalve.simulation.stages import choked_drop, first_order_lag
 from sklvalve.simulation.trim import GRID
@@ -23,6 +23,10 @@ ATMOSPHERE = 101_325.0
 _ROOM = 293.15
 # free runs kept at hand, in numbers (8 bytes each)
 _NUMBERS_KEPT = 16_000_000
+# a run with slopes takes as long as so many without
+_WORTH_SLOPES = 3
+# of a step to a neighbour: what effects make of command and drive is all but straight so near
+_LITTLE = 1e-3
 
 
 def clock_of(recording):
@@ -177,12 +181,16 @@ class Chain:
 
     def stem_of_free_run(self, values):
         """Opening of the stem itself, free run from the command [1]."""
+        return self._through("stem", self.run(values), values)
+
+    def run(self, values):
+        """Free run from the command, before effects on the stem itself [1]."""
         key = key_of_free_run(self, values)
         run = self._runs.get(key)
         if run is None:
             run = free_run(self, values, self._through)
             self._keep([(key, run)])
-        return self._through("stem", run, values)
+        return run
 
     def free_runs_ahead(self, several):
         """Run the stem for several sets of values side by side, to have the results at hand later."""
@@ -190,6 +198,39 @@ class Chain:
         missing = [key for key in wanted if key not in self._runs]
         runs = side_by_side(lambda key: free_run(self, wanted[key], self._through), missing)
         self._keep(zip(missing, runs, strict=True))
+
+    def near(self, values, several, reach):
+        """The same stages with the free runs of neighbours at hand, as the slopes of one run foretell them.
+
+        Parameters
+        ----------
+        values : dict
+        several : list of dict
+            Values beside these, one step in one parameter each.
+        reach : sequence of float
+            Length of each step.
+
+        Returns
+        -------
+        chain : Chain
+            This one, where a run has no slopes or too few are asked for: it has run for all neighbours then.
+        """
+        own = key_of_free_run(self, values)
+        keys = [key_of_free_run(self, v) for v in several]
+        moving = [i for i, key in enumerate(keys) if key != own]
+        if len(moving) < _WORTH_SLOPES:
+            self.free_runs_ahead(several)
+            return self
+        little = [{n: values[n] + _LITTLE * (v - values[n]) for n, v in several[i].items()} for i in moving]
+        slopes = slopes_of_free_run(self, values, little, [_LITTLE * reach[i] for i in moving], self._through)
+        if slopes is None:
+            self.free_runs_ahead(several)
+            return self
+        base, other = self.run(values), copy(self)
+        other._runs = {own: base}
+        for i, slope in zip(moving, slopes, strict=True):
+            other._runs[keys[i]] = base + reach[i] * slope
+        return other
 
     def _keep(self, runs):
         if len(self._runs) > max(_NUMBERS_KEPT // len(self.time), 40):

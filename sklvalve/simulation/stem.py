@@ -1,50 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stem of a pneumatic actuator behind its positioner: one scan along time, compiled."""
-
-from math import exp, sqrt
+"""Stem of a pneumatic actuator behind its positioner: one scan along time, compiled, with its derivatives."""
 
 import numba as nb
 import numpy as np
 
-from sklvalve.simulation.nozzles import supply_nozzle, vent_nozzle
+from sklvalve.simulation.dual import dual, kept
+from sklvalve.simulation.stem_step import actuator, after_a_sample, at_rest, faulty, sound
 
-# of the pressure's change, and in time: what a step may leave to the straight lines drawn through it
-_LARGEST_CHANGE, _LONGEST, _STEP_OF_SLIPPING = 0.01, 2.0, 0.04
-# what a stem has gone beyond a share of its bristles' bend is a slip, over in milliseconds
-_FREED, _SLIP_TIME = 0.3, 0.005
-# longest step while the positioner feels the stem elsewhere [lags], and the distance that hardly counts
-_OFTEN, _HARDLY = 1.0, 0.003
-_BRISTLE, _STRIBECK, _VISCOUS, _DEAD_VOLUME = 60.0, 0.03, 0.005, 5.0
+#: So many slopes one scan may carry along: those of one register of a wide processor, or of two.
+NARROW, WIDE = 8, 16
 
 
-@nb.njit(cache=True, inline="always")
-def _beyond(value, band):
-    return value - min(max(value, -band), band)
+# no check for division by zero: no divisor can be zero
+_scan = nb.njit(cache=True, nogil=True, error_model="numpy")
 
 
-@nb.njit(cache=True, inline="always")
-def _displacement(push, tight, held, stiff):
-    # d where  push = tight d + held (1 - exp(-stiff d)); and what of `held` is left there, as a share.
-    # Begun where a bristle that fades as 1 / (1 + u) would come to rest, two or three Newton steps suffice.
-    steep = held * stiff
-    b = push * stiff - tight - steep
-    c = tight * stiff
-    root = sqrt(b * b + 4.0 * c * push)
-    d = 2.0 * push / (root - b) if b < 0.0 else 0.5 * (b + root) / c
-    fade = 1.0
-    for _ in range(4):
-        fade = exp(-stiff * d)
-        off = (push - tight * d - held * (1.0 - fade)) / (tight + steep * fade)
-        d += off
-        off *= stiff
-        fade *= 1.0 - off + 0.5 * off * off
-        if abs(off) < 3e-3:
-            break
-    return d, fade
-
-
-# no check for division by zero in the innermost loop: no divisor there can be zero
-@nb.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "arcp", "nsz"})
+@_scan
 def positioner_and_actuator(
     command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band, faults, filter_time, gain,
     reset, rate, feedback, vent, lag=0.0,
@@ -98,199 +69,93 @@ def positioner_and_actuator(
     are as long as the pressure's rate allows; their length follows the state without jumps, so the opening
     is smooth in every parameter. Where a stem hunts it is not, for hunting is chaotic.
     """
-    n = len(command)
-    out = np.empty(n)
-    faulty = len(faults) > 0
-    per_filter_time = 1.0 / max(filter_time, 1e-6)
-    per_lag = 1.0 / max(lag, 1e-6)
+    out = np.empty(len(command))
+    own = actuator(spring, atmosphere, filter_time, gain, reset, feedback, vent, lag)
     x = min(max(x0, 0.0), 1.0)
-    wanted = command[0]
-    if wanted != wanted:
-        wanted = x
-    target = wanted
-    # a stem that stands at its end of travel may be pressed against it by any pressure
-    mass = (x + spring) * (_DEAD_VOLUME + x)
-    lever = x
-    bristle, capacity = _BRISTLE, rate
-    integral, bend, speed = 0.0, 0.0, 0.0
-    known, eased, old, drag = -1.0, 0.0, 0.0, 0.0
-    felt, caught, followed = x, 1.0, 1.0
-    for k in range(n):
+    target = command[0] if command[0] == command[0] else x
+    state, pace = at_rest(x, target, own)
+    for k in range(len(command)):
         if command[k] == command[k]:
             target = command[k]
-        # whatever happened before the last 40 s has settled
-        remaining = min(step[k], 40.0)
-        ps, stick, band = supply[k], extra_stick[k], dead_band[k]
-        slide = max(coulomb[k], 1e-4)
-        limit, ground = slide + stick, slide
-        softening, hardening, pre, leak, play = 0.0, 0.0, spring, 0.0, 0.0
-        if faulty:
-            pre = spring + faults[k, 0] + faults[k, 6]
-            softening, hardening = faults[k, 1], faults[k, 2]
-            leak, play = faults[k, 3], 0.5 * faults[k, 7]
-            bristle = faults[k, 8] if faults[k, 8] > 0.0 else _BRISTLE
-            capacity = rate * (1.0 + faults[k, 9])
-        while remaining > 1e-9:
-            volume = 1.0 / (_DEAD_VOLUME + x)
-            pressure = mass * volume
-            air = pressure * volume
-            seen = x
-            if play > 0.0:
-                lever = min(max(lever, x - play), x + play)
-                seen = lever
-            if lag <= 0.0:
-                felt = seen
-            behind = seen - felt
-            far, near = target - felt, wanted - felt
-            # the air that the positioner's aim asks for, less the air that its gauge shows
-            short = feedback * (spring + wanted - pressure)
-
-            # how fast the pressure may change in this step decides on its length
-            wish = gain * _beyond(near + short, band) + integral
-            filling = wish >= 0.0
-            if filling:
-                inlet, slope = supply_nozzle(pressure, ps)
-            else:
-                inlet, slope = vent_nozzle(pressure, atmosphere, vent)
-            busy = capacity * min(max(wish, -1.0), 1.0) * inlet
-            lost, lost_slope = 0.0, 0.0
-            if leak > 0.0:
-                lost, lost_slope = vent_nozzle(pressure, atmosphere, leak * capacity)
-                busy -= lost
-            busy = abs(busy) * volume
-            if target != wanted:
-                # it will not outrun the filter, which carries pressure and spring along
-                wish = gain * _beyond(far + feedback * (spring + target - pressure), band) + integral
-                wide = capacity * min(abs(wish), 1.0) * (inlet if (wish >= 0.0) == filling else ps)
-                busy = max(busy, min(wide * volume, 2.0 * abs(target - wanted) * per_filter_time))
-            h = min(_LONGEST, remaining)
-            if stick > 0.0:
-                # a stem about to slip is watched closely; it goes on sliding no faster than air drives it
-                speed = min(speed, busy)
-                limit = slide + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
-                margin = 0.5 * (limit - abs(bristle * bend))
-                if h * busy > margin:
-                    h = min(h, max(_STEP_OF_SLIPPING, margin / busy))
-            loose = 0.0
-            if play > 0.0:
-                # until the stem has taken up the play nothing checks it: it must not go far on its own
-                gap = play - (x - lever if filling else lever - x)
-                if h * busy > gap:
-                    h = min(h, max(0.05, gap / busy))
-                loose = min(gap / (h * busy + 1e-9), 1.0)
-            if h * busy > _LARGEST_CHANGE:
-                h = _LARGEST_CHANGE / busy
-            if lag > 0.0:
-                # while the positioner feels the stem where it was, it must not be asked too seldom
-                h = min(h, lag * (_OFTEN + _HARDLY / (abs(behind) + 1e-9)))
-            remaining -= h
-            if h != known:
-                known = h
-                drag = _VISCOUS / h
-                q = h * per_filter_time
-                eased = 1.0 - exp(-q) if q > 1e-3 else q * (1.0 - 0.5 * q)
-                # twice the weight that the filter's beginning has in the step's mean
-                old = 2.0 * (1.0 - 1.0 / eased + 1.0 / q) if q > 1e-3 else 1.0
-                if lag > 0.0:
-                    q = h * per_lag
-                    caught = 1.0 - exp(-q) if q > 1e-3 else q * (1.0 - 0.5 * q)
-                    # of a way made in this step so much is felt at its end
-                    followed = 1.0 - caught / q if q > 1e-3 else 0.5 * q
-
-            moved = eased * (target - wanted)
-            spool = (
-                gain * _beyond(near + short + 0.6 * ((1.0 + feedback) * moved - caught * behind), band)
-                + integral
+        told = supply[k], coulomb[k], extra_stick[k], dead_band[k]
+        if len(faults) == 0:
+            drive = sound(told, spring, rate)
+        else:
+            f = faults[k]
+            drive = faulty(
+                told, (f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9]), spring, rate
             )
-            if (spool >= 0.0) != filling:
-                if filling:
-                    inlet, slope = vent_nozzle(pressure, atmosphere, vent)
-                else:
-                    inlet, slope = supply_nozzle(pressure, ps)
-            if faulty:
-                ground = slide + max(faults[k, 4] * (x - faults[k, 5]), 0.0)
-                limit = ground + stick * exp(-((speed * (1.0 / _STRIBECK)) ** 2))
-            stiff = bristle / limit
-            tight = 1.0 + air
-            force = pressure - pre - x
-            if faulty:
-                force -= x * (softening + hardening * x * x)
-                tight += softening + 3.0 * hardening * x * x
-            # friction that a stem at rest has still in hand holds it as a spring does
-            hold = tight
-            bent = bristle * bend if spool > 0.0 else -bristle * bend
-            if bent < limit:
-                hold += (limit - bent) * stiff
-            y = h * volume * capacity * (inlet * gain * followed + abs(slope * spool) * hold)
-            theta = (hold + y) / (2.0 * hold + y)
-
-            there = (1.0 - (1.0 - theta) * old) * moved
-            near -= theta * caught * behind
-            asked = near + short + (1.0 + feedback) * there
-            error = _beyond(near + there, band)
-            grip, gauge = (gain + theta * h * reset) * (1.0 - loose) * followed, 0.0
-            if abs(asked) > band:
-                spool = gain * _beyond(asked, band) + theta * h * reset * error + integral
-                if abs(spool) > 1.0:
-                    spool = 1.0 if spool > 0.0 else -1.0
-                    grip = 0.0
-                else:
-                    gauge = capacity * inlet * gain * feedback
-            else:
-                # within its dead band a positioner leaves the air as it is
-                grip, spool = 0.0, 0.0
-            fall = capacity * abs(slope * spool) + lost_slope + gauge
-            share = h / (1.0 + h * theta * fall * volume)
-            inflow = (capacity * inlet * spool - lost) * share
-            back = theta * (capacity * grip * inlet - fall * air) * share
-
-            left = force - bristle * bend + inflow * volume
-            side = 1.0 if left > 0.0 else -1.0
-            way = 0.0
-            speed = 0.0
-            if (x < 1.0) if side > 0.0 else (x > 0.0):
-                push = side * left
-                through = tight + back * volume + drag
-                if faulty and faults[k, 4] * (x - faults[k, 5]) > 0.0:
-                    through += max(side * faults[k, 4], 0.0)
-                before, first = side * bend, np.inf
-                for _slip in range(8):
-                    held = limit - bristle * before
-                    if held > 0.0:
-                        way, fade = _displacement(push, through, held, stiff)
-                    elif push > held:
-                        # friction has fallen below what the bristles hold
-                        way = (push - held) / through
-                        fade = exp(-stiff * way)
-                    else:
-                        break
-                    bend = side * (limit - held * fade) / bristle
-                    if stick <= 0.0:
-                        break
-                    # friction falls under way: by the speed at which air drives what bristles hold no more,
-                    # and where that frees a way beyond the bristles' own, before the positioner knows
-                    fast = max(inflow * volume * side, 0.0) / (h * (through + stiff * max(held, 0.0) * fade))
-                    if (way - first) * bristle > _FREED * limit:
-                        fast = (way - first) * (1.0 / _SLIP_TIME)
-                    first = min(first, way)
-                    falling = ground + stick * exp(-((fast * (1.0 / _STRIBECK)) ** 2))
-                    if falling > 0.99 * limit:
-                        break
-                    limit, stiff = falling, bristle / falling
-                    through -= back * volume
-                    back = 0.0
-                x += side * way
-                if 0.0 <= x <= 1.0:
-                    speed = way / h
-                else:
-                    end = 1.0 if x > 1.0 else 0.0
-                    way -= abs(x - end)
-                    x = end
-            mass += inflow - side * back * way
-            if grip > 0.0:
-                error -= side * theta * followed * way
-            felt += caught * behind + followed * side * way
-            integral = min(max(integral + h * reset * error, -0.2), 0.2)
-            wanted += moved
-        out[k] = x
+        state, pace = after_a_sample(state, pace, target, step[k], drive, own)
+        out[k] = state.x
     return out
+
+
+@_scan
+def stem_with_slopes(
+    command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band, faults, numbers,
+    row_slopes, number_slopes, like,
+):  # fmt: skip
+    """What `positioner_and_actuator` gives, with its derivatives by several parameters at once.
+
+    Parameters
+    ----------
+    command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band
+        As there.
+    faults : ndarray of shape (n, 10) or (1, 10)
+        As there; zeros in a sound actuator, and one row where nothing changes with time.
+    numbers : ndarray of shape (7,)
+        `filter_time`, `gain`, `reset`, `rate`, `feedback`, `vent` and `lag`.
+    row_slopes : tuple of 15 ndarrays of shape (n, p) or (1, p)
+        Derivatives of `command`, `supply`, `coulomb`, `extra_stick`, `dead_band` and of the ten faults.
+    number_slopes : ndarray of shape (7, p)
+    like : tuple of p numbers
+        Of `NARROW` or `WIDE` length; so the compiler knows p.
+
+    Returns
+    -------
+    opening : ndarray of shape (n,)
+        Position of the stem [1].
+    slopes : ndarray of shape (n, p)
+        Its derivatives. Where two ways of the code part, they are those of the one that was taken.
+    """
+    n, still = len(command), np.zeros((1, len(like)))
+    out, slopes = np.empty(n), np.empty((n, len(like)))
+    filter_time, gain = _number(numbers, number_slopes, 0, like), _number(numbers, number_slopes, 1, like)
+    reset, rate = _number(numbers, number_slopes, 2, like), _number(numbers, number_slopes, 3, like)
+    feedback, vent = _number(numbers, number_slopes, 4, like), _number(numbers, number_slopes, 5, like)
+    lag = _number(numbers, number_slopes, 6, like)
+    own = actuator(spring, atmosphere, filter_time, gain, reset, feedback, vent, lag)
+    x = dual(min(max(x0, 0.0), 1.0), still, 0, like)
+    target = _number(command, row_slopes[0], 0, like) if command[0] == command[0] else x
+    state, pace = at_rest(x, target, own)
+    for k in range(n):
+        if command[k] == command[k]:
+            target = _number(command, row_slopes[0], k, like)
+        told = (
+            _number(supply, row_slopes[1], k, like),
+            _number(coulomb, row_slopes[2], k, like),
+            _number(extra_stick, row_slopes[3], k, like),
+            _number(dead_band, row_slopes[4], k, like),
+        )
+        wrong = (
+            _number(faults[:, 0], row_slopes[5], k, like),
+            _number(faults[:, 1], row_slopes[6], k, like),
+            _number(faults[:, 2], row_slopes[7], k, like),
+            _number(faults[:, 3], row_slopes[8], k, like),
+            _number(faults[:, 4], row_slopes[9], k, like),
+            _number(faults[:, 5], row_slopes[10], k, like),
+            _number(faults[:, 6], row_slopes[11], k, like),
+            _number(faults[:, 7], row_slopes[12], k, like),
+            _number(faults[:, 8], row_slopes[13], k, like),
+            _number(faults[:, 9], row_slopes[14], k, like),
+        )
+        drive = faulty(told, wrong, spring, rate)
+        state, pace = after_a_sample(state, pace, target, step[k], drive, own)
+        out[k] = kept(state.x, slopes, k)
+    return out, slopes
+
+
+@nb.njit(error_model="numpy", forceinline=True)
+def _number(values, slopes, k, like):
+    """Dual number from a row of values and one of slopes, or from the only row where all are alike."""
+    return dual(values[min(k, len(values) - 1)], slopes, min(k, len(slopes) - 1), like)
