@@ -25,8 +25,6 @@ _ROOM = 293.15
 _NUMBERS_KEPT = 16_000_000
 # a run with slopes takes as long as so many without
 _WORTH_SLOPES = 3
-# of a step to a neighbour: what effects make of command and drive is all but straight so near
-_LITTLE = 1e-3
 
 
 def clock_of(recording):
@@ -221,8 +219,8 @@ class Chain:
         if len(moving) < _WORTH_SLOPES:
             self.free_runs_ahead(several)
             return self
-        little = [{n: values[n] + _LITTLE * (v - values[n]) for n, v in several[i].items()} for i in moving]
-        slopes = slopes_of_free_run(self, values, little, [_LITTLE * reach[i] for i in moving], self._through)
+        beside = [several[i] for i in moving]
+        slopes = slopes_of_free_run(self, values, beside, [reach[i] for i in moving], self._through)
         if slopes is None:
             self.free_runs_ahead(several)
             return self
