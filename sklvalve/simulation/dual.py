@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 r"""Numbers that carry their derivatives along, for compiled code.
 
-A dual number is a value and its slopes, one for each of eight or sixteen parameters. What is written for plain
-numbers compiles for dual ones as it stands, and then gives the derivatives of its result beside the result
-itself (forward mode):
+A dual number is a value and its slopes, one for each of eight or sixteen parameters. What is written for
+plain numbers compiles for dual ones as it stands, and then gives the derivatives of its result beside the
+result itself (forward mode):
 
 .. math:: (a, a') (b, b') = (a b,\; a' b + a b'), \qquad f(a, a') = (f(a),\; f'(a)\, a')
 
-Slopes of one number lie in one vector of the processor, so that all of them take hardly longer than one. Where
-two numbers are compared only their values count: at a corner the slopes are those of the side that was taken.
+Slopes of one number lie in one vector of the processor, so that all of them take hardly longer than one.
+Where two numbers are compared only their values count: at a corner the slopes are those of the side that was
+taken.
 
 Known are ``+ - * /``, comparisons, ``abs``, ``min``, ``max``, ``exp`` and ``sqrt`` of `math`. A plain number
 beside a dual one counts as one without slopes.

@@ -129,8 +129,8 @@ class Misfit:
     def neighbours(self, z):
         """Points beside `z`, one a parameter, how far each is, and the errors as functions there.
 
-        A point is one-sided, away from the nearer bound. The functions hold near `z` only: the free run of the
-        stem is the straight continuation of that at `z`, where its derivatives are known.
+        A point is one-sided, away from the nearer bound. The functions hold near `z` only: the free run of
+        the stem is the straight continuation of that at `z`, where its derivatives are known.
         """
         reach = _BESIDE * self.vector.scale
         reach = np.where(z + reach > self.vector.high, -reach, reach)
@@ -172,8 +172,9 @@ def fit_chain(
 
     Notes
     -----
-    Residuals beyond three standard deviations weigh linearly (soft L1). Derivatives are one-sided differences,
-    but those of the scan of a stem, which carries its own along; a signal that cannot depend on a parameter is not simulated again for it.
+    Residuals beyond three standard deviations weigh linearly (soft L1). Derivatives are one-sided differences;
+    the scan of a stem carries its own along. A signal that cannot depend on a parameter is not simulated
+    again for it.
     """
     misfit = Misfit(chain, parameters, channels, noise, fixed=fixed, rows=rows)
     vector = misfit.vector

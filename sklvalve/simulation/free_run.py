@@ -195,7 +195,7 @@ class _Asked(NamedTuple):
         return [np.broadcast_to(self.drive[name], len(self.command)) for name in names]
 
     def towards(self, other, reach):
-        """Changes for a step of one where `reach` leads to another: of columns by their places, of numbers."""
+        """Changes for a step of one where `reach` leads to another: columns by their places, numbers."""
         changed = {}
         if other.command is not self.command:
             # a gap in the command is one beside it as well

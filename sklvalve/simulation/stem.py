@@ -82,9 +82,7 @@ def positioner_and_actuator(
             drive = sound(told, spring, rate)
         else:
             f = faults[k]
-            drive = faulty(
-                told, (f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9]), spring, rate
-            )
+            drive = faulty(told, (f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9]), spring, rate)
         state, pace = after_a_sample(state, pace, target, step[k], drive, own)
         out[k] = state.x
     return out

@@ -26,9 +26,7 @@ _STRIBECK, _VISCOUS, _DEAD_VOLUME = 0.03, 0.005, 5.0
 _SETTLED = 40.0
 
 # no check for division by zero in the innermost loop: no divisor there can be zero
-_compiled = nb.njit(
-    error_model="numpy", fastmath={"contract", "arcp", "nsz"}, forceinline=True
-)
+_compiled = nb.njit(error_model="numpy", fastmath={"contract", "arcp", "nsz"}, forceinline=True)
 
 
 class Actuator(NamedTuple):
@@ -132,9 +130,7 @@ def sound(told, spring, rate):
     """Drive of a sound actuator from its supply, sliding friction, extra friction at rest and dead band."""
     supply, slide, stick, band = told
     slide = max(slide, _LEAST_FRICTION)
-    return Drive(
-        supply, slide, stick, band, spring, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _BRISTLE, rate
-    )
+    return Drive(supply, slide, stick, band, spring, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _BRISTLE, rate)
 
 
 @_compiled
@@ -247,7 +243,9 @@ def _after_a_step(state, pace, target, remaining, drive, own):
 
     force = _force(state, chamber, drive) - drive.bristle * state.bend + air.inflow * chamber.per_volume
     side = 1.0 if force > 0.0 else -1.0
-    way, bend, back, speed = _way(state, pace, chamber, air, side * force, side, tight, ground, limit, stiff, drive)
+    way, bend, back, speed = _way(
+        state, pace, chamber, air, side * force, side, tight, ground, limit, stiff, drive
+    )
     x, way, speed = _within_travel(state.x, side, way, speed)
     mass = state.mass + air.inflow - side * back * way
     error = air.error - (side * air.theta * pace.followed * way if air.grip > 0.0 else 0.0)
