@@ -26,9 +26,9 @@ from functools import lru_cache
 from llvmlite import ir
 from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin, lower_cast
-from numba.extending import intrinsic, make_attribute_wrapper, models, register_model
 from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
+from numba.extending import intrinsic, make_attribute_wrapper, models, register_model
 
 _NUMBER = ir.DoubleType()
 # of values as in the scans that use them; slopes are no reason to watch for infinity or the sign of zero

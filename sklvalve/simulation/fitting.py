@@ -172,9 +172,9 @@ def fit_chain(
 
     Notes
     -----
-    Residuals beyond three standard deviations weigh linearly (soft L1). Derivatives are one-sided differences;
-    the scan of a stem carries its own along. A signal that cannot depend on a parameter is not simulated
-    again for it.
+    Residuals beyond three standard deviations weigh linearly (soft L1). Derivatives are one-sided
+    differences; the scan of a stem carries its own along. A signal that cannot depend on a parameter is not
+    simulated again for it.
     """
     misfit = Misfit(chain, parameters, channels, noise, fixed=fixed, rows=rows)
     vector = misfit.vector

@@ -5,7 +5,8 @@ import numba as nb
 import numpy as np
 
 from sklvalve.simulation.dual import dual, kept
-from sklvalve.simulation.stem_step import actuator, after_a_sample, at_rest, faulty, sound
+from sklvalve.simulation.stem_state import actuator, at_rest, compiled, faulty, sound
+from sklvalve.simulation.stem_step import after_a_sample
 
 #: So many slopes one scan may carry along: those of one register of a wide processor, or of two.
 NARROW, WIDE = 8, 16
@@ -153,7 +154,7 @@ def stem_with_slopes(
     return out, slopes
 
 
-@nb.njit(error_model="numpy", forceinline=True)
+@compiled
 def _number(values, slopes, k, like):
     """Dual number from a row of values and one of slopes, or from the only row where all are alike."""
     return dual(values[min(k, len(values) - 1)], slopes, min(k, len(slopes) - 1), like)

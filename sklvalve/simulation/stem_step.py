@@ -1,101 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One step of a stem in time: positioner, chamber and friction, compiled for plain and for dual numbers.
 
-All in travels: a pressure of one carries the spring over one travel. What a step changes is in `State`; a step
-asks the positioner how wide its spool is open, the chamber how much air that lets in or out, and friction how
-far the stem goes by it.
+A step asks the positioner how wide its spool is open, the chamber how much air that lets in or out, and
+friction how far the stem goes by it.
 """
 
 from math import exp, sqrt
 from typing import NamedTuple
 
-import numba as nb
 import numpy as np
 
 from sklvalve.simulation.nozzles import supply_nozzle, vent_nozzle
+from sklvalve.simulation.stem_state import DEAD_VOLUME, Pace, State, compiled
 
-_BRISTLE, _LEAST_FRICTION = 60.0, 1e-4
 # of the pressure's change, and in time: what a step may leave to the straight lines drawn through it
 _LARGEST_CHANGE, _LONGEST, _STEP_OF_SLIPPING = 0.01, 2.0, 0.04
 # what a stem has gone beyond a share of its bristles' bend is a slip, over in milliseconds
 _FREED, _SLIP_TIME = 0.3, 0.005
 # longest step while the positioner feels the stem elsewhere [lags], and the distance that hardly counts
 _OFTEN, _HARDLY = 1.0, 0.003
-_STRIBECK, _VISCOUS, _DEAD_VOLUME = 0.03, 0.005, 5.0
+_STRIBECK, _VISCOUS = 0.03, 0.005
 # whatever happened before the last 40 s has settled
 _SETTLED = 40.0
 
-# no check for division by zero in the innermost loop: no divisor there can be zero
-_compiled = nb.njit(error_model="numpy", fastmath={"contract", "arcp", "nsz"}, forceinline=True)
-
-
-class Actuator(NamedTuple):
-    """What stays as it is along a run; as in `sklvalve.simulation.stem.positioner_and_actuator`."""
-
-    spring: float
-    atmosphere: float
-    per_filter_time: float
-    gain: float
-    reset: float
-    feedback: float
-    vent: float
-    lag: float
-    per_lag: float
-
-
-class Drive(NamedTuple):
-    """What acts in one row; pressures and forces in travels of the spring, `play` a half, `capacity` [1/s]."""
-
-    supply: float
-    slide: float
-    stick: float
-    band: float
-    preload: float
-    softening: float
-    hardening: float
-    leak: float
-    rod: float
-    rod_from: float
-    play: float
-    bristle: float
-    capacity: float
-
-
-class State(NamedTuple):
-    """Stem, air and positioner at one moment.
-
-    Opening `x`, mass of air in the chamber, bend of the friction's bristles, speed of the stem, place of the
-    positioner's lever, what it feels of that behind its lag, its filtered input, and its integral.
-    """
-
-    x: float
-    mass: float
-    bend: float
-    speed: float
-    lever: float
-    felt: float
-    wanted: float
-    integral: float
-
-
-class Pace(NamedTuple):
-    """What hangs on a step's length alone, kept for the next one of that length.
-
-    Of the input's way to its filter the share covered in the step; twice the weight that the filter's
-    beginning has in the step's mean; viscous drag; of the lag's way the share covered; and what is felt at the
-    step's end of a way made in it.
-    """
-
-    length: float
-    eased: float
-    old: float
-    drag: float
-    caught: float
-    followed: float
-
 
 class _Seen(NamedTuple):
-    """What a positioner goes by: lever, felt stem and its lag; error unfiltered and filtered; air it lacks."""
+    """What a positioner goes by: lever, felt stem, its lag; unfiltered and filtered error; air it lacks."""
 
     lever: float
     felt: float
@@ -125,55 +55,18 @@ class _Air(NamedTuple):
     theta: float
 
 
-@_compiled
-def sound(told, spring, rate):
-    """Drive of a sound actuator from its supply, sliding friction, extra friction at rest and dead band."""
-    supply, slide, stick, band = told
-    slide = max(slide, _LEAST_FRICTION)
-    return Drive(supply, slide, stick, band, spring, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _BRISTLE, rate)
-
-
-@_compiled
-def faulty(told, faults, spring, rate):
-    """Drive of an actuator with `faults`, ten numbers as `sklvalve.simulation.faults.FAULTS` has them."""
-    supply, slide, stick, band = told
-    preload, softening, hardening, leak, rod, rod_from, load, play, bristle, capacity = faults
-    return Drive(
-        supply,
-        max(slide, _LEAST_FRICTION),
-        stick,
-        band,
-        spring + preload + load,
-        softening,
-        hardening,
-        leak,
-        rod,
-        rod_from,
-        0.5 * play,
-        bristle if bristle > 0.0 else _BRISTLE,
-        rate * (1.0 + capacity),
-    )
-
-
-@_compiled
-def actuator(spring, atmosphere, filter_time, gain, reset, feedback, vent, lag):
-    """Numbers of a run, the times as their inverses too."""
-    per_filter_time, per_lag = 1.0 / max(filter_time, 1e-6), 1.0 / max(lag, 1e-6)
-    return Actuator(spring, atmosphere, per_filter_time, gain, reset, feedback, vent, lag, per_lag)
-
-
-@_compiled
+@compiled
 def _beyond(value, band):
     return value - min(max(value, -band), band)
 
 
-@_compiled
+@compiled
 def _share(q):
     """Of its way what a lag covers in q of its time constants."""
     return 1.0 - exp(-q) if q > 1e-3 else q * (1.0 - 0.5 * q)
 
 
-@_compiled
+@compiled
 def _pace(h, own):
     q = h * own.per_filter_time
     eased = _share(q)
@@ -186,31 +79,21 @@ def _pace(h, own):
     return Pace(h, eased, old, _VISCOUS / h, caught, followed)
 
 
-@_compiled
+@compiled
 def _stribeck(speed):
     """Share of the extra friction at rest that is left at a speed."""
     ratio = speed * (1.0 / _STRIBECK)
     return exp(-(ratio * ratio))
 
 
-@_compiled
+@compiled
 def _nozzle(filling, pressure, drive, own):
     if filling:
         return supply_nozzle(pressure, drive.supply)
     return vent_nozzle(pressure, own.atmosphere, own.vent)
 
 
-@_compiled
-def at_rest(opening, wanted, own):
-    """State of a stem that has stood at an opening, and the pace of no step yet."""
-    # a stem that stands at its end of travel may be pressed against it by any pressure
-    mass = (opening + own.spring) * (_DEAD_VOLUME + opening)
-    nothing = 0.0 * opening
-    state = State(opening, mass, nothing, nothing, opening, opening, wanted, nothing)
-    return state, Pace(nothing - 1.0, nothing, nothing, nothing, nothing + 1.0, nothing + 1.0)
-
-
-@_compiled
+@compiled
 def after_a_sample(state, pace, target, step, drive, own):
     """State and pace one sample later, the input standing at `target` [1] for `step` [s]."""
     remaining = min(step, _SETTLED)
@@ -220,7 +103,7 @@ def after_a_sample(state, pace, target, step, drive, own):
     return state, pace
 
 
-@_compiled
+@compiled
 def _after_a_step(state, pace, target, remaining, drive, own):
     chamber = _chamber(state, drive, own)
     seen = _seen(state, target, chamber.pressure, drive, own)
@@ -254,9 +137,9 @@ def _after_a_step(state, pace, target, remaining, drive, own):
     return State(x, mass, bend, speed, seen.lever, felt, state.wanted + moved, integral), pace
 
 
-@_compiled
+@compiled
 def _chamber(state, drive, own):
-    per_volume = 1.0 / (_DEAD_VOLUME + state.x)
+    per_volume = 1.0 / (DEAD_VOLUME + state.x)
     pressure = state.mass * per_volume
     lost, lost_slope = 0.0, 0.0
     if drive.leak > 0.0:
@@ -264,7 +147,7 @@ def _chamber(state, drive, own):
     return _Chamber(pressure, pressure * per_volume, per_volume, lost, lost_slope)
 
 
-@_compiled
+@compiled
 def _seen(state, target, pressure, drive, own):
     lever, seen = state.lever, state.x
     if drive.play > 0.0:
@@ -276,7 +159,7 @@ def _seen(state, target, pressure, drive, own):
     return _Seen(lever, felt, seen - felt, target - felt, state.wanted - felt, short)
 
 
-@_compiled
+@compiled
 def _busy(state, seen, target, chamber, inlet, filling, drive, own):
     """How fast the pressure may change in this step."""
     wish = own.gain * _beyond(seen.near + seen.short, drive.band) + state.integral
@@ -292,7 +175,7 @@ def _busy(state, seen, target, chamber, inlet, filling, drive, own):
     return busy
 
 
-@_compiled
+@compiled
 def _length(state, seen, busy, filling, remaining, drive, own):
     """Length of the step, speed of the stem at its beginning, and share of it that play leaves loose.
 
@@ -319,20 +202,20 @@ def _length(state, seen, busy, filling, remaining, drive, own):
     return h, speed, loose
 
 
-@_compiled
+@compiled
 def _friction(state, speed, drive):
     """Sliding friction here, and with what a stem at this speed has beyond it."""
     ground = drive.slide + max(drive.rod * (state.x - drive.rod_from), 0.0)
     return ground, (ground + drive.stick * _stribeck(speed) if drive.stick > 0.0 else ground)
 
 
-@_compiled
+@compiled
 def _force(state, chamber, drive):
     x = state.x
     return chamber.pressure - drive.preload - x - x * (drive.softening + drive.hardening * x * x)
 
 
-@_compiled
+@compiled
 def _stiffness(state, chamber, limit, stiff, rising, drive):
     """What resists a way, without friction and with what friction has still in hand: as a spring does."""
     x = state.x
@@ -344,7 +227,7 @@ def _stiffness(state, chamber, limit, stiff, rising, drive):
     return tight, hold
 
 
-@_compiled
+@compiled
 def _air(state, pace, seen, chamber, moved, inlet, slope, spool, hold, loose, drive, own):
     """Air of a step, implicit in pressure and error, between trapezoid (short) and backward Euler (long)."""
     h = pace.length
@@ -373,7 +256,7 @@ def _air(state, pace, seen, chamber, moved, inlet, slope, spool, hold, loose, dr
     return _Air(inflow, back, grip, error, theta)
 
 
-@_compiled
+@compiled
 def _displacement(push, tight, held, stiff):
     # d where  push = tight d + held (1 - exp(-stiff d)); and what of `held` is left there, as a share.
     # Begun where a bristle that fades as 1 / (1 + u) would come to rest, two or three Newton steps suffice.
@@ -394,7 +277,7 @@ def _displacement(push, tight, held, stiff):
     return d, fade
 
 
-@_compiled
+@compiled
 def _way(state, pace, chamber, air, push, side, tight, ground, limit, stiff, drive):
     """How far a force moves the stem, the bristles' bend then, what of the air comes back, and the speed."""
     bend, back = state.bend, air.back
@@ -434,7 +317,7 @@ def _way(state, pace, chamber, air, push, side, tight, ground, limit, stiff, dri
     return way, bend, back, way / pace.length
 
 
-@_compiled
+@compiled
 def _within_travel(x, side, way, speed):
     """Opening after a way, the way up to the end of travel, and the speed, which ends there."""
     x = x + side * way
