@@ -85,6 +85,8 @@ def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_s
             b = np.exp(-last / slow_time)
             aa, ab, bb = a * a, a * b, b * b
             more_fast, more_slow = (1.0 - aa) * fast_size, (1.0 - bb) * slow_size
+        white = base + share * level[k] + timing * moving[k]
+        v = (aa * p11 + (more_fast + more_slow + white)) + (bb * p22 + 2.0 * (ab * p12))
         p11 = aa * p11 + more_fast
         p22 = bb * p22 + more_slow
         p12 = ab * p12
@@ -93,22 +95,19 @@ def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_s
         e = residuals[k]
         if e != e:
             continue
-        of_fast, of_slow = p11 + p12, p12 + p22
-        v = (of_fast + of_slow) + (base + share * level[k] + timing * moving[k])
-        inverse = 1.0 / v
-        g1, g2 = of_fast * inverse, of_slow * inverse
+        of_fast, of_slow, inverse = p11 + p12, p12 + p22, 1.0 / v
         left = e - f - s
-        f += g1 * left
-        s += g2 * left
+        f += of_fast * inverse * left
+        s += of_slow * inverse * left
         total += np.sqrt(1.0 + left * left * inverse * (1.0 / 9.0)) - 1.0
         # logarithms are dear: of a product of some rows, before it leaves the range of a number
         product *= v
         if product < 1e-200 or product > 1e200:
             total += (0.5 / 9.0) * np.log(product)
             product = 1.0
-        p11 -= g1 * of_fast
-        p12 -= g1 * of_slow
-        p22 -= g2 * of_slow
+        p11 -= of_fast * of_fast * inverse
+        p12 -= of_fast * of_slow * inverse
+        p22 -= of_slow * of_slow * inverse
     return 9.0 * total + 0.5 * np.log(product)
 
 

@@ -16,7 +16,7 @@ from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
 from sklvalve.simulation.free_run import free_run, key_of_free_run
 from sklvalve.simulation.side_by_side import side_by_side
-from sklvalve.simulation.stages import choked_drop, first_order_lag
+from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table
 from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
@@ -275,7 +275,9 @@ class Chain:
 
     def capacity_at(self, plug):
         """kv of the trim at an opening of the plug, in the simulation that runs [m3/h]."""
-        return np.interp(plug, GRID, self._table)
+        if np.ndim(plug) == 0:
+            return np.interp(plug, GRID, self._table)
+        return from_table(plug, GRID, self._table)
 
     def _root_of_drop(self, drop, margin, fl, knee):
         size = np.abs(drop)
