@@ -6,7 +6,7 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.linalg.lapack import dpotri, dtrtri
 
 from sklvalve.lssvm.kernels import kernel_between, lower_gram
-from sklvalve.lssvm.solvers import cholesky, cholesky_solve
+from sklvalve.lssvm.solvers import cholesky, cholesky_solve, right_sides, with_bias
 
 
 class HeldOutErrors:
@@ -167,3 +167,65 @@ def blocked_errors(X, *, C, gamma, blocks, gap=0, kernel="rbf"):
         for block in blocks
     ]
     return HeldOutErrors(DenseInverse(gram), n, blocks=rows)
+
+
+def least_in_error(X, y, *, gammas, Cs, blocks, kernel="rbf"):
+    """Kernel scale and weight of the errors by which blocks of neighbouring rows are predicted best.
+
+    Parameters
+    ----------
+    X : ndarray of shape (n, d)
+        A few thousand rows at most.
+    y : ndarray of shape (n,)
+    gammas, Cs : sequence of float
+        As in :class:`~sklvalve.lssvm.LSSVMRegressor`; every pair of them is tried.
+    blocks : sequence of slice
+        Rows that count as held out together.
+    kernel : str or callable, default="rbf"
+
+    Returns
+    -------
+    gamma, C : float
+        The pair with the least sum of squared errors; of equal ones the first.
+
+    Notes
+    -----
+    One machine is fitted for each block, and a pair is given up with the first block that makes it worse than
+    another one: of a few pairs that costs a third of what `blocked_errors` does for all of them.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from sklvalve.lssvm.held_out import least_in_error
+    >>> X = np.linspace(0.0, 3.0, 40)[:, None]
+    >>> blocks = [slice(k, k + 10) for k in range(0, 40, 10)]
+    >>> least_in_error(X, np.sin(X[:, 0]), gammas=(0.1, 100.0), Cs=(1000.0,), blocks=blocks)
+    (0.1, 1000.0)
+    """
+    best, least = (gammas[0], Cs[0]), np.inf
+    for gamma in gammas:
+        gram = kernel_between(kernel, gamma=gamma)(X, X)
+        for C in Cs:
+            total = 0.0
+            for block in blocks:
+                total += float(np.sum(_errors_of(gram, y, C, block) ** 2))
+                if not total < least:
+                    break
+            else:
+                best, least = (gamma, C), total
+    return best
+
+
+def _errors_of(gram, y, C, block):
+    """Errors on a block of rows of a machine with a free bias that is fitted to the others."""
+    rest = np.delete(np.arange(len(y)), block)
+    ridge = np.full(len(rest), 1.0 / C)
+    # of a symmetric matrix the transpose is the same, and in the order that the factorisation wants
+    matrix = gram[np.ix_(rest, rest)].T
+    matrix[np.diag_indices(len(rest))] += ridge
+    if not cholesky(matrix):
+        raise ValueError("the matrix is not positive definite")
+    shift, right = right_sides(y[rest, None], ridge, "free")
+    solution = cholesky_solve(matrix, right)
+    alpha, b = with_bias(solution[:, :-1], solution[:, -1:], "free")
+    return y[block] - (gram[block][:, rest] @ alpha)[:, 0] - b - shift

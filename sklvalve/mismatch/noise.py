@@ -67,45 +67,77 @@ def _innovations(residuals, gain, keep, spread):
     return out
 
 
-@nb.njit(cache=True, nogil=True)
+@nb.njit(cache=True, nogil=True, fastmath={"contract"})
 def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_size, slow_time, slow_size):
     """Negative robust log likelihood of residuals, in one pass: gains, innovations and their spreads.
 
-    The white variance of a row is ``base + share level + timing moving``.
+    The white variance of a row is ``base + share level + timing moving``. What one row asks of the row before
+    is kept short: that chain, and nothing else, is what a pass takes its time for.
     """
     p11, p12, p22 = fast_size, 0.0, slow_size
     a = b = last = f = s = total = 0.0
+    aa = ab = bb = more_fast = more_slow = 0.0
     product = 1.0
     for k in range(len(residuals)):
         if step[k] != last:
             last = step[k]
             a = np.exp(-last / fast_time)
             b = np.exp(-last / slow_time)
-        p11 = a * a * p11 + (1.0 - a * a) * fast_size
-        p22 = b * b * p22 + (1.0 - b * b) * slow_size
-        p12 = a * b * p12
+            aa, ab, bb = a * a, a * b, b * b
+            more_fast, more_slow = (1.0 - aa) * fast_size, (1.0 - bb) * slow_size
+        white = base + share * level[k] + timing * moving[k]
+        v = (aa * p11 + (more_fast + more_slow + white)) + (bb * p22 + 2.0 * (ab * p12))
+        p11 = aa * p11 + more_fast
+        p22 = bb * p22 + more_slow
+        p12 = ab * p12
         f *= a
         s *= b
         e = residuals[k]
         if e != e:
             continue
-        v = p11 + 2.0 * p12 + p22 + base + share * level[k] + timing * moving[k]
-        g1 = (p11 + p12) / v
-        g2 = (p12 + p22) / v
+        of_fast, of_slow, inverse = p11 + p12, p12 + p22, 1.0 / v
         left = e - f - s
-        f += g1 * left
-        s += g2 * left
-        total += 9.0 * (np.sqrt(1.0 + left * left / (9.0 * v)) - 1.0)
+        f += of_fast * inverse * left
+        s += of_slow * inverse * left
+        total += np.sqrt(1.0 + left * left * inverse * (1.0 / 9.0)) - 1.0
         # logarithms are dear: of a product of some rows, before it leaves the range of a number
         product *= v
         if product < 1e-200 or product > 1e200:
-            total += 0.5 * np.log(product)
+            total += (0.5 / 9.0) * np.log(product)
             product = 1.0
-        q11, q12, q22 = p11, p12, p22
-        p11 = q11 - g1 * (q11 + q12)
-        p12 = q12 - g1 * (q12 + q22)
-        p22 = q22 - g2 * (q12 + q22)
-    return total + 0.5 * np.log(product)
+        p11 -= of_fast * of_fast * inverse
+        p12 -= of_fast * of_slow * inverse
+        p22 -= of_slow * of_slow * inverse
+    return 9.0 * total + 0.5 * np.log(product)
+
+
+@nb.njit(cache=True, nogil=True)
+def _parts(shares, unit, finest, largest_share, cautious, dt, length):
+    """Variances and correlation times of the parts, within their bounds, for shares of the quick noise."""
+    base, timing, share = shares[0], shares[1], shares[2]
+    fast, fast_time, slow, slow_time = shares[3], shares[4], shares[5], shares[6]
+    most = 1.0 if cautious else np.inf
+    fast = min(fast, most, largest_share)
+    slow = min(slow, 0.3 * most, largest_share)
+    base = min(base, 3.0 * most)
+    # a sample too early or too late is wrong by the movement itself; more is no matter of timing
+    timing = min(timing, 0.1 if cautious else 1.0)
+    # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
+    fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
+    slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
+    own = finest + base * unit
+    return own, share * unit, timing, fast_time, fast * unit, slow_time, slow * unit
+
+
+@nb.njit(cache=True, nogil=True)
+def _cost(away, shares, bounds, inadequacy, residuals, step, level, moving):
+    """Negative log likelihood of residuals and priors, `away` from where these stand."""
+    own, share, timing, fast_time, fast, slow_time, slow = _parts(shares, *bounds)
+    # weak priors keep parts that are not there from running off
+    prior = np.sum(away**2) / 50.0
+    own += inadequacy
+    left = _loss(residuals, step, own, share, level, timing, moving, fast_time, fast, slow_time, slow)
+    return prior + left
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,30 +269,15 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
     quick = quick[np.isfinite(quick)]
     size = 1.4826 * float(np.median(np.abs(quick))) / np.sqrt(2.0) if len(quick) else 0.0
     size = max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
-    most = 1.0 if cautious else np.inf
-    cap = (largest / size) ** 2
+    largest_share = (largest / size) ** 2
     moving = movement(simulated, step) ** 2
     level = np.nan_to_num(np.asarray(simulated, dtype=float) / max(np.nanmax(np.abs(simulated)), 1e-12)) ** 2
     length = float(np.sum(step))
     dt = float(np.median(step))
-
-    def parts(z):
-        base, timing, share, fast, fast_time, slow, slow_time = np.exp(z)
-        fast, slow, base = min(fast, most, cap), min(slow, 0.3 * most, cap), min(base, 3.0 * most)
-        # a sample too early or too late is wrong by the movement itself; more is no matter of timing
-        timing = min(timing, 0.1 if cautious else 1.0)
-        # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
-        fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
-        slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
-        own = quantum**2 / 12.0 + base * size**2
-        return own, share * size**2, timing, fast_time, fast * size**2, slow_time, slow * size**2
+    bounds = float(size**2), float(quantum**2 / 12.0), float(largest_share), bool(cautious), dt, length
 
     def loss(z):
-        own, share, timing, *correlated = parts(z)
-        # weak priors keep parts that are not there from running off
-        away = np.sum((z - start) ** 2) / 50.0
-        white = own + inadequacy**2
-        return away + _loss(residuals, step, white, share, level, timing, moving, *correlated)
+        return _cost(z - start, np.exp(z), bounds, float(inadequacy**2), residuals, step, level, moving)
 
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
     found = minimize(
@@ -269,7 +286,7 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
         method="Nelder-Mead",
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
-    own, share, timing, *correlated = parts(found.x)
+    own, share, timing, *correlated = _parts(np.exp(found.x), *bounds)
     sensor = own + share * level
     white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
     return NoiseModel(white, step, *correlated, float(np.mean(sensor[seen])))

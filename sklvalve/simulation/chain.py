@@ -16,7 +16,7 @@ from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
 from sklvalve.simulation.free_run import free_run, key_of_free_run, slopes_of_free_run
 from sklvalve.simulation.side_by_side import side_by_side
-from sklvalve.simulation.stages import choked_drop, first_order_lag
+from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table
 from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
@@ -25,6 +25,11 @@ _ROOM = 293.15
 _NUMBERS_KEPT = 16_000_000
 # a run with slopes takes as long as so many without
 _WORTH_SLOPES = 3
+# and what drives the flow, of the last few flows: the neighbours of one point, few of which change it
+_ROOTS_KEPT, _NUMBERS_OF_ROOTS = 16, 1_000_000
+# onsets of which the rows behind are kept
+_ONSETS_KEPT = 32
+_OF_DROP = ("dp_zero", "fl_scale", "fl_slope", "knee")
 
 
 def clock_of(recording):
@@ -72,7 +77,7 @@ class Chain:
         self.measured = recording.get("opening")
         self._properties()
         self._actuator_scale()
-        self._runs = {}
+        self._runs, self._roots, self._acting = {}, [], {}
 
     def beside(self, effects, onsets=None):
         """The same stages with other effects; free runs made by either are at hand for both."""
@@ -123,11 +128,22 @@ class Chain:
 
     def active(self, effect):
         """Rows in which an effect acts."""
-        times = self.onsets.get(effect.key)
+        times = self._times(effect)
         if times is None:
             return None
-        # on, off, on...
-        return np.searchsorted(np.atleast_1d(times), self.clock, side="right") % 2 == 1
+        acting = self._acting.get(times)
+        if acting is None:
+            # on, off, on...
+            acting = np.searchsorted(times, self.clock, side="right") % 2 == 1
+            if len(self._acting) >= _ONSETS_KEPT:
+                self._acting.clear()
+            self._acting[times] = acting
+        return acting
+
+    def _times(self, effect):
+        """When an effect begins, stops, begins again [s, absolute]; None where it acts throughout."""
+        times = self.onsets.get(effect.key)
+        return None if times is None else tuple(np.atleast_1d(times).tolist())
 
     def first_row(self, effect):
         """First row in which an effect acts; the number of rows where it never does."""
@@ -255,13 +271,28 @@ class Chain:
         kv = self.capacity_at(plug)
         kv = self._through("capacity", kv, values)
         kv = self._through("line", kv, values)
-        choking = self._through("choking", self._choking(plug, values), values)
-        flow = FLOW_CONSTANT * kv * self._root_of_drop(*self._drop_at_valve(values), **choking)
+        flow = FLOW_CONSTANT * kv * self._root_at(plug, values)
         if self.recording.mass_flow:
             flow = flow * self.density
         flow = self._through("flow", flow, values)
         flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
         return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
+
+    def _root_at(self, plug, values):
+        """Root of what drives the flow, at hand where neither its parameters nor the plug has moved since."""
+        effects = [e for e in self.effects if e.stage in ("pressures", "choking")]
+        own = [(e, self._times(e), *self._own(e, values).values()) for e in effects]
+        sign = (*(values.get(name) for name in _OF_DROP), *own)
+        follows = self.choking or bool(effects)
+        for known, at, root in tuple(self._roots):
+            if known == sign and (not follows or _same(at, plug)):
+                return root
+        choking = self._through("choking", self._choking(plug, values), values)
+        root = self._root_of_drop(*self._drop_at_valve(values), **choking)
+        kept = min(max(_NUMBERS_OF_ROOTS // len(plug), 2), _ROOTS_KEPT)
+        del self._roots[: max(len(self._roots) + 1 - kept, 0)]
+        self._roots.append((sign, plug, root))
+        return root
 
     def _drop_at_valve(self, values):
         """Pressure drop and, where known, :math:`p_1 - F_F p_v`, as the effects have them [Pa]."""
@@ -283,10 +314,17 @@ class Chain:
 
     def capacity_at(self, plug):
         """kv of the trim at an opening of the plug, in the simulation that runs [m3/h]."""
-        return np.interp(plug, GRID, self._table)
+        if np.ndim(plug) == 0:
+            return np.interp(plug, GRID, self._table)
+        return from_table(plug, GRID, self._table)
 
     def _root_of_drop(self, drop, margin, fl, knee):
         size = np.abs(drop)
         if margin is not None and np.isfinite(fl).any():
             size = choked_drop(drop, margin, fl, knee)
         return np.sign(drop) * np.sqrt(size / self.density)
+
+
+def _same(one, other):
+    """Whether two signals are the same number by number, gaps included."""
+    return one is other or np.array_equal(one.view(np.int64), other.view(np.int64))

@@ -94,6 +94,44 @@ def limited_rate(values, step, up, down):
     return out
 
 
+@nb.njit(cache=True, nogil=True)
+def from_table(at, grid, table):
+    """Linear interpolation in a table over even steps: `numpy.interp` to the last digit, and quicker.
+
+    Parameters
+    ----------
+    at : ndarray of shape (n,)
+        Gaps (NaN) stay gaps; beyond the ends those of the table hold.
+    grid, table : ndarray of shape (m,)
+        Even steps, and the values there.
+
+    Returns
+    -------
+    found : ndarray of shape (n,)
+    """
+    out, last = np.empty_like(at), len(grid) - 1
+    slopes, steps = np.empty(last), last / (grid[last] - grid[0])
+    for j in range(last):
+        slopes[j] = (table[j + 1] - table[j]) / (grid[j + 1] - grid[j])
+    for k in range(len(at)):
+        v = at[k]
+        if grid[0] < v < grid[last]:
+            # a number that cannot be negative needs no look at the end of the table
+            j = np.uint32((v - grid[0]) * steps)
+            j = min(j, np.uint32(last - 1))
+            # the end of a step may be rounded either way
+            if v < grid[j]:
+                j = np.uint32(j - 1)
+            elif v >= grid[j + 1]:
+                j = np.uint32(j + 1)
+            out[k] = slopes[j] * (v - grid[j]) + table[j]
+        elif v >= grid[last]:
+            out[k] = table[last]
+        else:
+            out[k] = table[0] if v == v else v
+    return out
+
+
 def delayed(values, time, dead_time):
     """Signal as it was `dead_time` [s] ago, linear between samples; the first value holds before the first.
 

@@ -99,6 +99,32 @@ def test_memory_of_the_opening_is_true_to_its_values(recording):
     np.testing.assert_array_equal(chain.opening(values), first)
 
 
+@pytest.mark.parametrize("choking", [False, True])
+@pytest.mark.parametrize("key", ["inlet_pressure_bias", "choked_flow"])
+def test_what_drives_the_flow_is_true_to_its_values_at_hand(recording, choking, key):
+    """Whatever moves between two flows, the second is that of a chain that has seen no other."""
+    effect, middle = EFFECTS[key], float(clock_of(recording)[len(recording) // 2])
+    chain, values = _bound(recording, choking=choking, effects=[effect])
+    values |= {f"{key}.{q.name}": q.starts[0] for q in effect.quantities(chain)}
+    others = [values | {name: 1.01 * value + 1e-4} for name, value in values.items()]
+    for onset in (None, middle):
+        onsets = {} if onset is None else {key: onset}
+        same = chain.beside([effect], onsets)
+        for moved in [values, *others, values]:
+            fresh, _ = _bound(recording, choking=choking, effects=[effect], onsets=onsets)
+            np.testing.assert_array_equal(same.flow(moved), fresh.flow(moved))
+    stem = np.where(np.arange(len(recording)) < 7, np.nan, 0.9 * recording["opening"])
+    np.testing.assert_array_equal(same.flow(values, stem), fresh.flow(values, stem))
+
+
+def test_rows_in_which_an_effect_acts_are_those_of_its_own_times(recording):
+    clock, key = clock_of(recording), "clogging"
+    chain, _ = _bound(recording)
+    for first in range(1, 100):
+        late = chain.beside([EFFECTS[key]], {key: (clock[first], clock[2 * first])})
+        assert np.flatnonzero(late.active(EFFECTS[key])).tolist() == list(range(first, 2 * first))
+
+
 def test_clock_goes_on_from_file_to_file(recording, later):
     clock = clock_of(recording)
     assert clock_of(later)[0] == pytest.approx(clock[-1] + recording.sample_time)

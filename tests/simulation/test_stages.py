@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from sklvalve.simulation.faults import FAULTS
-from sklvalve.simulation.stages import delayed, first_order_lag, limited_rate, play
+from sklvalve.simulation.stages import delayed, first_order_lag, from_table, limited_rate, play
 from sklvalve.simulation.stem import positioner_and_actuator
 
 SIGNALS = arrays(np.float64, st.integers(2, 60), elements=st.floats(0.0, 1.0))
@@ -87,6 +87,16 @@ def test_play_keeps_gaps_and_its_place_over_them():
 
 
 # ---- lag
+
+
+@pytest.mark.parametrize("steps", [1, 7, 400])
+def test_a_table_is_read_as_numpy_reads_it(steps):
+    rng = np.random.default_rng(steps)
+    grid = np.linspace(0.0, 1.0, steps + 1)
+    table = np.cumsum(rng.normal(size=steps + 1))
+    beside = [np.nextafter(grid, -np.inf), np.nextafter(grid, np.inf)]
+    at = np.concatenate([grid, *beside, rng.uniform(-0.2, 1.2, 1000), [np.nan, np.inf, -np.inf]])
+    np.testing.assert_array_equal(from_table(at, grid, table), np.interp(at, grid, table))
 
 
 @pytest.mark.parametrize("time_constant", [0.3, 2.0, 17.0])
