@@ -101,7 +101,7 @@ class Linearised:
         return least_within(np.vstack([self._slopes, columns.T]), errors, lowest, highest)
 
     def gain_at_any_size(self, errors):
-        """What a change gains at the best share of it up to one and a half, and at any share of either sign."""
+        """What a change gains at the best share of it up to one and a half, and at the best whatsoever."""
         change = (errors - self.errors)[:, None]
         if not np.any(change):
             return 0.0, 0.0

@@ -70,20 +70,19 @@ def _lines(workbench, model, effects):
 
 def _of_one_effect(workbench, model, line, effect, onset):
     given = onset is not False
-    member = begun(effect, onset) if given else Member(effect)
-    trial = Trial(workbench, model, line, member)
+    trial = Trial(workbench, model, line, begun(effect, onset) if given else Member(effect))
     starts = trial.starts()
     made = trial.simulated(starts)
     gains = [line.gain_at_any_size(errors) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in gains]))
-    trial.begin(starts[k], *made[k], gains[k][0], max(promise for _, promise in gains))
+    trial.begin(starts[k], made[k][0], gains[k][0], max(promise for _, promise in gains))
     if not effect.may_begin or given:
         return [trial]
     best = [line.likeliest_onset(errors) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in best]))
     late = Trial(workbench, model, line, Member(effect, best[k][1]))
     [(predictions, errors)] = late.simulated([starts[k]])
-    late.begin(starts[k], predictions, errors, *line.gain_at_any_size(errors))
+    late.begin(starts[k], predictions, *line.gain_at_any_size(errors))
     return [trial, late]
 
 
@@ -159,18 +158,20 @@ class Trial:
         if "opening" in self.line.channels:
             self.chain.free_runs_ahead([self.misfit.values(z) for z in several])
         made = [self.misfit.predictions(z) for z in several]
-        return [(p, self.line.with_priors(self.misfit.whitened(p))) for p in made]
+        return [(predictions, self._errors_of(predictions)) for predictions in made]
 
-    def begin(self, z, predictions, errors, gain, promise):
+    def _errors_of(self, predictions):
+        return self.line.with_priors(self.misfit.whitened(predictions))
+
+    def begin(self, z, predictions, gain, promise):
         """Put the effect's parameters at a start that was simulated."""
-        self._z, self._predictions, self._errors = z, predictions, errors
-        self.gain, self.promise = gain, promise
+        self._z, self._predictions, self.gain, self.promise = z, predictions, gain, promise
 
     def step(self):
         """One step of the effect's own parameters."""
         if self._settled:
             return
-        line, vector, z, errors = self.line, self.misfit.vector, self._z, self._errors
+        line, vector, z, errors = self.line, self.misfit.vector, self._z, self._errors_of(self._predictions)
         if self._cost is None:
             self._cost, self._answer = line.answered(errors)
         before = self._cost
@@ -190,8 +191,7 @@ class Trial:
         cost, answer = self.line.answered(errors)
         if cost >= self._cost:
             return False
-        self._z, self._predictions, self._errors = z, predictions, errors
-        self._cost, self._answer = cost, answer
+        self._z, self._predictions, self._cost, self._answer = z, predictions, cost, answer
         return True
 
     def hypothesis(self):
