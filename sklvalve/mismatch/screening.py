@@ -6,7 +6,7 @@ fit for every effect, size and onset most would be wasted. In between: the effec
 fitted by simulation, while the calibration, some twenty parameters, answers through the derivatives of the
 calibrated simulation, taken once and kept within the bounds of the data sheet.
 
-It is a race: all take the first step, and before every step those leave that cannot come among the best.
+It is a race: before every step those leave that cannot come among the best any more, most before the first.
 """
 
 import numpy as np
@@ -18,13 +18,13 @@ from sklvalve.simulation.side_by_side import side_by_side
 
 # steps of an effect's own parameters; a fit of all that is promising follows
 _STEPS = 3
-# so many effects are fitted then, and so may count on it that the others leave
+# of so many effects that are fitted then none may be lost
 _BEST = 4
-# a trial ends at so many times what it promised at most: 1.6 times in 260 that ended among the best
+# so many times what its start promises a trial comes to at most: 1.9 times in 95 % of those among the best
 _AT_MOST = 2.0
 
 
-def screened(workbench, model, effects, *, onset=False, also=(), report=None):
+def screened(workbench, model, effects, *, onset=False, also=(), always=(), report=None):
     """Hypotheses with one effect more, to first order in the calibration, the most likely first.
 
     Parameters
@@ -39,6 +39,8 @@ def screened(workbench, model, effects, *, onset=False, also=(), report=None):
         on.
     also : sequence of (Model, sequence of Effect), default=()
         Other calibrations, and the effects that are tried from there too.
+    always : sequence of Effect, default=()
+        Those that are fitted later whatever they promise.
     report : callable, default=None
         Called with the share done.
 
@@ -49,11 +51,11 @@ def screened(workbench, model, effects, *, onset=False, also=(), report=None):
         cannot come among the best.
     """
     starts = [each for base in ((model, effects), *also) for each in _lines(workbench, *base)]
-    left = []
+    left, staying = [], {e.key for e in always}
     for found in side_by_side(lambda each: _of_one_effect(workbench, *each, onset), starts):
         left += found
     for k in range(_STEPS):
-        left = _within_reach(left)
+        left = _within_reach(left, staying)
         for _ in side_by_side(Trial.step, left):
             pass
         if report:
@@ -86,14 +88,13 @@ def _of_one_effect(workbench, model, line, effect, onset):
     return [trial, late]
 
 
-def _within_reach(trials):
-    """Those that may yet come among the best, as far as their promises go."""
+def _within_reach(trials, staying):
+    """Trials that may yet come among the best, as far as they promise, and those of effects that stay."""
     best = {}
     for t in trials:
-        key = t.member.effect.key
-        best[key] = max(t.worth, best.get(key, -np.inf))
-    bar = sorted(best.values(), reverse=True)[:_BEST][-1:]
-    return [t for t in trials if t.reach >= bar[0]]
+        best[t.key] = max(t.worth, best.get(t.key, -np.inf))
+    last = min(sorted(best.values())[-_BEST:], default=-np.inf)
+    return [t for t in trials if t.reach >= last or t.key in staying]
 
 
 class Trial:
@@ -123,7 +124,7 @@ class Trial:
         self._settled, self._cost = False, None
 
     def _misfit(self, workbench, attempt):
-        parameters = [q.parameter_of(self.member.effect.key, attempt) for q in self.quantities]
+        parameters = [q.parameter_of(self.key, attempt) for q in self.quantities]
         return Misfit(
             self.chain,
             parameters,
@@ -132,6 +133,11 @@ class Trial:
             fixed=self.model.values,
             rows=workbench.rows,
         )
+
+    @property
+    def key(self):
+        """Key of its effect."""
+        return self.member.effect.key
 
     @property
     def worth(self):
