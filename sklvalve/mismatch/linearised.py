@@ -106,7 +106,8 @@ class Linearised:
         if not np.any(change):
             return 0.0, 0.0
         cost, steps = self.answered(errors, change, np.array([-np.inf]), np.array([np.inf]))
-        promised = self.cost - cost
+        # it gains nothing at no size at least
+        promised = max(self.cost - cost, 0.0)
         if -1.0 <= steps[-1] <= 0.5:
             return promised, promised
         cost, _ = self.answered(errors, change, np.array([-1.0]), np.array([0.5]))
