@@ -187,12 +187,12 @@ def _simpler(workbench, findings, seen, threshold):
 def _step(workbench, model, effects, report, done):
     """Hypotheses with one effect more, best first: all screened, the most promising fitted."""
     usable = [e for e in effects if not is_in(e, model.members)]
-    tried = screened(workbench, model, usable, report=report and (lambda share: report(done + 0.1 * share)))
-    bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
+    bent, also = [e for e in usable if e.stage in ACTUATOR_STAGES], []
     if bent and not any(m.effect.stage in ACTUATOR_STAGES for m in model.members):
         # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
-        tried += screened(workbench, workbench.sound(model), bent)
-    rough = _best_of_each(workbench, tried)
+        also = [(workbench.sound(model), bent)]
+    shown = report and (lambda share: report(done + 0.1 * share))
+    rough = _best_of_each(workbench, screened(workbench, model, usable, also=also, report=shown))
     onset = rough[0].members[-1].onset if rough else None
     refined = []
     for m in side_by_side(lambda m: _refine(workbench, model, m, onset), rough[:_FITTED]):

@@ -169,7 +169,7 @@ def _named(workbench, model, event, settled, effects):
     began = [e for e in began if event.channel in workbench.channels_touched(e)]
     usable = [e for e in (*ends, *began) if not is_in(e, model.members)]
     base = workbench.judged(model)
-    rough = screened(workbench, base, usable, onset=onset)
+    rough = screened(workbench, base, usable, onset=onset, always=ends)
     own = {e.key for e in ends}
     chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.members[-1].effect.key in own]
     fits = [workbench.fit(m.members, start=m, max_steps=_STEPS) for m in chosen]

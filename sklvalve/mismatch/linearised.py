@@ -101,12 +101,17 @@ class Linearised:
         return least_within(np.vstack([self._slopes, columns.T]), errors, lowest, highest)
 
     def gain_at_any_size(self, errors):
-        """What a change gains at the best share of it up to one and a half."""
+        """What a change gains at the best share of it up to one and a half, and at the best whatsoever."""
         change = (errors - self.errors)[:, None]
         if not np.any(change):
-            return 0.0
+            return 0.0, 0.0
+        cost, steps = self.answered(errors, change, np.array([-np.inf]), np.array([np.inf]))
+        # it gains nothing at no size at least
+        promised = max(self.cost - cost, 0.0)
+        if -1.0 <= steps[-1] <= 0.5:
+            return promised, promised
         cost, _ = self.answered(errors, change, np.array([-1.0]), np.array([0.5]))
-        return self.cost - cost
+        return self.cost - cost, promised
 
     def likeliest_onset(self, errors):
         """From when on a change gains most at the best share of it, and what, to second order."""

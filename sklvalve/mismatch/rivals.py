@@ -119,13 +119,13 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
     """Other effects in the place of one, each from the best of two calibrations, as (Member, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
     bare = workbench.judged(workbench.simulate(rest, model.values))
-    found = {}
+    found, alike = {}, [e for e in others if _alike(e, member.effect)]
     for base in (bare, without):
-        rough = screened(workbench, base, others, onset=member.times)
+        rough = screened(workbench, base, others, onset=member.times, always=alike)
         worth_it = [
             k < _FITTED
             or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
-            or _alike(m.members[-1].effect, member.effect)
+            or m.members[-1].effect in alike
             for k, m in enumerate(rough)
         ]
         near = [m for m, fit in zip(rough, worth_it, strict=True) if fit]

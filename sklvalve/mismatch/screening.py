@@ -5,20 +5,26 @@ A score test asks what an infinitely small effect would gain. A dead band has no
 fit for every effect, size and onset most would be wasted. In between: the effect's own few parameters are
 fitted by simulation, while the calibration, some twenty parameters, answers through the derivatives of the
 calibrated simulation, taken once and kept within the bounds of the data sheet.
+
+It is a race: before every step those leave that cannot come among the best any more, most before the first.
 """
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Member, Model, begun
+from sklvalve.mismatch.hypothesis import Member, Model, begun, price
 from sklvalve.mismatch.linearised import Linearised
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.side_by_side import side_by_side
 
 # steps of an effect's own parameters; a fit of all that is promising follows
 _STEPS = 3
+# of so many effects that are fitted then none may be lost
+_BEST = 4
+# so many times what its start promises a trial comes to at most: 1.9 times in 95 % of those among the best
+_AT_MOST = 2.0
 
 
-def screened(workbench, model, effects, *, onset=False, report=None):
+def screened(workbench, model, effects, *, onset=False, also=(), always=(), report=None):
     """Hypotheses with one effect more, to first order in the calibration, the most likely first.
 
     Parameters
@@ -31,47 +37,68 @@ def screened(workbench, model, effects, *, onset=False, report=None):
         When the effects begin, stop, begin again [s, absolute], None from before the recording; by default
         each effect is tried throughout and, where it may begin within the recording, from its likeliest onset
         on.
+    also : sequence of (Model, sequence of Effect), default=()
+        Other calibrations, and the effects that are tried from there too.
+    always : sequence of Effect, default=()
+        Those that are fitted later whatever they promise.
     report : callable, default=None
         Called with the share done.
 
     Returns
     -------
     tried : list of Model
-        One or two for each effect, their log likelihoods to first order.
+        One or two for each effect and calibration, their log likelihoods to first order; without those that
+        cannot come among the best.
     """
-    touched = {e.key: workbench.channels_touched(e) for e in effects}
-    effects = [e for e in effects if touched[e.key]]
-    lines = {t: Linearised(workbench, model, t) for t in dict.fromkeys(touched[e.key] for e in effects)}
-
-    def of_one(effect):
-        return _of_one_effect(workbench, model, lines[touched[effect.key]], effect, onset)
-
-    tried = []
-    for i, found in enumerate(side_by_side(of_one, effects)):
-        tried += found
+    starts = [each for base in ((model, effects), *also) for each in _lines(workbench, *base)]
+    left, staying = [], {e.key for e in always}
+    for found in side_by_side(lambda each: _of_one_effect(workbench, *each, onset), starts):
+        left += found
+    for k in range(_STEPS):
+        left = _within_reach(left, staying)
+        for _ in side_by_side(Trial.step, left):
+            pass
         if report:
-            report((i + 1) / len(effects))
-    return sorted(tried, key=lambda m: m.log_likelihood, reverse=True)
+            report((k + 1) / _STEPS)
+    return sorted((t.hypothesis() for t in left), key=lambda m: m.log_likelihood, reverse=True)
+
+
+def _lines(workbench, model, effects):
+    """Each effect that changes a channel with the hypothesis, linearised for the channels that it changes."""
+    touched = {e.key: workbench.channels_touched(e) for e in effects}
+    lines = {t: Linearised(workbench, model, t) for t in dict.fromkeys(touched.values()) if t}
+    return [(model, lines[touched[e.key]], e) for e in effects if touched[e.key]]
 
 
 def _of_one_effect(workbench, model, line, effect, onset):
     given = onset is not False
-    member = begun(effect, onset) if given else Member(effect)
-    trial = Trial(workbench, model, line, member)
+    trial = Trial(workbench, model, line, begun(effect, onset) if given else Member(effect))
     starts = trial.starts()
-    errors = [line.with_priors(e) for e in trial.errors_at(starts)]
-    gains = [line.gain_at_any_size(e) for e in errors]
-    tried = [trial.refined(starts[int(np.argmax(gains))])]
-    if effect.may_begin and not given:
-        best = [line.likeliest_onset(e) for e in errors]
-        k = int(np.argmax([gain for gain, _ in best]))
-        late = Trial(workbench, model, line, Member(effect, best[k][1])).refined(starts[k])
-        tried.append(late)
-    return tried
+    made = trial.simulated(starts)
+    gains = [line.gain_at_any_size(errors) for _, errors in made]
+    k = int(np.argmax([gain for gain, _ in gains]))
+    trial.begin(starts[k], made[k][0], gains[k][0], max(promise for _, promise in gains))
+    if not effect.may_begin or given:
+        return [trial]
+    best = [line.likeliest_onset(errors) for _, errors in made]
+    k = int(np.argmax([gain for gain, _ in best]))
+    late = Trial(workbench, model, line, Member(effect, best[k][1]))
+    [(predictions, errors)] = late.simulated([starts[k]])
+    late.begin(starts[k], predictions, *line.gain_at_any_size(errors))
+    return [trial, late]
+
+
+def _within_reach(trials, staying):
+    """Trials that may yet come among the best, as far as they promise, and those of effects that stay."""
+    best = {}
+    for t in trials:
+        best[t.key] = max(t.worth, best.get(t.key, -np.inf))
+    last = min(sorted(best.values())[-_BEST:], default=-np.inf)
+    return [t for t in trials if t.reach >= last or t.key in staying]
 
 
 class Trial:
-    """An effect added to a linearised hypothesis.
+    """An effect added to a linearised hypothesis, and how far the fit of its own parameters has come.
 
     Parameters
     ----------
@@ -79,6 +106,13 @@ class Trial:
     model : Model
     line : Linearised
     member : Member
+
+    Attributes
+    ----------
+    gain : float
+        Log likelihood that the effect adds to the hypothesis.
+    promise : float
+        What it would add if it went on as it begins, at any size of either sign.
     """
 
     def __init__(self, workbench, model, line, member):
@@ -86,10 +120,11 @@ class Trial:
         self.chain = workbench.chain((*model.members, member))
         self.quantities = member.effect.quantities(self.chain)
         self.misfit = self._misfit(workbench, 0)
-        self._workbench = workbench
+        self._workbench, self._price = workbench, price(workbench, member)
+        self._settled, self._cost = False, None
 
     def _misfit(self, workbench, attempt):
-        parameters = [q.parameter_of(self.member.effect.key, attempt) for q in self.quantities]
+        parameters = [q.parameter_of(self.key, attempt) for q in self.quantities]
         return Misfit(
             self.chain,
             parameters,
@@ -99,47 +134,81 @@ class Trial:
             rows=workbench.rows,
         )
 
+    @property
+    def key(self):
+        """Key of its effect."""
+        return self.member.effect.key
+
+    @property
+    def worth(self):
+        """Log likelihood of the hypothesis with the effect, less its price."""
+        return self.model.log_likelihood + self.gain - self._price
+
+    @property
+    def reach(self):
+        """What it may come to be worth."""
+        return self.model.log_likelihood + _AT_MOST * max(self.gain, self.promise) - self._price
+
     def starts(self):
         """Where the effect's own fits begin."""
         many = max(len(q.starts) for q in self.quantities)
-        return [self._misfit(self._workbench, k).vector.pack({}) for k in range(many)]
+        return [self._inside(self._misfit(self._workbench, k).vector.pack({})) for k in range(many)]
 
-    def errors_at(self, several):
-        """Whitened residuals with the effect's parameters at several points, one after the other."""
+    def _inside(self, z):
+        vector = self.misfit.vector
+        inside = 1e-6 * (vector.high - vector.low)
+        return np.clip(z, vector.low + inside, vector.high - inside)
+
+    def simulated(self, several):
+        """Predictions and whitened residuals with the effect's parameters at several points."""
         if "opening" in self.line.channels:
             self.chain.free_runs_ahead([self.misfit.values(z) for z in several])
-        return [self.misfit.whitened(self.misfit.predictions(z)) for z in several]
+        made = [self.misfit.predictions(z) for z in several]
+        return [(predictions, self._errors_of(predictions)) for predictions in made]
 
-    def refined(self, z):
-        """Fit of the effect's own parameters from a start on, as a hypothesis."""
-        line, vector = self.line, self.misfit.vector
-        inside = 1e-6 * (vector.high - vector.low)
-        z = np.clip(z, vector.low + inside, vector.high - inside)
-        errors = line.with_priors(self.errors_at([z])[0])
-        cost, steps = line.answered(errors)
-        for _ in range(_STEPS):
-            moved, reach, near = self.misfit.neighbours(z)
-            beside = [line.with_priors(near.whitened(near.predictions(m))) for m in moved]
-            columns = np.stack([(e - errors) / r for e, r in zip(beside, reach, strict=True)], axis=1)
-            _, joint = line.answered(errors, columns, vector.low - z, vector.high - z)
-            gained = 0.0
-            for share in (1.0, 0.3):
-                other = np.clip(z + share * joint[-len(z) :], vector.low + inside, vector.high - inside)
-                tried = line.with_priors(self.errors_at([other])[0])
-                lower, answer = line.answered(tried)
-                if lower < cost:
-                    gained = cost - lower
-                    z, errors, cost, steps = other, tried, lower, answer
-                    break
-            if gained < 0.5 + 1e-3 * cost:
+    def _errors_of(self, predictions):
+        return self.line.with_priors(self.misfit.whitened(predictions))
+
+    def begin(self, z, predictions, gain, promise):
+        """Put the effect's parameters at a start that was simulated."""
+        self._z, self._predictions, self.gain, self.promise = z, predictions, gain, promise
+
+    def step(self):
+        """One step of the effect's own parameters."""
+        if self._settled:
+            return
+        line, vector, z, errors = self.line, self.misfit.vector, self._z, self._errors_of(self._predictions)
+        if self._cost is None:
+            self._cost, self._answer = line.answered(errors)
+        before = self._cost
+        moved, reach, near = self.misfit.neighbours(z)
+        beside = [line.with_priors(near.whitened(near.predictions(m))) for m in moved]
+        columns = np.stack([(e - errors) / r for e, r in zip(beside, reach, strict=True)], axis=1)
+        _, joint = line.answered(errors, columns, vector.low - z, vector.high - z)
+        for share in (1.0, 0.3):
+            if self._moved_to(self._inside(z + share * joint[-len(z) :])):
                 break
-        values = self.model.values | line.values(steps) | vector.values(z)
-        made = line.predictions(self.misfit.predictions(z), steps)
+        self.gain = line.cost - self._cost
+        self._settled = before - self._cost < 0.5 + 1e-3 * self._cost
+
+    def _moved_to(self, z):
+        """Whether another point is likelier; if so, the trial stands there."""
+        [(predictions, errors)] = self.simulated([z])
+        cost, answer = self.line.answered(errors)
+        if cost >= self._cost:
+            return False
+        self._z, self._predictions, self._cost, self._answer = z, predictions, cost, answer
+        return True
+
+    def hypothesis(self):
+        """The hypothesis with the effect as far as it has come."""
+        values = self.model.values | self.line.values(self._answer) | self.misfit.vector.values(self._z)
+        made = self.line.predictions(self._predictions, self._answer)
         return Model(
             (*self.model.members, self.member),
             self.chain,
             values,
             self.model.predictions | made,
-            self.model.log_likelihood + line.cost - cost,
+            self.model.log_likelihood + self.gain,
             {},
         )
