@@ -23,6 +23,10 @@ ATMOSPHERE = 101_325.0
 _ROOM = 293.15
 # free runs kept at hand, in numbers (8 bytes each)
 _NUMBERS_KEPT = 16_000_000
+# of a step to a neighbour: what effects make of command and drive is all but straight so near
+_LITTLE = 1e-3
+# how far from a run slopes may foretell its neighbours [1]
+_FORETOLD = 0.05
 # a run with slopes takes as long as so many without
 _WORTH_SLOPES = 3
 # and what drives the flow, of the last few flows: the neighbours of one point, few of which change it
@@ -227,7 +231,7 @@ class Chain:
         Returns
         -------
         chain : Chain
-            This one, where a run has no slopes or too few are asked for: it has run for all neighbours then.
+            This one, where a run has no slopes that tell, or few are asked for: it has run for all then.
         """
         own = key_of_free_run(self, values)
         keys = [key_of_free_run(self, v) for v in several]
@@ -235,9 +239,11 @@ class Chain:
         if len(moving) < _WORTH_SLOPES:
             self.free_runs_ahead(several)
             return self
-        beside = [several[i] for i in moving]
-        slopes = slopes_of_free_run(self, values, beside, [reach[i] for i in moving], self._through)
-        if slopes is None:
+        little = [{n: values[n] + _LITTLE * (v - values[n]) for n, v in several[i].items()} for i in moving]
+        ways = np.array([reach[i] for i in moving])[:, None]
+        slopes = slopes_of_free_run(self, values, little, _LITTLE * ways[:, 0], self._through)
+        # where a stem hunts its slopes grow without end, and say nothing of a neighbour
+        if slopes is None or not np.all(np.abs(slopes * ways) <= _FORETOLD):
             self.free_runs_ahead(several)
             return self
         base, other = self.run(values), copy(self)

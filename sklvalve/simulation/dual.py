@@ -31,8 +31,8 @@ from numba.core.typing.templates import AbstractTemplate, infer_global, signatur
 from numba.extending import intrinsic, make_attribute_wrapper, models, register_model
 
 _NUMBER = ir.DoubleType()
-# of values as in the scans that use them; slopes are no reason to watch for infinity or the sign of zero
-_VALUE, _FLAGS = ("contract", "arcp", "nsz"), ("fast",)
+# of values as in the scans that use them; slopes may be summed in any order too
+_VALUE, _FLAGS = ("contract", "arcp", "nsz"), ("reassoc", "contract", "arcp", "nsz")
 
 
 class SlopesType(types.Type):

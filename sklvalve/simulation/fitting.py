@@ -17,8 +17,6 @@ from sklvalve.simulation.robust import (
     stepped,
 )
 
-# of a parameter's scale: as near as rounding lets differences tell a slope to six digits
-_BESIDE = 1e-6
 # old derivatives serve on while a step gains more than this share of the first step that they led
 _STALE = 0.05
 
@@ -132,7 +130,7 @@ class Misfit:
         A point is one-sided, away from the nearer bound. The functions hold near `z` only: the free run of
         the stem is the straight continuation of that at `z`, where its derivatives are known.
         """
-        reach = _BESIDE * self.vector.scale
+        reach = 1e-3 * self.vector.scale
         reach = np.where(z + reach > self.vector.high, -reach, reach)
         moved = z + np.diag(reach)
         near = self
