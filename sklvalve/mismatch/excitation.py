@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from sklvalve.mismatch.distance import SHARE_MISTAKEN, distance, distance_of_strokes
-from sklvalve.mismatch.foreseen import Foreseen
+from sklvalve.mismatch.foreseen import Foreseen, Present
 from sklvalve.mismatch.hypothesis import Member, Model
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
@@ -91,9 +91,13 @@ class Advisor:
     def __init__(self, workbench, explanations, without, gain):
         self.workbench, self.explanations, self.without, self.gain = workbench, explanations, without, gain
 
+    @cached_property
+    def _present_record(self):
+        return Present(self.workbench)
+
     def records(self, program, sensor=None):
         """The record that a program would give, for each explanation taken for true."""
-        return [Foreseen(self.workbench, program, e, sensor) for e in self.explanations]
+        return [Foreseen(self._present_record, program, e, sensor) for e in self.explanations]
 
     def distances(self, program, sensor=None, rounds=1):
         """Distance D of every explanation from every other after a test.
@@ -181,7 +185,7 @@ class Advisor:
             ``effect.parameter``.
         """
         best = self.explanations[0]
-        answer = Answer(Foreseen(self.workbench, program, best, None), best)
+        answer = Answer(Foreseen(self._present_record, program, best, None), best)
         for misfit, (_, curvature), slopes in zip(best.misfits, best.groups, answer.slopes(), strict=True):
             if name in misfit.vector.names:
                 k, scale = misfit.vector.names.index(name), misfit.vector.scale

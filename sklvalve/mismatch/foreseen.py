@@ -19,12 +19,34 @@ _LEAST_DROP = 0.1
 _BELOW_ZERO = 0.01
 
 
+class Present:
+    """What foreseen records take from the present one: asked for once, whatever the number of programs.
+
+    Parameters
+    ----------
+    workbench : Workbench
+        Its noise stays as it is as long as records are foreseen.
+    """
+
+    def __init__(self, workbench):
+        self.workbench, recording = workbench, workbench.recording
+        self.medians = {role: float(np.nanmedian(recording[role])) for role in recording}
+        self.surroundings = Surroundings(recording)
+        self._makeups = {}
+
+    def noise_of(self, model, channel, signal, step):
+        """Noise of a channel, where a model holds, for another signal."""
+        if (model, channel) not in self._makeups:
+            self._makeups[model, channel] = _makeup(self.workbench, model, channel)
+        return _noise_like(*self._makeups[model, channel], signal, step)
+
+
 class Foreseen:
     """A record not yet made: the noise is that of the present recording, its surroundings are medians.
 
     Parameters
     ----------
-    workbench : Workbench
+    present : Present
     program : Program
     truth : Explanation
     sensor : str, default=None
@@ -38,20 +60,21 @@ class Foreseen:
         Channel -> noise model.
     """
 
-    def __init__(self, workbench, program, truth, sensor=None):
+    def __init__(self, present, program, truth, sensor=None):
+        workbench = present.workbench
         self.workbench, self.sensor = workbench, sensor
-        present, values = workbench.recording, truth.model.values
+        recording, values = workbench.recording, truth.model.values
         n, clock = len(program.command), truth.model.chain.clock
-        step = present.sample_time
-        signals = {role: _median(present, role, n) for role in present}
-        if "command" in present:
+        step = recording.sample_time
+        signals = {role: np.full(n, median) for role, median in present.medians.items()}
+        if "command" in recording:
             signals["command"] = program.command
-        if "opening" in present:
+        if "opening" in recording:
             signals["opening"] = program.command
-        surroundings = Surroundings(present)
+        surroundings = present.surroundings
         stamps = clock[-1] + step * (1.0 + np.arange(n))
         self.recording = replace(
-            present,
+            recording,
             time=stamps - stamps[0],
             stamps=stamps,
             signals=surroundings.moved(signals, program),
@@ -68,7 +91,7 @@ class Foreseen:
                 self._put(surroundings.moved(self.recording.signals, program))
             made["flow"] = self.chain_of(truth).flow(values)
             self._put({"flow": made["flow"]})
-        self.noise = {c: _noise_of(workbench, truth.model, c, made[c], step) for c in workbench.channels}
+        self.noise = {c: present.noise_of(truth.model, c, made[c], step) for c in workbench.channels}
         if "flow" in made:
             self._leave_out(made["flow"])
         if sensor is not None:
@@ -139,26 +162,29 @@ class Surroundings:
         return signals
 
 
-def _median(recording, role, n):
-    return np.full(n, float(np.nanmedian(recording[role])))
-
-
-def _noise_of(workbench, model, channel, signal, step):
-    """Noise of a channel for another signal: its white part grows with that as it did in the recording."""
+def _makeup(workbench, model, channel):
+    """Noise of a channel, the largest value of its signal, how it goes with that, and its least variance."""
     noise, past = workbench.noise[channel], model.predictions[channel]
     if isinstance(noise, NoiseOfPieces):
         rows, noise = noise.longest
         past = past[rows]
     if not isinstance(noise, NoiseModel):
-        return noise
+        return noise, 0.0, None, 0.0
     largest = max(float(np.nanmax(np.abs(past))), 1e-12)
-    shapes = [_shapes(past, noise.step, largest), _shapes(signal, np.full(len(signal), step), largest)]
-    seen = np.isfinite(noise.white) & np.isfinite(shapes[0]).all(axis=1)
+    shapes = _shapes(past, noise.step, largest)
+    seen = np.isfinite(noise.white) & np.isfinite(shapes).all(axis=1)
     size = float(np.mean(noise.white[seen]))
-    scale = np.maximum(shapes[0][seen].mean(axis=0), 1e-300)
-    shares, _ = nnls(shapes[0][seen] / scale, noise.white[seen] / size)
-    white = np.maximum(shapes[1] @ (shares * size / scale), 0.1 * float(noise.white[seen].min()))
+    scale = np.maximum(shapes[seen].mean(axis=0), 1e-300)
+    shares, _ = nnls(shapes[seen] / scale, noise.white[seen] / size)
+    return noise, largest, shares * size / scale, 0.1 * float(noise.white[seen].min())
+
+
+def _noise_like(noise, largest, shares, least, signal, step):
+    """Noise of another signal: its white part grows with that as it did in the recording."""
+    if shares is None:
+        return noise
     steps = np.full(len(signal), step)
+    white = np.maximum(_shapes(signal, steps, largest) @ shares, least)
     return NoiseModel(white, steps, noise.fast_time, noise.fast_size, noise.slow_time, noise.slow_size)
 
 
