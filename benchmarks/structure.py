@@ -19,8 +19,8 @@ CORE = ROOT / "sklvalve" / "mismatch"
 WORDS = (
     "rest", "price", "worth", "matters", "strength", "circumstances", "exceeded", "adequacy", "withholding",
     "folded", "spells", "course", "moments", "afresh", "sifting", "going_on", "standing", "given", "foreseen",
-    "told", "march", "every_row_alike", "side_by_side", "member", "members", "workbench", "found", "own", "who",
-    "less", "more",
+    "told", "march", "every_row_alike", "side_by_side", "member", "members", "workbench", "found", "own",
+    "who", "less", "more",
 )  # fmt: skip
 _BRANCHES = (ast.If, ast.For, ast.While, ast.IfExp, ast.ExceptHandler, ast.comprehension, ast.Assert)
 
@@ -80,7 +80,9 @@ def _constants(tree):
         if isinstance(node, ast.Assign):
             names = [n.id for t in node.targets for n in ast.walk(t) if isinstance(n, ast.Name)]
             numbers = [
-                n for n in ast.walk(node.value) if isinstance(n, ast.Constant) and type(n.value) in (int, float)
+                n
+                for n in ast.walk(node.value)
+                if isinstance(n, ast.Constant) and type(n.value) in (int, float)
             ]
             many += len(names) if numbers and all(re.fullmatch(r"_?[A-Z][A-Z0-9_]*", n) for n in names) else 0
     return many

@@ -67,7 +67,8 @@ def afresh(workbench, model, effects):
     with workbench.every_row_alike(model):
         for base in bases:
             begin = workbench.fit(model.members, start=base, max_steps=_STEPS)
-            for m in screened(workbench, begin, bent):
+            # each from every calibration: none leaves a race in which it stands once
+            for m in screened(workbench, begin, bent, always=bent):
                 met.setdefault(m.members[-1].effect.key, []).append(m)
         best = sorted(met.values(), key=lambda each: max(worth(workbench, m) for m in each), reverse=True)
         near = [m for each in best[:_FITTED] for m in each]

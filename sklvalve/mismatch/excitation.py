@@ -217,7 +217,7 @@ class Answer:
         errors = misfit.whitened(misfit.predictions(z))
         if self.record.sensor is None:
             return errors
-        return np.concatenate([errors, self.record.sensed(misfit.chain.opening(misfit.values(z)))])
+        return np.concatenate([errors, self.record.sensed(self.chain.opening(misfit.values(z)))])
 
     def slopes(self):
         """Derivatives of the errors where the rival's parameters stand, group by group."""
@@ -226,8 +226,8 @@ class Answer:
 
     def _slopes_at(self, misfit, z):
         base = self.errors(misfit, z)
-        moved, reach, near = misfit.neighbours(z)
-        columns = [(self.errors(near, m) - base) / r for m, r in zip(moved, reach, strict=True)]
+        moved, reach = misfit.neighbours(z)
+        columns = [(self.errors(misfit, m) - base) / r for m, r in zip(moved, reach, strict=True)]
         return np.stack(columns, axis=1)
 
     def least(self, slopes, rounds):

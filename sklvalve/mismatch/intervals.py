@@ -91,11 +91,11 @@ def _slopes(workbench, misfit, member, fitted, key):
     """Derivatives of simulated signals and of priors; of the parameter first, then of the calibration's."""
     z, names = misfit.vector.pack(fitted.values), misfit.vector.names
     base, prior = misfit.predictions(z), misfit.vector.prior_residuals(z)
-    moved, reach, near = misfit.neighbours(z)
+    moved, reach = misfit.neighbours(z)
     own = f"{member.effect.key}."
     places = [names.index(key), *(i for i, name in enumerate(names) if not name.startswith(own))]
     slopes = [
-        _scaled(workbench, near.predictions(moved[i]), base, misfit.channels) / reach[i] for i in places
+        _scaled(workbench, misfit.predictions(moved[i]), base, misfit.channels) / reach[i] for i in places
     ]
     pulls = [(misfit.vector.prior_residuals(moved[i]) - prior) / reach[i] for i in places]
     return np.stack(slopes, axis=1), np.stack(pulls, axis=1), len(places)

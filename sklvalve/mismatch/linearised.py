@@ -158,11 +158,11 @@ def _derivatives(misfit):
     z = vector.pack(misfit.fixed)
     base = misfit.predictions(z)
     whitened, priors = misfit.whitened(base), vector.prior_residuals(z)
-    moved, reach, near = misfit.neighbours(z)
+    moved, reach = misfit.neighbours(z)
     slopes = np.empty((len(z), len(whitened) + len(priors)))
     raw = {c: np.empty((len(z), len(base[c]))) for c in misfit.channels}
     for j, (m, r) in enumerate(zip(moved, reach, strict=True)):
-        beside = near.predictions(m)
+        beside = misfit.predictions(m)
         slopes[j, : len(whitened)] = (misfit.whitened(beside) - whitened) / r
         slopes[j, len(whitened) :] = (vector.prior_residuals(m) - priors) / r
         for c in misfit.channels:

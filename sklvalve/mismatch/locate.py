@@ -129,11 +129,11 @@ def _slopes_of_calibration(workbench, model, cause):
         white = {c: workbench.noise[c].whiten(left_of(workbench.recording, base, c)) for c in here}
         prior = misfit.vector.prior_residuals(z)
         priors[i] = len(prior)
-        moved, reach, near = misfit.neighbours(z)
+        moved, reach = misfit.neighbours(z)
         for name, at, r in zip(misfit.vector.names, moved, reach, strict=True):
             if name.startswith(own):
                 continue
-            beside = near.predictions(at)
+            beside = misfit.predictions(at)
             parts = {
                 c: (workbench.noise[c].whiten(left_of(workbench.recording, beside, c)) - white[c]) / r
                 for c in here

@@ -52,14 +52,17 @@ def screened(workbench, model, effects, *, onset=False, also=(), always=(), repo
     """
     starts = [each for base in ((model, effects), *also) for each in _lines(workbench, *base)]
     left, staying = [], {e.key for e in always}
-    for found in side_by_side(lambda each: _of_one_effect(workbench, *each, onset), starts):
+    for i, found in enumerate(side_by_side(lambda each: _of_one_effect(workbench, *each, onset), starts)):
         left += found
+        if report:
+            # the starts take about as long as all steps
+            report(0.5 * (i + 1) / len(starts))
     for k in range(_STEPS):
         left = _within_reach(left, staying)
         for _ in side_by_side(Trial.step, left):
             pass
         if report:
-            report((k + 1) / _STEPS)
+            report(0.5 + 0.5 * (k + 1) / _STEPS)
     return sorted((t.hypothesis() for t in left), key=lambda m: m.log_likelihood, reverse=True)
 
 
@@ -181,8 +184,8 @@ class Trial:
         if self._cost is None:
             self._cost, self._answer = line.answered(errors)
         before = self._cost
-        moved, reach, near = self.misfit.neighbours(z)
-        beside = [line.with_priors(near.whitened(near.predictions(m))) for m in moved]
+        moved, reach = self.misfit.neighbours(z)
+        beside = [e for _, e in self.simulated(moved)]
         columns = np.stack([(e - errors) / r for e, r in zip(beside, reach, strict=True)], axis=1)
         _, joint = line.answered(errors, columns, vector.low - z, vector.high - z)
         for share in (1.0, 0.3):

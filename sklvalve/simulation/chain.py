@@ -14,7 +14,7 @@ import numpy as np
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
-from sklvalve.simulation.free_run import free_run, key_of_free_run, slopes_of_free_run
+from sklvalve.simulation.free_run import free_run, key_of_free_run
 from sklvalve.simulation.side_by_side import side_by_side
 from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table
 from sklvalve.simulation.trim import GRID
@@ -23,12 +23,6 @@ ATMOSPHERE = 101_325.0
 _ROOM = 293.15
 # free runs kept at hand, in numbers (8 bytes each)
 _NUMBERS_KEPT = 16_000_000
-# of a step to a neighbour: what effects make of command and drive is all but straight so near
-_LITTLE = 1e-3
-# how far from a run slopes may foretell its neighbours [1]
-_FORETOLD = 0.05
-# a run with slopes takes as long as so many without
-_WORTH_SLOPES = 3
 # and what drives the flow, of the last few flows: the neighbours of one point, few of which change it
 _ROOTS_KEPT, _NUMBERS_OF_ROOTS = 16, 1_000_000
 # onsets of which the rows behind are kept
@@ -199,16 +193,12 @@ class Chain:
 
     def stem_of_free_run(self, values):
         """Opening of the stem itself, free run from the command [1]."""
-        return self._through("stem", self.run(values), values)
-
-    def run(self, values):
-        """Free run from the command, before effects on the stem itself [1]."""
         key = key_of_free_run(self, values)
         run = self._runs.get(key)
         if run is None:
             run = free_run(self, values, self._through)
             self._keep([(key, run)])
-        return run
+        return self._through("stem", run, values)
 
     def free_runs_ahead(self, several):
         """Run the stem for several sets of values side by side, to have the results at hand later."""
@@ -216,41 +206,6 @@ class Chain:
         missing = [key for key in wanted if key not in self._runs]
         runs = side_by_side(lambda key: free_run(self, wanted[key], self._through), missing)
         self._keep(zip(missing, runs, strict=True))
-
-    def near(self, values, several, reach):
-        """The same stages with the free runs of neighbours at hand, as the slopes of one run foretell them.
-
-        Parameters
-        ----------
-        values : dict
-        several : list of dict
-            Values beside these, one step in one parameter each.
-        reach : sequence of float
-            Length of each step.
-
-        Returns
-        -------
-        chain : Chain
-            This one, where a run has no slopes that tell, or few are asked for: it has run for all then.
-        """
-        own = key_of_free_run(self, values)
-        keys = [key_of_free_run(self, v) for v in several]
-        moving = [i for i, key in enumerate(keys) if key != own]
-        if len(moving) < _WORTH_SLOPES:
-            self.free_runs_ahead(several)
-            return self
-        little = [{n: values[n] + _LITTLE * (v - values[n]) for n, v in several[i].items()} for i in moving]
-        ways = np.array([reach[i] for i in moving])[:, None]
-        slopes = slopes_of_free_run(self, values, little, _LITTLE * ways[:, 0], self._through)
-        # where a stem hunts its slopes grow without end, and say nothing of a neighbour
-        if slopes is None or not np.all(np.abs(slopes * ways) <= _FORETOLD):
-            self.free_runs_ahead(several)
-            return self
-        base, other = self.run(values), copy(self)
-        other._runs = {own: base}
-        for i, slope in zip(moving, slopes, strict=True):
-            other._runs[keys[i]] = base + reach[i] * slope
-        return other
 
     def _keep(self, runs):
         if len(self._runs) > max(_NUMBERS_KEPT // len(self.time), 40):
@@ -286,19 +241,22 @@ class Chain:
 
     def _root_at(self, plug, values):
         """Root of what drives the flow, at hand where neither its parameters nor the plug has moved since."""
-        effects = [e for e in self.effects if e.stage in ("pressures", "choking")]
-        own = [(e, self._times(e), *self._own(e, values).values()) for e in effects]
-        sign = (*(values.get(name) for name in _OF_DROP), *own)
-        follows = self.choking or bool(effects)
+        if any(e.stage in ("pressures", "choking") for e in self.effects):
+            # what they make of the drop may hang on anything
+            return self._root(plug, values)
+        sign = tuple(values.get(name) for name in _OF_DROP)
         for known, at, root in tuple(self._roots):
-            if known == sign and (not follows or _same(at, plug)):
+            if known == sign and (not self.choking or _same(at, plug)):
                 return root
-        choking = self._through("choking", self._choking(plug, values), values)
-        root = self._root_of_drop(*self._drop_at_valve(values), **choking)
+        root = self._root(plug, values)
         kept = min(max(_NUMBERS_OF_ROOTS // len(plug), 2), _ROOTS_KEPT)
         del self._roots[: max(len(self._roots) + 1 - kept, 0)]
         self._roots.append((sign, plug, root))
         return root
+
+    def _root(self, plug, values):
+        choking = self._through("choking", self._choking(plug, values), values)
+        return self._root_of_drop(*self._drop_at_valve(values), **choking)
 
     def _drop_at_valve(self, values):
         """Pressure drop and, where known, :math:`p_1 - F_F p_v`, as the effects have them [Pa]."""
@@ -322,7 +280,8 @@ class Chain:
         """kv of the trim at an opening of the plug, in the simulation that runs [m3/h]."""
         if np.ndim(plug) == 0:
             return np.interp(plug, GRID, self._table)
-        return from_table(plug, GRID, self._table)
+        at = np.asarray(plug, dtype=float)
+        return from_table(at.ravel(), GRID, self._table).reshape(at.shape)
 
     def _root_of_drop(self, drop, margin, fl, knee):
         size = np.abs(drop)

@@ -2,7 +2,6 @@
 """Fit of a chain's open parameters to a recording by simulation error."""
 
 from collections.abc import Callable
-from copy import copy
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -125,27 +124,21 @@ class Misfit:
         return np.concatenate([self.whitened(self.predictions(z)), self.vector.prior_residuals(z)])
 
     def neighbours(self, z):
-        """Points beside `z`, one a parameter, how far each is, and the errors as functions there.
-
-        A point is one-sided, away from the nearer bound. The functions hold near `z` only: the free run of
-        the stem is the straight continuation of that at `z`, where its derivatives are known.
-        """
+        """Points beside `z`, one a parameter, and how far each is: one-sided, away from the nearer bound."""
         reach = 1e-3 * self.vector.scale
         reach = np.where(z + reach > self.vector.high, -reach, reach)
         moved = z + np.diag(reach)
-        near = self
         if "opening" in self.channels:
-            near = copy(self)
-            near.chain = self.chain.near(self.values(z), [self.values(m) for m in moved], reach)
-        return moved, reach, near
+            self.chain.free_runs_ahead([self.values(m) for m in moved])
+        return moved, reach
 
     def slopes(self, z, base):
         """Derivatives of `errors` [n_errors, n_parameters], by one-sided differences from `base`.
 
         A parameter's own lie side by side in memory: the transpose is in C order.
         """
-        moved, reach, near = self.neighbours(z)
-        return np.stack([(near.errors(m) - base) / r for m, r in zip(moved, reach, strict=True)]).T
+        moved, reach = self.neighbours(z)
+        return np.stack([(self.errors(m) - base) / r for m, r in zip(moved, reach, strict=True)]).T
 
 
 def fit_chain(
@@ -171,8 +164,7 @@ def fit_chain(
     Notes
     -----
     Residuals beyond three standard deviations weigh linearly (soft L1). Derivatives are one-sided
-    differences; the scan of a stem carries its own along. A signal that cannot depend on a parameter is not
-    simulated again for it.
+    differences; a signal that cannot depend on a parameter is not simulated again for it.
     """
     misfit = Misfit(chain, parameters, channels, noise, fixed=fixed, rows=rows)
     vector = misfit.vector

@@ -148,12 +148,6 @@ class GivenChain(Chain):
         if self.given_opening is None and self.given_flow is None:
             super().free_runs_ahead(several)
 
-    def near(self, values, several, reach):
-        """As in `Chain`; a given opening needs no runs."""
-        if self.given_opening is None and self.given_flow is None:
-            return super().near(values, several, reach)
-        return self
-
     def drive(self, values):
         """Opening that drives the flow side [1]; the command where none is recorded beside a given flow."""
         if self.given_flow is None or self.measured is not None:

@@ -1,22 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Stem of a pneumatic actuator behind its positioner: one scan along time, compiled, with its derivatives."""
+"""Stem of a pneumatic actuator behind its positioner: one scan along time, compiled."""
 
 import numba as nb
 import numpy as np
 
-from sklvalve.simulation.dual import dual, kept
-from sklvalve.simulation.stem_state import actuator, at_rest, compiled, faulty, sound
+from sklvalve.simulation.stem_state import actuator, at_rest, faulty, sound
 from sklvalve.simulation.stem_step import after_a_sample
-
-#: So many slopes one scan may carry along: those of one register of a wide processor, or of two.
-NARROW, WIDE = 8, 16
 
 
 # no check for division by zero: no divisor can be zero
-_scan = nb.njit(cache=True, nogil=True, error_model="numpy")
-
-
-@_scan
+@nb.njit(cache=True, nogil=True, error_model="numpy")
 def positioner_and_actuator(
     command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band, faults, filter_time, gain,
     reset, rate, feedback, vent, lag=0.0,
@@ -87,74 +80,3 @@ def positioner_and_actuator(
         state, pace = after_a_sample(state, pace, target, step[k], drive, own)
         out[k] = state.x
     return out
-
-
-@_scan
-def stem_with_slopes(
-    command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band, faults, numbers,
-    row_slopes, number_slopes, like,
-):  # fmt: skip
-    """What `positioner_and_actuator` gives, with its derivatives by several parameters at once.
-
-    Parameters
-    ----------
-    command, step, x0, spring, atmosphere, supply, coulomb, extra_stick, dead_band
-        As there.
-    faults : ndarray of shape (n, 10) or (1, 10)
-        As there; zeros in a sound actuator, and one row where nothing changes with time.
-    numbers : ndarray of shape (7,)
-        `filter_time`, `gain`, `reset`, `rate`, `feedback`, `vent` and `lag`.
-    row_slopes : tuple of 15 ndarrays of shape (n, p) or (1, p)
-        Derivatives of `command`, `supply`, `coulomb`, `extra_stick`, `dead_band` and of the ten faults.
-    number_slopes : ndarray of shape (7, p)
-    like : tuple of p numbers
-        Of `NARROW` or `WIDE` length; so the compiler knows p.
-
-    Returns
-    -------
-    opening : ndarray of shape (n,)
-        Position of the stem [1].
-    slopes : ndarray of shape (n, p)
-        Its derivatives. Where two ways of the code part, they are those of the one that was taken.
-    """
-    n, still = len(command), np.zeros((1, len(like)))
-    out, slopes = np.empty(n), np.empty((n, len(like)))
-    filter_time, gain = _number(numbers, number_slopes, 0, like), _number(numbers, number_slopes, 1, like)
-    reset, rate = _number(numbers, number_slopes, 2, like), _number(numbers, number_slopes, 3, like)
-    feedback, vent = _number(numbers, number_slopes, 4, like), _number(numbers, number_slopes, 5, like)
-    lag = _number(numbers, number_slopes, 6, like)
-    own = actuator(spring, atmosphere, filter_time, gain, reset, feedback, vent, lag)
-    x = dual(min(max(x0, 0.0), 1.0), still, 0, like)
-    target = _number(command, row_slopes[0], 0, like) if command[0] == command[0] else x
-    state, pace = at_rest(x, target, own)
-    for k in range(n):
-        if command[k] == command[k]:
-            target = _number(command, row_slopes[0], k, like)
-        told = (
-            _number(supply, row_slopes[1], k, like),
-            _number(coulomb, row_slopes[2], k, like),
-            _number(extra_stick, row_slopes[3], k, like),
-            _number(dead_band, row_slopes[4], k, like),
-        )
-        wrong = (
-            _number(faults[:, 0], row_slopes[5], k, like),
-            _number(faults[:, 1], row_slopes[6], k, like),
-            _number(faults[:, 2], row_slopes[7], k, like),
-            _number(faults[:, 3], row_slopes[8], k, like),
-            _number(faults[:, 4], row_slopes[9], k, like),
-            _number(faults[:, 5], row_slopes[10], k, like),
-            _number(faults[:, 6], row_slopes[11], k, like),
-            _number(faults[:, 7], row_slopes[12], k, like),
-            _number(faults[:, 8], row_slopes[13], k, like),
-            _number(faults[:, 9], row_slopes[14], k, like),
-        )
-        drive = faulty(told, wrong, spring, rate)
-        state, pace = after_a_sample(state, pace, target, step[k], drive, own)
-        out[k] = kept(state.x, slopes, k)
-    return out, slopes
-
-
-@compiled
-def _number(values, slopes, k, like):
-    """Dual number from a row of values and one of slopes, or from the only row where all are alike."""
-    return dual(values[min(k, len(values) - 1)], slopes, min(k, len(slopes) - 1), like)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a run of the stem goes by: the actuator, what acts in one row, and what changes from step to step.
 
-All in travels: a pressure of one carries the spring over one travel. Each is made by compiled code, of plain
-numbers or of dual ones.
+All in travels: a pressure of one carries the spring over one travel.
 """
 
 from typing import NamedTuple

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""One step of a stem in time: positioner, chamber and friction, compiled for plain and for dual numbers.
+"""One step of a stem in time: positioner, chamber and friction, compiled.
 
 A step asks the positioner how wide its spool is open, the chamber how much air that lets in or out, and
 friction how far the stem goes by it.

@@ -6,6 +6,7 @@ import pytest
 
 from sklvalve.mechanism import fluid_from, liquid_flow
 from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import (
@@ -99,11 +100,30 @@ def test_memory_of_the_opening_is_true_to_its_values(recording):
     np.testing.assert_array_equal(chain.opening(values), first)
 
 
+class _Capacity(Effect):
+    """A loss before the valve that goes with its capacity, as a user may write it."""
+
+    key, stage = "loss_of_my_own", "pressures"
+    parameters = (Quantity("loss", "1", 0.0, 0.1, (0.01,)),)
+
+    def apply(self, value, p, chain):
+        kv = chain.capacity_at(chain.plug) / chain.trim.rated
+        return value | {"p1": value["p1"] - p["loss"] * kv**2 * (value["p1"] - value["p2"])}
+
+
+@pytest.mark.parametrize("plug", [np.array([0, 1]), [0.2, 0.4], np.float32(0.3), np.zeros((2, 2))], ids=str)
+def test_capacities_are_read_for_whatever_holds_numbers(recording, plug):
+    chain, values = _bound(recording)
+    chain.flow(values)
+    expected = np.interp(plug, GRID, chain.trim.table(values))
+    np.testing.assert_allclose(chain.capacity_at(plug), expected, rtol=1e-14)
+
+
 @pytest.mark.parametrize("choking", [False, True])
-@pytest.mark.parametrize("key", ["inlet_pressure_bias", "choked_flow"])
-def test_what_drives_the_flow_is_true_to_its_values_at_hand(recording, choking, key):
+@pytest.mark.parametrize("effect", [_Capacity(), *(EFFECTS[k] for k in ("seat_leakage", "choked_flow"))])
+def test_what_drives_the_flow_is_true_to_its_values_at_hand(recording, choking, effect):
     """Whatever moves between two flows, the second is that of a chain that has seen no other."""
-    effect, middle = EFFECTS[key], float(clock_of(recording)[len(recording) // 2])
+    key, middle = effect.key, float(clock_of(recording)[len(recording) // 2])
     chain, values = _bound(recording, choking=choking, effects=[effect])
     values |= {f"{key}.{q.name}": q.starts[0] for q in effect.quantities(chain)}
     others = [values | {name: 1.01 * value + 1e-4} for name, value in values.items()]
