@@ -121,7 +121,8 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
     bare = workbench.judged(workbench.simulate(rest, model.values))
     found, alike = {}, [e for e in others if _alike(e, member.effect)]
     for base in (bare, without):
-        rough = screened(workbench, base, others, onset=member.times, always=alike)
+        # no race: a class is to hold all that cannot be told apart, not the best four alone
+        rough = screened(workbench, base, others, onset=member.times, always=others)
         worth_it = [
             k < _FITTED
             or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
