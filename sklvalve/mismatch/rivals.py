@@ -119,14 +119,14 @@ def _others_in_place(workbench, model, rest, without, others, member, seen):
     """Other effects in the place of one, each from the best of two calibrations, as (Member, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
     bare = workbench.judged(workbench.simulate(rest, model.values))
-    found, alike = {}, [e for e in others if _alike(e, member.effect)]
+    found = {}
     for base in (bare, without):
         # no race: a class is to hold all that cannot be told apart, not the best four alone
         rough = screened(workbench, base, others, onset=member.times, always=others)
         worth_it = [
             k < _FITTED
             or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
-            or m.members[-1].effect in alike
+            or _alike(m.members[-1].effect, member.effect)
             for k, m in enumerate(rough)
         ]
         near = [m for m, fit in zip(rough, worth_it, strict=True) if fit]

@@ -185,7 +185,7 @@ class Trial:
             self._cost, self._answer = line.answered(errors)
         before = self._cost
         moved, reach = self.misfit.neighbours(z)
-        beside = [e for _, e in self.simulated(moved)]
+        beside = [self._errors_of(self.misfit.predictions(m)) for m in moved]
         columns = np.stack([(e - errors) / r for e, r in zip(beside, reach, strict=True)], axis=1)
         _, joint = line.answered(errors, columns, vector.low - z, vector.high - z)
         for share in (1.0, 0.3):

@@ -122,6 +122,5 @@ def at_rest(opening, wanted, own):
     """State of a stem that has stood at an opening, and the pace of no step yet."""
     # a stem that stands at its end of travel may be pressed against it by any pressure
     mass = (opening + own.spring) * (DEAD_VOLUME + opening)
-    nothing = 0.0 * opening
-    state = State(opening, mass, nothing, nothing, opening, opening, wanted, nothing)
-    return state, Pace(nothing - 1.0, nothing, nothing, nothing, nothing + 1.0, nothing + 1.0)
+    state = State(opening, mass, 0.0, 0.0, opening, opening, wanted, 0.0)
+    return state, Pace(-1.0, 0.0, 0.0, 0.0, 1.0, 1.0)

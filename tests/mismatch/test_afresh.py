@@ -69,10 +69,12 @@ def test_a_lost_supply_is_found_wherever_the_calibration_lies(starved):
     first = found[0].members[-1]
     assert first.effect is SUPPLY
     assert found[0].values["supply_pressure_drop.drop"] == pytest.approx(0.72, abs=0.03)
-    left = [np.nanmean(bench.residuals(m)["opening"] ** 2) for m in (nominal, *found)]
-    # the cause leaves a twentieth; a mere lag, the other that a slow stem suggests, half of it
+    # beyond the sensor's own noise, which no hypothesis takes away
+    floor = bench.noise["opening"].floor ** 2
+    left = [np.nanmean(bench.residuals(m)["opening"] ** 2) - floor for m in (nominal, *found)]
+    # of a slow stem the cause leaves next to nothing; what else is suggested leaves half at most
     assert left[1] <= 0.1 * left[0]
-    assert max(left[1:]) <= 0.6 * left[0]
+    assert max(left[1:]) <= 0.5 * left[0]
     assert left[1:] == sorted(left[1:])
 
 
