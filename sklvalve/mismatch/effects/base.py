@@ -49,7 +49,8 @@ class Quantity:
         Value at which the effect vanishes: zero of a bias or a leak, one of a ratio. None of a parameter that
         says where or how an effect acts and not how much, such as a limit of speed.
     shown : Shown or None, default=None
-        How reports show it; by its name and its own unit where it is None.
+        How reports show it. Where it is None, as the catalogue shows all parameters of that name and unit,
+        if it shows them alike; else by its name, in its own unit.
     silent : bool, default=False
         Whether reports leave it to diagnosis.json, for it has no meaning without the equation.
     declared : callable or None, default=None

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Verdict of a loop, the sentences it rests on, and how the class of sticking is graded."""
 
+from sklvalve.mismatch.effects.base import Quantity, Shown
 from sklvalve.mismatch.loop.look import FEWEST_TURNS, LARGE, MATTERS
 
 #: Differences of log likelihood from which on a wide band is excluded, and an answer is visible.
@@ -12,6 +13,12 @@ _FEWEST_ROWS = 20
 #: A grade is strong from this much evidence and this many turns of the command on, weak below the second
 #: pair.
 _STRONG, _MODERATE = (30.0, 10), (18.0, 5)
+
+#: Parameters of a stem that sticks in a loop, shares of the command's range.
+STICK_AND_SLIP = (
+    Quantity("stick", "1", 0.0, 1.0, (), shown=Shown("dead band plus stick band", "% of travel", 100.0)),
+    Quantity("slip", "1", 0.0, 1.0, (), shown=Shown("slip jump", "% of travel", 100.0)),
+)
 
 
 def judged(looks, look, found, share=None):
