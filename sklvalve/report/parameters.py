@@ -4,8 +4,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from sklvalve.recording.units import from_si, to_si
-from sklvalve.recording.units import quantity_of as quantity_of_unit
+from sklvalve.recording.units import from_si, quantity_of, to_si
 from sklvalve.report.words import number
 
 # a third digit says nothing where the interval is wider than this share of the value
@@ -82,30 +81,30 @@ def shown_parameters(effect: dict, d: dict) -> list[Parameter]:
 
 
 def _shown(who: str, name: str, item: dict, d: dict) -> Parameter | None:
-    # no words but these need the simulation, and it takes a second to be read
-    from sklvalve.mismatch.effects.known import quantity_of
+    # a report without effects does without the simulation, which takes a second to import
+    from sklvalve.mismatch.effects.known import quantity_named
 
     unit = item.get("unit") or "1"
-    quantity = quantity_of(who, name, unit)
+    quantity = quantity_named(who, name, unit)
     if quantity is not None and quantity.silent:
         return None
-    low, high = item.get("ci95") or (None, None)
     told = quantity.shown if quantity is not None else None
-    words, shown, turn = (told.words, told.unit, told.turn) if told else _plain(name, unit)
-    flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
-    measured = quantity_of_unit(unit)
-    if flow_unit and measured in ("volume flow", "mass flow") and quantity_of_unit(flow_unit) == measured:
-        turn, shown = float(from_si(to_si(1.0, unit, measured), flow_unit, measured)), flow_unit
-        words = "offset" if name == "bias" and told is None else words
+    words, shown, turn = (told.words, told.unit, told.turn) if told else _plain(name, unit, d)
+    low, high = item.get("ci95") or (None, None)
     value, low, high = (_turned(v, turn) for v in (item["value"], low, high))
     unknown = tuple(item.get("unknown_ends") or ())
     return Parameter(words, value, low, high, shown, unknown)
 
 
-def _plain(name: str, unit: str) -> tuple[str, str, float]:
-    """Words, unit and factor of a parameter that does not say how it is shown."""
-    spelt = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
-    return spelt, "" if unit == "1" else unit, 1.0
+def _plain(name: str, unit: str, d: dict) -> tuple[str, str, float]:
+    """Words, unit and factor of a parameter that does not say how it is shown; a flow as it is recorded."""
+    words = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
+    flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
+    quantity = quantity_of(unit)
+    if flow_unit and quantity in ("volume flow", "mass flow") and quantity_of(flow_unit) == quantity:
+        factor = float(from_si(to_si(1.0, unit, quantity), flow_unit, quantity))
+        return "offset" if name == "bias" else words, flow_unit, factor
+    return words, "" if unit == "1" else unit, 1.0
 
 
 def _turned(value: float | None, turn: float | Callable[[float], float]) -> float | None:

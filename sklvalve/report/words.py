@@ -67,7 +67,7 @@ def class_clause(members: Iterable[dict], limit: int = 3) -> str:
 
 def _own(name: str, told: str) -> str:
     """What an effect says of itself; empty where it says nothing."""
-    # most words are those of no effect, and what is no report of one needs no simulation
+    # commands that speak of signals alone do without the simulation, which takes a second to import
     from sklvalve.mismatch.effects.known import forms_of
 
     return next((words for form in forms_of(name) if (words := getattr(form, told))), "")

@@ -10,7 +10,7 @@ import sklvalve
 from sklvalve import Recording, Valve
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE, Effect, Quantity, Shown
-from sklvalve.mismatch.effects.known import forms_of, quantity_of
+from sklvalve.mismatch.effects.known import forms_of, quantity_named
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
 from sklvalve.mismatch.gate import effects_switched_off
 from sklvalve.mismatch.preparation import candidates, prepared_workbench
@@ -174,7 +174,7 @@ def test_forms_of_a_name_agree(effect):
     for told in ("words", "clause", "hidden_by"):
         assert getattr(effect, told) == getattr(first, told)
     for quantity in effect.parameters:
-        known = quantity_of(effect.name, quantity.name, quantity.unit)
+        known = quantity_named(effect.name, quantity.name, quantity.unit)
         assert (known.shown, known.silent) == (quantity.shown, quantity.silent)
 
 

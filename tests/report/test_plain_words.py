@@ -179,7 +179,7 @@ def test_weak_evidence_is_no_likely_cause():
     assert of_reports.verdict_words(d) == "possible cause, weak evidence"
 
 
-@pytest.mark.parametrize("effect", (*CATALOGUE, *EVENTS, *LATE), ids=lambda effect: effect.key)
+@pytest.mark.parametrize("effect", [*CATALOGUE, *EVENTS, *LATE], ids=lambda effect: effect.key)
 def test_every_effect_has_a_name_and_a_clause(effect):
     assert effect.words
     assert effect.clause

@@ -28,7 +28,7 @@ def forms_of(name: str) -> tuple[Effect | type[Effect], ...]:
     return (*known, *reversed(written))
 
 
-def quantity_of(name: str, parameter: str, unit: str) -> Quantity | None:
+def quantity_named(name: str, parameter: str, unit: str) -> Quantity | None:
     """Parameter of an effect.
 
     Parameters
