@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.distance import SHARE_MISTAKEN
+from sklvalve.mismatch.decide.constants import TIMES_ALLOWED
+from sklvalve.mismatch.scatter import SHARE_MISTAKEN
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.steady import LENGTH, drivers_of, steady_floor
 from sklvalve.recording.dead_bands import step_of
@@ -19,8 +20,8 @@ from sklvalve.simulation.calibration import drop_is_unknown
 
 # a healthy simulation is slowly wrong by this share of what counts as an effect
 _INADEQUACY = 0.25
-# a hypothesis that leaves so many times what it may is doubtful, and with this p-value not what happened
-_TOO_MUCH, _CLEARLY = 1.3, 0.05
+# a hypothesis that leaves too much is doubtful, and with this p-value not what happened
+_CLEARLY = 0.05
 # where no effect was found at all, wander of a meter is likelier: it may be so many times the quick noise,
 # and the alarm, which nothing else raises, asks for this share of alpha
 _WANDER, _OF_ALPHA = 1.5, 0.1
@@ -74,7 +75,7 @@ class LeftOver:
     @property
     def too_much(self):
         """Whether a hypothesis that leaves this may not be named."""
-        return self.times > _TOO_MUCH
+        return self.times > TIMES_ALLOWED
 
     @property
     def clearly(self):

@@ -4,7 +4,7 @@
 from sklvalve.mismatch.checked_kind import few_signals, unchecked
 from sklvalve.mismatch.grade import WEAK, grade_of
 from sklvalve.mismatch.origins import ORIGINS
-from sklvalve.mismatch.probability import Grounds, is_coarse, probability_of, shares_of
+from sklvalve.mismatch.probability import Grounds, is_coarse, probability_of
 
 # of a recording, its first rows: a valve, its line and its meter settle from what was before
 _AT_FIRST = 0.02
@@ -58,10 +58,14 @@ def assessed(entries, verdict, p_value, skills, data, workbench):
             few_signals=few,
         )
         whole = min(entry["probability"], 1.0) * probability_of(grounds)
-        shares = shares_of([member["probability"] for member in entry["members"]])
         members = [
-            member | {"probability": None if kind else round(float(whole * share), 4)}
-            for member, share in zip(entry["members"], shares, strict=True)
+            member
+            | {
+                "probability": None
+                if kind
+                else round(whole * member["probability"] / entry["probability"], 4)
+            }
+            for member in entry["members"]
         ]
         made.append(
             entry

@@ -129,5 +129,6 @@ def _joined(workbench, judged, effects, bench, found, noise):
         nominal=judged.nominal,
         model=model,
         evidence=judged.evidence,
+        comparison=found.comparison.behind(judged.comparison),
         tried=None if found.unknown is None else folded(workbench, model, found.unknown),
     )

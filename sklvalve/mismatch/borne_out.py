@@ -19,8 +19,6 @@ class Numbers:
         finding; with coarse values; and where the effect may vanish.
     few_signals : tuple of float
         Offset and slope of the log odds where the opening or a pressure is not recorded.
-    temper : float
-        Power with which likelihood ratios of the members of a class count.
     held : dict
         Leading name -> (classes that held the truth, classes).
     """
@@ -29,7 +27,6 @@ class Numbers:
     of_name: float
     of_grounds: tuple
     few_signals: tuple
-    temper: float
     held: dict = field(default_factory=dict)
 
 
@@ -44,7 +41,6 @@ SEALED = Numbers(
     of_name=1.065,
     of_grounds=(0.299, -0.517, -0.953, -0.580),
     few_signals=(-0.136, 0.594),
-    temper=0.45,
     held={
         "actuator_lag": (48, 49),
         "actuator_leak": (37, 45),

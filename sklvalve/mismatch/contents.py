@@ -9,6 +9,8 @@ import numpy as np
 import sklvalve
 from sklvalve.mismatch.assessing import assessed
 from sklvalve.mismatch.dated import change_entry
+from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.compare import EMPTY, Comparison
 from sklvalve.mismatch.describing import described, scales_of
 from sklvalve.mismatch.events import events_of, told_by_events
 from sklvalve.mismatch.kinds import kind_of_class, with_kinds
@@ -68,6 +70,10 @@ class Judgement:
         The same where it is one of the last rows, which were judged by themselves.
     why : tuple of str
         Checks that stopped a name, in words.
+    comparison : Comparison
+        All hypotheses that were compared.
+    rules : tuple of Rule
+        Those that were asked, in turn.
     """
 
     verdict: str
@@ -91,6 +97,8 @@ class Judgement:
     change: object = None
     event: object = None
     why: tuple = ()
+    comparison: Comparison = EMPTY
+    rules: tuple = ()
 
     @property
     def names_event(self):
@@ -160,6 +168,7 @@ def content_of(
     seen = () if judgement.referee is None else judgement.referee.compared
     ahead = skills_ahead(workbench, seen)
     entries, verdict, doubts = assessed(entries, judgement.verdict, judgement.p_value, ahead, data, workbench)
+    asked = _asked(judgement, entries, verdict, alpha)
     judgement = replace(judgement, verdict=verdict)
     blocks = sorted({b for e in entries for b in e["blocks"]})
     rest = next((r for r in (unknown, judgement.left, judgement.pulses) if r is not None), None)
@@ -189,6 +198,7 @@ def content_of(
         "mismatch": {"detected": found, "p_value": judgement.p_value, "alpha": alpha},
         "location": location,
         "effects": entries,
+        "comparison": judgement.comparison.to_records(),
         "fit": fit,
         "proof": "later_rows" if len(whole) > len(workbench.recording) else "forward",
         "not_testable": not_testable,
@@ -206,6 +216,7 @@ def content_of(
         # by these a size that is a share of its signal's span becomes one in the recording's own unit
         "spans": {c: float(f"{workbench.spans[c] * abs(whole.per_si(c)):.4g}") for c in workbench.channels},
     }
+    content["rules"] = rules.to_records(asked)
     content["reasons"] = reasons_of(judgement, mend, workbench, doubts)
     content["details"] = [plan.details] if plan is not None and plan.details and not mend else []
     if judgement.referee is not None:
@@ -217,6 +228,18 @@ def content_of(
     if judgement.pulses is not None:
         content["unknown"] |= _in_moments(judgement.pulses)
     return content
+
+
+def _asked(judgement, entries, verdict, alpha):
+    """All rules that were asked, the last of them by what the diagnosis ends with."""
+    asked = list(judgement.rules)
+    if judgement.p_value is not None:
+        # what was seen later, such as a change or a black box, counts as well
+        asked.append(rules.rarity(judgement.p_value, alpha))
+    if judgement.verdict == "named":
+        likeliest = max(entries, key=lambda entry: entry["probability"] or 0.0)
+        asked.append(rules.probability(likeliest["probability"], verdict == "named"))
+    return rules.in_order(asked)
 
 
 def _when_seen(judgement, seen, blocks):

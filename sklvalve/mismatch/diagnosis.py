@@ -2,11 +2,13 @@
 """The result of a diagnosis: plain numbers and texts, and the traces that pictures are drawn from."""
 
 import json
+from dataclasses import fields
 from html import escape
 
 import numpy as np
 
 from sklvalve._telling import BEGINS, UNKNOWN, no_sign, untested
+from sklvalve.mismatch.decide.compare import Row
 from sklvalve.mismatch.diagnosis_file import read_diagnosis, write_diagnosis
 
 
@@ -117,6 +119,21 @@ class Diagnosis:
         except ImportError:
             raise ImportError('a data frame needs pandas: pip install "sklvalve[io]"') from None
         return DataFrame(self._rows(), columns=["finding", "effect", "probability", "parameters"])
+
+    def comparison(self):
+        """Data frame of all hypotheses that were compared, a row each, the likeliest of each place first.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError:
+            raise ImportError('a data frame needs pandas: pip install "sklvalve[io]"') from None
+        columns = [field.name for field in fields(Row)]
+        return DataFrame(self.content.get("comparison") or [], columns=columns)
 
     def _rows(self):
         return [

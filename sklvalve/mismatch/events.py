@@ -5,12 +5,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sklvalve.mismatch.decide.constants import IN_CLASS
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.hunting import find_hunting
 from sklvalve.mismatch.hypothesis import Member
 from sklvalve.mismatch.rivals import Finding, Rival
 from sklvalve.mismatch.stick_slip import find_slips
-from sklvalve.mismatch.verdict import CLEAR_OF_OTHERS
 from sklvalve.simulation.given import ACTUATOR_STAGES
 
 #: Recordings of two simulated plants without friction, a bent rod or play in the feedback, on which the rules
@@ -66,7 +66,7 @@ class Events:
     def may_name(self):
         """Whether the effects wanted make most of such events: the others would have to take the name."""
         shares = _SHARES[self.kind]
-        return (1.0 - P_VALUE) * sum(shares[e.key] for e in self.forms) >= CLEAR_OF_OTHERS
+        return (1.0 - P_VALUE) * sum(shares[e.key] for e in self.forms) >= IN_CLASS
 
     @property
     def names(self):

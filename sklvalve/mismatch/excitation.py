@@ -6,14 +6,14 @@ parameters and calibration answer: as far as the present recording leaves them o
 says, and within their bounds.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from sklvalve.mismatch.distance import SHARE_MISTAKEN, distance, distance_of_strokes
 from sklvalve.mismatch.foreseen import Foreseen, Present
 from sklvalve.mismatch.hypothesis import Member, Model
+from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
 
@@ -46,20 +46,6 @@ class Explanation:
         return tuple(
             Member(m.effect, first) if m.effect.grows and m.onset is None else m for m in self.model.members
         )
-
-    @property
-    def in_actuator(self):
-        """Whether the effect of its name sits in the actuator."""
-        return any(effect.block == "actuator" for effect in self._named)
-
-    @property
-    def mistaken(self):
-        """What a simulation gets wrong of the effect of its name, share of its size [1]."""
-        return max((effect.mistaken for effect in self._named), default=SHARE_MISTAKEN)
-
-    @property
-    def _named(self):
-        return [m.effect for m in self.model.members if m.effect.name == self.name]
 
     @cached_property
     def groups(self):
@@ -129,9 +115,9 @@ class Advisor:
                 if slopes is None or rounds > 1:
                     slopes = answer.slopes()
                 costs[i, j] = answer.least(slopes, rounds)
-        # a test in which the effect gains much and the pair little lowers the pooled distance by its
-        # denominator; but the present recording, by itself, still tells what it tells
-        return np.maximum(self._pooled(costs) * self._trusted, self._now)
+        # a test in which the effect gains much and the pair little raises the temperature of both records;
+        # but the present recording, by itself, still tells what it tells
+        return np.maximum(self._pooled(costs), self._now)
 
     def now(self):
         """Distances that the present recording gives, without a sign: the larger of both ways."""
@@ -139,29 +125,12 @@ class Advisor:
 
     @cached_property
     def _now(self):
-        """As classes have it: what a simulation gets wrong of a stem, stroke by stroke, counts against it."""
-
-        def of_classes(best, other, gain, who):
-            if who.in_actuator and self.without:
-                return distance_of_strokes(self.workbench, best, other, self.without.model)
-            return distance(best, other, gain, who.mistaken)
-
-        return self._present(of_classes)
-
-    @cached_property
-    def _trusted(self):
-        """Share of a distance that is believed; a test repeats what the simulation gets wrong of a stem."""
-        plain = self._present()
-        return np.divide(self._now, plain, out=np.ones_like(plain), where=plain > 0.0)
-
-    def _present(self, measure=None):
         k = len(self.explanations)
-        one_way = self._pooled(np.zeros((k, k + 1)), measure)
+        one_way = self._pooled(np.zeros((k, k + 1)))
         return np.maximum(one_way, one_way.T)
 
-    def _pooled(self, costs, measure=None):
+    def _pooled(self, costs):
         """Distances from the present recording and the test together."""
-        measure = measure or (lambda best, other, gain, who: distance(best, other, gain, who.mistaken))
         k = len(self.explanations)
         likelihood = [e.model.log_likelihood for e in self.explanations]
         found = np.zeros((k, k))
@@ -170,9 +139,7 @@ class Advisor:
             gain += costs[i, k] if self.without else 0.0
             for j in range(k):
                 if i != j:
-                    true, other = self.explanations[i].model, self.explanations[j].model
-                    worse = replace(other, log_likelihood=likelihood[j] - costs[i, j])
-                    found[i, j] = measure(true, worse, gain, self.explanations[j])
+                    found[i, j] = distance(likelihood[i], likelihood[j] - costs[i, j], gain)
         return found
 
     def spread_after(self, program, name):

@@ -4,13 +4,14 @@
 from dataclasses import dataclass, field, replace
 
 from sklvalve.mismatch.afresh import afresh, much_is_left
-from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
 from sklvalve.mismatch.hypothesis import Member, Model, is_in, worth
 from sklvalve.mismatch.matters import SPREADS, beyond_tolerance, matters, may_explain
 from sklvalve.mismatch.on_and_off import in_spells
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.rivals import find_rivals, without_rival
+from sklvalve.mismatch.scatter import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.side_by_side import side_by_side

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The estimator that goes from a recording to its diagnosis, one step after the other."""
 
+from dataclasses import replace
 from numbers import Integral, Real
 from typing import ClassVar
 
@@ -15,6 +16,8 @@ from sklvalve.mismatch.behind import judged_behind
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
 from sklvalve.mismatch.dated import dated
+from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.compare import compared
 from sklvalve.mismatch.detect import circumstances_of
 from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.events import evident_events, worth_searching
@@ -89,6 +92,10 @@ class MissingPhysicsFinder(BaseEstimator):
         Calibrated without, and with, what was found; absent for a loop known by command and flow, or another
         value, only (docs/loops.md). What no effect explains is learnt and added to the
         corrected one where that lowers the error of rows that it was not learnt from.
+
+    comparison_ : DataFrame
+        All hypotheses that were compared, place by place, the likeliest first, with size, evidence and
+        posterior (docs/method.md says what each column is). Asking for it needs pandas.
 
     Examples
     --------
@@ -197,6 +204,12 @@ class MissingPhysicsFinder(BaseEstimator):
             )
         return self.corrected_simulation_.predict(X)
 
+    @property
+    def comparison_(self):
+        """Data frame of all hypotheses that were compared, a row each (docs/method.md); needs pandas."""
+        check_is_fitted(self, "diagnosis_")
+        return self.diagnosis_.comparison()
+
     def _fit(self, X, y, until):
         ours = self.simulation if isinstance(self.simulation, ValveSimulation) else None
         given = self.simulation if ours is None else None
@@ -221,6 +234,8 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("calibrating", 0.05)
         judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, data, seed)
         judged, spoilt = withheld(judged, data, recording)
+        asked = [rules.data(mend)] + ([rules.data_quality(spoilt)] if judged.found or spoilt else [])
+        judged = replace(judged, rules=(*judged.rules, *asked))
         self._say("forecasting rows ahead", 0.82)
         judged, forward = (judged, None) if mend or spoilt else refereed(workbench, judged)
         judged = judged if mend else dated(workbench, judged, float(self.alpha))
@@ -299,9 +314,11 @@ class MissingPhysicsFinder(BaseEstimator):
                 most=self.max_effects,
                 report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
             )
+            comparison = compared(bench, explanation)
             self._say("looking for the unknown", 0.8)
             more = {"alpha": alpha, "random_state": seed, "events": events}
-            return explanation, circumstances, judge(bench, explanation, circumstances, **more)
+            judged = judge(bench, explanation, circumstances, **more)
+            return explanation, circumstances, replace(judged, comparison=comparison)
 
         # slips and hunting name what makes them, whatever the rest of the stem does
         if events is not None:

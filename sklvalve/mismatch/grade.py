@@ -9,7 +9,8 @@ leaves over, on rows ahead in time.
 import numpy as np
 
 from sklvalve.mismatch.borne_out import SEALED
-from sklvalve.mismatch.probability import NAMED_FROM, log_odds_of_name
+from sklvalve.mismatch.decide.constants import NAMED_FROM
+from sklvalve.mismatch.probability import log_odds_of_name
 
 WEAK, MODERATE, STRONG = LEVELS = ("weak", "moderate", "strong")
 #: A finding is strong from this probability on.

@@ -7,6 +7,8 @@ from itertools import chain, combinations
 from sklvalve.mismatch.adequacy import FINE, REFUTED, held_against_noise, is_fine, left_over
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.contents import Judgement
+from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.constants import HELD_OUT_SHARE
 from sklvalve.mismatch.detect import (
     Evidence,
     mismatch_p_value,
@@ -16,7 +18,7 @@ from sklvalve.mismatch.detect import (
 )
 from sklvalve.mismatch.events import P_VALUE, beside_events, with_events
 from sklvalve.mismatch.healthy import EFFECTS
-from sklvalve.mismatch.prove import correction_holds_out, folded, holds_out
+from sklvalve.mismatch.prove import correction_holds_out, folded, held_out_share, holds_out
 from sklvalve.mismatch.pulses import find_pulses
 from sklvalve.mismatch.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.stem_rest import P_VALUE as STRAYS_BY_CHANCE
@@ -106,34 +108,40 @@ def _judged(
         return any(p_value_of_one(f, workbench, circumstances) <= alpha for f in findings)
 
     def weighed(findings, model):
-        """What is left, the evidence with its p-value, and whether it is enough, and enough that counts."""
+        """What is left, the evidence with its p-value, that of what counts, and whether it is all enough."""
         unknown, rest = rest_of(model)
         strengths = strengths_of_effects(explanation, workbench)
         evidence = Evidence(EFFECTS.relative(strengths), rest, circumstances, strengths)
         p_value = mismatch_p_value(evidence)
-        counts = True
+        by_chance = None
         # what was found is larger than what counts: where it is rare among healthy recordings that is enough
         if unknown is None and not any_is_rare(findings):
             by_chance = p_value_of_what_counts(findings, explanation.tried, workbench)
-            counts = by_chance <= alpha
         elif unknown is not None and unknown.period is not None:
             # a cycle is told by a law of its own
             p_value = min(p_value, unknown.p_value)
-        return unknown, evidence, p_value, counts and p_value <= alpha
+        counts = by_chance is None or by_chance <= alpha
+        return unknown, evidence, p_value, by_chance, counts and p_value <= alpha
 
     nominal = explanation.nominal
     findings, model = _clear_ones(workbench, explanation, findings, model, circumstances, alpha)
-    unknown, evidence, p_value, enough = weighed(findings, model)
+    unknown, evidence, p_value, by_chance, enough = weighed(findings, model)
     if findings and not enough:
         # effects too weak to be told from chance must not hide a rest that is not
         bare = weighed([], nominal)
         # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
         named = bare[-1] and any_is_rare(findings)
         # what decides is what is told beside it
-        evidence, p_value, enough = bare[1:]
+        evidence, p_value, by_chance, enough = bare[1:]
         if not named:
             findings, unknown = [], bare[0]
-    upheld = not findings or holds_out(workbench, nominal, model)
+    asked_in_turn = [rules.rarity(p_value, alpha)]
+    if by_chance is not None:
+        asked_in_turn.append(rules.relevance(by_chance, alpha))
+    share = held_out_share(workbench, nominal, model) if findings else 0.0
+    upheld = share < HELD_OUT_SHARE
+    if findings:
+        asked_in_turn.append(rules.held_out(share))
     explained = 0.0
     if unknown is not None and findings:
         # of all recordings together, as the unknown is
@@ -142,9 +150,13 @@ def _judged(
     if not upheld:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         findings = []
+    if unknown is not None and enough:
+        asked_in_turn.append(rules.residual(unknown.size, explained if findings else 0.0))
     verdict, findings = verdict_of(findings, unknown, enough, explained)
     # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
     left, said = held_against_noise(workbench, explanation, model, findings, alpha)
+    if left is not None:
+        asked_in_turn.append(rules.noise(left.times, said == FINE))
     if said != FINE and left is not None:
         why.append(too_much_left(left, findings, workbench))
     of_flow = any("flow" in workbench.channels_touched(f.member.effect) for f in findings)
@@ -156,7 +168,12 @@ def _judged(
     if not findings and verdict != "no_mismatch":
         unknown = rest_of(nominal)[0] or unknown
         verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
-    more: dict = {"evidence": evidence, "suspects": _suspects(explanation), "why": tuple(why)}
+    more: dict = {
+        "evidence": evidence,
+        "suspects": _suspects(explanation),
+        "why": tuple(why),
+        "rules": tuple(asked_in_turn),
+    }
     if verdict != "no_mismatch" and not findings and unknown is None and explanation.model.members:
         # what was found and may not be named shows where it is all the same
         more["suspected"] = explanation.model

@@ -19,7 +19,6 @@ from sklvalve.mismatch.prove import correction_holds_out, folded
 from sklvalve.mismatch.rivals import Finding, weighed
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.stretches import with_every_row
-from sklvalve.mismatch.verdict import CLEAR_OF_OTHERS, class_of
 
 # from this share of a recording on a change is taken for an event of its end: what begins before is found by
 # the search itself, whose onsets end at 0.96
@@ -187,10 +186,9 @@ def _named(workbench, model, event, settled, effects):
     finding = Finding(
         rivals[0].member, rivals, best.log_likelihood - without.log_likelihood, workbench.change(best, base)
     )
-    sure = sum(p for p, _, _ in class_of(finding).values()) >= CLEAR_OF_OTHERS
     left = [_left(workbench, m, event.channel, settled) for m in (best, base)]
     counts = worth(workbench, best) > worth(workbench, without)
-    return finding if sure and counts and left[0] <= _EXPLAINS * left[1] else None
+    return finding if counts and left[0] <= _EXPLAINS * left[1] else None
 
 
 def _no_coincidence(workbench, places, own, channel, first):

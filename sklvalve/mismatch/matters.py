@@ -5,8 +5,8 @@ from dataclasses import fields
 
 import numpy as np
 
-from sklvalve.mismatch.distance import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.hypothesis import own_values, worth
+from sklvalve.mismatch.scatter import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.simulation import Tolerance
 
 # what the model of an effect gets wrong is no physics of its own: without a further effect this many times

@@ -7,10 +7,7 @@ import numpy as np
 
 #: Where forecasts begin, as shares of a recording; each reaches to the next.
 ORIGINS = (0.4, 0.55, 0.7, 0.85, 1.0)
-#: A black box is clearly better where its error is smaller by this factor. Of 30 healthy recordings of the
-#: concealed plant with every signal the largest ratio was 1.08 (docs/method.md).
-MARGIN = 1.25
-#: and in all stretches ahead but so many
+# a black box is clearly better where it is so in all stretches ahead but so many
 _BUT = 1
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import norm
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE
+from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
 
 #: From this expected distance on a test is said to tell two explanations apart: what a record of it shows
 #: then scatters about D with a deviation of 2 sqrt(D), and lies beyond 14, where a class ends, in 9 of 10.

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE
+from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
 from sklvalve.mismatch.foreseen import Surroundings
 from sklvalve.mismatch.plan import (

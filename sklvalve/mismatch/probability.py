@@ -13,8 +13,6 @@ import numpy as np
 
 from sklvalve.mismatch.borne_out import SEALED, USUAL_P
 
-#: A class is named from this probability on (docs/validation.md says what other values would have done).
-NAMED_FROM = 0.6
 #: Findings about the data that make values coarse: thinned by a historian, or read in large steps.
 COARSE = ("compressed", "quantised")
 _READ_IN_STEPS = ("flow", "opening")
@@ -22,8 +20,6 @@ _READ_IN_STEPS = ("flow", "opening")
 _LEAST_P = 1e-6
 # so many classes of the usual share are taken for seen beside those led by a name; 4 to 15 did as well
 _DRAWN = 8.0
-# members are printed with four digits, and so rare a one is no more ruled out than that
-_LEAST_SHARE = 1e-3
 
 
 @dataclass(frozen=True)
@@ -120,24 +116,3 @@ def probability_of(grounds, numbers=SEALED):
         offset, slope = numbers.few_signals
         odds = offset + slope * odds
     return float(1.0 / (1.0 + np.exp(-odds)))
-
-
-def shares_of(members, numbers=SEALED):
-    """Shares of the members of a class, from their probabilities among the explanations at hand.
-
-    Likelihoods set members too far apart, for a simulation is never true: their ratios count with the power
-    `Numbers.temper`.
-
-    Parameters
-    ----------
-    members : sequence of float
-    numbers : Numbers, default=SEALED
-
-    Returns
-    -------
-    shares : ndarray
-        Sum 1.
-    """
-    among = np.asarray(members, dtype=float)
-    weights = np.maximum(among / max(among.sum(), 1e-12), _LEAST_SHARE) ** numbers.temper
-    return weights / weights.sum()

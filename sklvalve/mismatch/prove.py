@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from sklvalve.metrics import err_max, mape, rmse
+from sklvalve.mismatch.decide.constants import HELD_OUT_SHARE
 from sklvalve.mismatch.model_free import model_free_noise
 from sklvalve.mismatch.referee import black_box_prediction
 from sklvalve.mismatch.refitting import lines_of, refitted
@@ -154,12 +155,12 @@ def interleaved_errors(recording, predictions, channel):
     return {kind: float(np.sqrt(np.nanmean(error**2)) * unit) for kind, error in left.items()}
 
 
-def holds_out(workbench, nominal, model, least=0.5):
-    """Whether a hypothesis predicts blocks it was not fitted to better than the calibrated nominal.
+def held_out_share(workbench, nominal, model):
+    """Share of the nominal's excess error that a hypothesis leaves in blocks it was not fitted to.
 
     Every fourth of sixteen contiguous blocks in turn, so that what acts for a while only, or from an onset
-    on, is both fitted and held out; the sum of their losses must fall to the share `least` of the nominal's
-    excess over what a healthy simulation leaves over, in the channels that the hypothesis changes.
+    on, is both fitted and held out; the excess is that over what a healthy simulation leaves over, in the
+    channels that the hypothesis changes. One where it changes none by what counts.
     """
     changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
     before = after = 0.0
@@ -181,7 +182,12 @@ def holds_out(workbench, nominal, model, least=0.5):
             losses = [robust_cost(each) / (0.5 * len(each)) for each in left]
             before += max(losses[0] - 1.0, 0.0)
             after += max(losses[1] - 1.0, 0.0)
-    return bool(changed) and after < least * before
+    return float(after / before) if changed and before > 0.0 else 1.0
+
+
+def holds_out(workbench, nominal, model):
+    """Whether a hypothesis predicts such blocks clearly better than the calibrated nominal."""
+    return held_out_share(workbench, nominal, model) < HELD_OUT_SHARE
 
 
 def run(workbench, model, whole):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Why a diagnosis names nothing: which check stopped it, how far off it was, and what would change it."""
 
-from sklvalve.mismatch.verdict import CLEAR_OF_OTHERS, class_of
+from sklvalve.mismatch.verdict import class_of
 
 # of a larger class the likeliest are named
 _MANY = 4
@@ -73,7 +73,6 @@ def reasons_of(judgement, mend, workbench, doubts=()):
             f"The flow deviates to one side at {judgement.pulses.many} moments and to the other at "
             f"{judgement.pulses.against}: no effect of the catalogue behaves like that."
         )
-    found += [] if doubts else [_doubtful(f) for f in judgement.findings if not _is_clear(f)]
     if judgement.unknown is not None:
         found.append(
             "No effect that was tried accounts for a predictable deviation of the "
@@ -84,22 +83,6 @@ def reasons_of(judgement, mend, workbench, doubts=()):
         "Simulation and recording differ by more than chance, but no single effect that was tried explains "
         "enough to be named."
     ]
-
-
-def _doubtful(finding):
-    """Why one thing found is a candidate and no name."""
-    return (
-        f"{_begun(_names([finding]))} has a probability of {_percent(_share(finding))} among the "
-        f"explanations that were tried; {_percent(CLEAR_OF_OTHERS)} is needed to name it."
-    )
-
-
-def _is_clear(finding):
-    return _share(finding) >= CLEAR_OF_OTHERS
-
-
-def _share(finding):
-    return sum(p for p, _, _ in class_of(finding).values())
 
 
 def _of(judgement):
@@ -119,7 +102,3 @@ def _names(findings):
 
 def _begun(words):
     return words[:1].upper() + words[1:]
-
-
-def _percent(share):
-    return f"{100.0 * share:.2g} %"

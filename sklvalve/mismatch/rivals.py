@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sklvalve.mismatch.distance import distance, distance_of_strokes
-from sklvalve.mismatch.hypothesis import Member, Model, begun, is_in, price
+from sklvalve.mismatch.hypothesis import Member, Model, begun, is_in, worth
+from sklvalve.mismatch.inference.posterior import distance, posterior
 from sklvalve.mismatch.matters import may_be_instead
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
@@ -188,37 +188,15 @@ def weighed(workbench, places, without):
     without : Model
         The hypothesis without any of them.
     """
-    front, best = max(places, key=lambda place: place[1].log_likelihood)
-    distances = [_distance(workbench, best, m, without, who) for who, m in places]
-    # the price of parameters counts as it does in the search
-    scores = -0.5 * np.array(distances) - np.array([price(workbench, who) for who, _ in places])
-    lost = [best.log_likelihood - m.log_likelihood for _, m in places]
-    spared = [price(workbench, front) - price(workbench, who) for who, _ in places]
-    scores -= [_not_spared(*each) for each in zip(spared, distances, lost, strict=True)]
-    weights = np.exp(scores - scores.max())
-    weights /= weights.sum()
+    likelihoods = [fitted.log_likelihood for _, fitted in places]
+    best = max(likelihoods)
+    gain = best - without.log_likelihood
+    probabilities = posterior(np.array([worth(workbench, fitted) for _, fitted in places]), gain)
     rivals = [
-        Rival(who, fitted, float(w), d)
-        for (who, fitted), w, d in zip(places, weights, distances, strict=True)
+        Rival(who, fitted, float(probability), distance(best, likelihood, gain))
+        for (who, fitted), probability, likelihood in zip(places, probabilities, likelihoods, strict=True)
     ]
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
-
-
-def _not_spared(cheaper, distance, lost):
-    """Of the price of parameters and switches that an explanation does without, what does not speak for it.
-
-    Of the likelihood that it loses without them the distance counts a part only, for no simulation is true:
-    what it is spared counts for no more.
-    """
-    if cheaper <= 0.0 or lost <= 0.0:
-        return 0.0
-    return cheaper * max(1.0 - 0.5 * distance / lost, 0.0)
-
-
-def _distance(workbench, best, other, without, who):
-    if who.effect.block == "actuator":
-        return distance_of_strokes(workbench, best, other, without)
-    return distance(best, other, best.log_likelihood - without.log_likelihood, who.effect.mistaken)
 
 
 def _touch_the_same(workbench, effect, other):

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE, SHARE_MISTAKEN
 from sklvalve.mismatch.hypothesis import SWITCH_PRICE
+from sklvalve.mismatch.inference.posterior import temperature
 from sklvalve.simulation.robust import robust_cost, robust_weights
 
 _BLOCKS, _FEWEST_ROWS = 64, 10
@@ -155,7 +155,7 @@ def course_of(evidence, acts, *, late=0):
     even = np.linspace(0, n, min(_BLOCKS, n // _FEWEST_ROWS), endpoint=False).astype(int)
     starts = np.union1d(even, own).astype(int)
     gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
-    raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * gain / DISTINGUISHABLE
+    raised = temperature(gain)
     blocks = acts[starts]
     price = SWITCH_PRICE * raised
     path = _switched(*evidence.quadratic(starts), blocks, price)
@@ -274,7 +274,7 @@ def growing_course(evidence, clock, acts, candidates):
         ramp = evidence.free(evidence.whitened(grown))
         sizes.append(float(ramp @ target) / max(float(ramp @ ramp), 1e-12))
         gains.append(0.5 * float(ramp @ target) * sizes[-1])
-    raised = 1.0 + SHARE_MISTAKEN**2 * 2.0 * max(gains) / DISTINGUISHABLE
+    raised = temperature(max(gains))
     reach = [2.0 * (max(gains) - g) <= _SMOOTH_95 * raised for g in gains]
     within = [k for k, near in zip(places, reach, strict=True) if near]
     told = [size for size, near in zip(sizes, reach, strict=True) if near]

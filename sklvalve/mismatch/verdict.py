@@ -5,38 +5,31 @@ import re
 
 import numpy as np
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE
+from sklvalve.mismatch.decide.constants import RESIDUAL_SHARE
 from sklvalve.mismatch.hypothesis import own_values
+from sklvalve.mismatch.inference.posterior import smallest_class
 from sklvalve.mismatch.intervals import interval_of
 from sklvalve.mismatch.probability import vanishing
 
-#: A class may be named where the explanations at hand that are not in it have less than the rest of one.
-CLEAR_OF_OTHERS = 0.85
-# what is as probable as this is in the class though it fits clearly worse: fewer parameters or switches speak
-# for it, and no class is told beside an explanation that is likelier
-_POSSIBLE = 0.05
 # so near to a bound, share of what is possible, a parameter lies at it
 _NEAR_BOUND = 0.02
-# an unknown rest of this share of what the effects explain makes their names doubtful
-_DOUBTFUL = 0.5
 
 
 def class_of(finding):
-    """Members of the class of the best explanation: effect name -> (probability, Member, Model).
+    """Members of the smallest class that most likely holds the truth: name -> (probability, Member, Model).
 
-    Those that the recording cannot tell from it, and those that fit worse and are probable all the same.
+    Forms of one effect are one name, with the most probable form's member and model.
     """
-    found = {}
+    likeliest: dict = {}
+    for rival in sorted(finding.rivals, key=lambda r: -r.probability):
+        likeliest.setdefault(rival.member.effect.name, rival)
+    total = dict.fromkeys(likeliest, 0.0)
     for rival in finding.rivals:
-        if rival.distance >= DISTINGUISHABLE and rival.probability < _POSSIBLE:
-            continue
-        name = rival.member.effect.name
-        before = found.get(name)
-        if before is None:
-            found[name] = (rival.probability, rival.member, rival.model)
-        else:
-            found[name] = (before[0] + rival.probability, before[1], before[2])
-    return dict(sorted(found.items(), key=lambda item: -item[1][0]))
+        total[rival.member.effect.name] += rival.probability
+    return {
+        name: (probability, likeliest[name].member, likeliest[name].model)
+        for name, probability in smallest_class(total).items()
+    }
 
 
 def verdict_of(findings, unknown, enough, explained):
@@ -53,12 +46,11 @@ def verdict_of(findings, unknown, enough, explained):
     """
     if not enough:
         return "no_mismatch", []
-    if unknown is not None and unknown.size > _DOUBTFUL * explained:
+    if unknown is not None and unknown.size > RESIDUAL_SHARE * explained:
         return "none_of_these", []
     if not findings:
         return "cannot_tell", []
-    clear = [sum(p for p, _, _ in class_of(f).values()) >= CLEAR_OF_OTHERS for f in findings]
-    return ("named" if any(clear) else "cannot_tell"), findings
+    return "named", findings
 
 
 def effect_entry(finding, recording, workbench):

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from sklvalve.report import figures, proof, rows
+from sklvalve.report import compared, figures, proof, rows
 from sklvalve.report.displays.base import Diagnosed
 from sklvalve.report.headline import glance, headline
 from sklvalve.report.intervals import interval_figures
@@ -108,6 +108,10 @@ def _words(d: dict) -> dict[str, Any]:
         "errors": rows.errors(d),
         "proof": proof.heading(d),
         "notes": rows.proof_notes(d),
+        "comparisons": compared.comparisons(d),
+        "comparison_head": compared.HEAD,
+        "rules": compared.rules(d),
+        "rules_head": compared.RULES_HEAD,
         "details": rows.details(d),
         "simulated": simulated(d),
         "untestable": [

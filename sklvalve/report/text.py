@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from textwrap import fill
 
-from sklvalve.report import proof, rows
+from sklvalve.report import compared, proof, rows
 from sklvalve.report.headline import glance, headline
 from sklvalve.report.sentence import summary_sentence
 from sklvalve.report.words import either, with_units
@@ -15,6 +15,8 @@ __all__ = ["summary_sentence", "to_markdown", "to_text"]
 
 _WIDTH, _NARROWEST = 96, 40
 _INDENT = 14
+# hypotheses of a difference that a terminal shows
+_COMPARED = 3
 # what the top of a report says besides the finding, in the width of a label
 _LABELS = {
     "How sure": "How sure",
@@ -84,6 +86,7 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
             for first, (role, finding, detail) in _numbered(rows.data_findings(d))
         ]
     )
+    lines += _compared_lines(d, line)
     lines += _block([line("Details" if first else "", w) for first, w in _numbered(rows.details(d))])
     return "\n".join(lines)
 
@@ -143,6 +146,11 @@ def to_markdown(d: dict) -> str:
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
         parts.append("### Data\n\n" + table)
+    for item in compared.comparisons(d):
+        title = f"### Why this and not that{': ' + item.title.lower() if item.title else ''}"
+        parts.append(title + "\n\n" + _table(compared.HEAD, item.rows))
+    if compared.rules(d):
+        parts.append("### Checks\n\n" + _table(compared.RULES_HEAD, compared.rules(d)))
     if rows.details(d):
         parts.append("### Details\n\n" + "\n".join(f"- {_safe(words)}" for words in rows.details(d)))
     return "\n\n".join(parts)
@@ -187,6 +195,19 @@ def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
     for name, cells in table:
         lines.append(f"{'':<{_INDENT}}{name:<{width}} " + " ".join(f"{cell:>11}" for cell in cells))
     return lines + [line("", words) for words in rows.proof_notes(d)]
+
+
+def _compared_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
+    """The likeliest hypotheses of each difference, and the checks that a name did not pass."""
+    lines = []
+    for item in compared.comparisons(d):
+        title = f"{item.title}: " if item.title else ""
+        told = [f"{row[0]} {row[-1]}, gain {row[3]} nats" for row in item.rows[:_COMPARED]]
+        lines.append(title + "; ".join(told))
+    stopped = [f"Not passed, {what}: {words}" for what, passed, words in compared.rules(d) if passed == "no"]
+    return _block([line("Compared" if first else "", w) for first, w in _numbered(lines)]) + _block(
+        [line("Checks" if first else "", w) for first, w in _numbered(stopped)]
+    )
 
 
 def _table(head: tuple[str, ...], body: list) -> str:

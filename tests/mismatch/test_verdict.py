@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import chi2
+from sklvalve.mismatch.distance import DISTINGUISHABLE
 
 from sklvalve.mismatch.detect import p_value_of_what_counts
-from sklvalve.mismatch.distance import DISTINGUISHABLE
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.gate import effects_switched_off
 from sklvalve.mismatch.hypothesis import Member

@@ -129,8 +129,6 @@ class Effect:
         stops of the stem.
     grows : bool
         Whether it grows from its onset on, so that with another onset it is another signal.
-    mistaken : float
-        What its simulation gets wrong of it, share of its size: so much passes for something else [1].
     damadics : str
         Fault of the benchmark with the same physics, or ``""``.
     source : str
@@ -160,7 +158,6 @@ class Effect:
     grows = False
     motor = False
     in_loop = False
-    mistaken = 0.15
     needs: tuple = ()
     parameters: tuple = ()
 

@@ -26,8 +26,6 @@ class ViscousFlow(Effect):
     parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4, 2e-3), log=True, null=None),)
     needs: tuple = ("flow", "p1", "p2")
     hidden_by = hidden(unmeasured=("temperature",))
-    # between laminar and turbulent the standard's law is a fit by pieces, with a jump at either end
-    mistaken = 0.3
     words = "viscous, no longer turbulent flow"
     clause = "the flow is viscous, no longer turbulent"
     phrase = "the flow is not turbulent (viscosity about {viscosity:.2g} m2/s at 20 degC)"

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.mismatch.decide.constants import MARGIN
 from sklvalve.mismatch.loop.fit import mixture_of
-from sklvalve.mismatch.origins import MARGIN, ORIGINS, enough, spans_of
+from sklvalve.mismatch.origins import ORIGINS, enough, spans_of
 
 _BEFORE = 10  # rows before an origin that set the level
 

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sklvalve.mismatch.distance import DISTINGUISHABLE, OF_STROKES, distance
+from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
+from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.mismatch.loop.fit import LoopFit, refined, simple_fits, without
 from sklvalve.mismatch.loop.look import MATTERS
 from sklvalve.mismatch.loop.operators import JUMPS, moved, size_grid, stick_ahead, stick_glide
@@ -98,7 +99,7 @@ def kind_of_sticking(loop, foreseen, sense, command, waves=None):
     gain = best.fit.log_likelihood - command.log_likelihood
     weights: dict[str, float] = {}
     for one in found:
-        apart = distance(best.fit, one.fit, gain, OF_STROKES)
+        apart = distance(best.fit.log_likelihood, one.fit.log_likelihood, gain)
         if apart < DISTINGUISHABLE:
             weights[one.name] = max(weights.get(one.name, 0.0), float(np.exp(-0.5 * apart)))
     if best.name == "backlash":

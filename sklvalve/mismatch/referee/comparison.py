@@ -5,12 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sklvalve.mismatch.origins import MARGIN, enough
+from sklvalve.mismatch.decide.constants import MARGIN, MARGIN_OF_A_DROP
+from sklvalve.mismatch.origins import enough
 from sklvalve.simulation.calibration import drop_is_unknown
 
-#: Where the pressure drop is unknown, a black box that learns how the drop follows the flow is better by as
-#: much in three of seven healthy recordings: there it must halve the error, in every stretch.
-MARGIN_OF_A_DROP = 2.0
 _TINY = 1e-300
 
 
@@ -55,9 +53,13 @@ class Compared:
     def clearly_better(self):
         """Whether the black box is better by the margin, by more than what counts, and nearly everywhere."""
         gap = self.losses["corrected"] - self.losses["black_box"]
-        if not self.exogenous:
-            return self.ratio >= MARGIN_OF_A_DROP and gap >= 1.0 and self.consistent == self.stretches
-        return self.ratio >= MARGIN and gap >= 1.0 and self.consistent >= enough(self.stretches)
+        asked = enough(self.stretches) if self.exogenous else self.stretches
+        return self.ratio >= self.margin and gap >= 1.0 and self.consistent >= asked
+
+    @property
+    def margin(self):
+        """Ratio from which on the black box is clearly better."""
+        return MARGIN if self.exogenous else MARGIN_OF_A_DROP
 
 
 def compare(workbench, forward):

@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass, replace
 
+from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.events import simulated
 from sklvalve.mismatch.referee.comparison import compare, pooled, share_explained
 from sklvalve.mismatch.referee.forward import Forward, forward_in_time
@@ -54,6 +55,7 @@ def refereed(workbench, judged):
     forward = forward_in_time(workbench, judged.nominal, simulated(judged.model), unknown)
     compared = compare(workbench, forward)
     reasons = []
+    asked = _asked(compared, bool(judged.findings or judged.kept))
     if pooled(compared, "corrected") > pooled(compared, "nominal"):
         judged, sentence = _taken_back(workbench, judged, compared)
         reasons.append(sentence)
@@ -67,7 +69,20 @@ def refereed(workbench, judged):
         reasons.append(sentence)
     elif judged.verdict == "no_mismatch" and compared:
         reasons.append(_as_good(workbench, compared))
+    judged = replace(judged, rules=(*judged.rules, *asked))
     return replace(judged, referee=Referee(compared, share, tuple(reasons))), forward
+
+
+def _asked(compared, corrected):
+    """The rules that forecasts answer, by the channel in which the black box does best."""
+    if not compared:
+        return []
+    best = max(compared, key=lambda each: each.ratio / each.margin)
+    beaten = next((each for each in compared if each.clearly_better), None) or best
+    told = [rules.black_box(float(beaten.ratio), beaten.margin, not beaten.clearly_better)]
+    if corrected:
+        told.append(rules.forecast(pooled(compared, "corrected"), pooled(compared, "nominal")))
+    return told
 
 
 def _taken_back(workbench, judged, compared):

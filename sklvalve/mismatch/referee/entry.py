@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The ``referee`` part of diagnosis.json."""
 
-from sklvalve.mismatch.origins import MARGIN
+from sklvalve.mismatch.decide.constants import MARGIN
 
 
 def referee_entry(referee, recording):

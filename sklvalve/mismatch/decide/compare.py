@@ -1,0 +1,291 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One table of all hypotheses: how well each explains the recording, and why this one and not that.
+
+A recording may lack several effects at once. Each stands in a place of its own, and in every place the
+hypotheses compete: the effects that were fitted there beside what stands in the other places, and nothing.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sklvalve.mismatch.decide.constants import IN_CLASS
+from sklvalve.mismatch.hypothesis import Member, Model, price
+from sklvalve.mismatch.inference.posterior import posterior
+from sklvalve.mismatch.onset import losses_of
+from sklvalve.mismatch.refitting import lines_of, refitted
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.explain import Explanation
+    from sklvalve.mismatch.rivals import Finding
+    from sklvalve.mismatch.workbench import Workbench
+
+NOTHING = "nothing"
+# rows of a place that are kept, and those that are held against rows left out of the fit
+_KEPT, _HELD_OUT = 12, 3
+# blocks of the recording, of which every fourth is left out in turn
+_BLOCKS, _FOLDS = 16, 4
+_WITHIN_95 = 1.96
+
+
+@dataclass(frozen=True)
+class Row:
+    """One hypothesis in one place.
+
+    Attributes
+    ----------
+    place : int
+        From 1 on, the strongest difference first.
+    rank : int
+        Within the place, by posterior probability, from 1 on.
+    hypothesis : str
+        Name of the effect, or ``"nothing"``.
+    form : str
+        Which form of the effect; ``""`` of nothing.
+    time_profile : {"throughout", "from onset", "intermittent", "growing", ""}
+    in_class : bool
+        Whether it is of the smallest set that holds 0.95 of the probability.
+    channel : str
+        Signal that it changes most, in multiples of what counts there.
+    size : float
+        That change, rms where it acts, share of the signal's span [1].
+    size_ci95 : tuple of float or None
+        What noise leaves open of the size; None where it was not fitted to the end.
+    size_over_relevance : float
+        The size in multiples of what counts [1].
+    log_likelihood : float
+        What it gains on nothing in the same place [nat].
+    log_evidence : float
+        The same less what its parameters and its times cost [nat].
+    posterior : float
+        Probability among the hypotheses of the place, under the error that simulations have.
+    held_out_gain, held_out_se : float or None
+        What it gains on nothing in rows left out of its fit, and the standard error of that by blocks [nat];
+        None but for the likeliest.
+    """
+
+    place: int
+    rank: int
+    hypothesis: str
+    form: str
+    time_profile: str
+    in_class: bool
+    channel: str
+    size: float
+    size_ci95: tuple[float, float] | None
+    size_over_relevance: float
+    log_likelihood: float
+    log_evidence: float
+    posterior: float
+    held_out_gain: float | None = None
+    held_out_se: float | None = None
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The table.
+
+    Attributes
+    ----------
+    rows : tuple of Row
+        Place by place, the likeliest first.
+    """
+
+    rows: tuple[Row, ...] = ()
+
+    def behind(self, other: Comparison) -> Comparison:
+        """The rows of another table, and those of this one in the places behind them."""
+        first = max((row.place for row in other.rows), default=0)
+        moved = [Row(**asdict(row) | {"place": row.place + first}) for row in self.rows]
+        return Comparison((*other.rows, *moved))
+
+    def to_records(self) -> list[dict[str, Any]]:
+        """The rows as plain data, numbers with four digits."""
+        return [{key: _plain(value) for key, value in asdict(row).items()} for row in self.rows]
+
+
+EMPTY = Comparison()
+
+
+def compared(workbench: Workbench, explanation: Explanation) -> Comparison:
+    """The table of a search, under the noise that it ended with.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    explanation : Explanation
+
+    Returns
+    -------
+    comparison : Comparison
+        Where nothing was found, one place with what was tried.
+    """
+    if not explanation.findings:
+        return Comparison(tuple(_tried(workbench, explanation)))
+    found = enumerate(explanation.findings, start=1)
+    return Comparison(tuple(row for place, f in found for row in _rows_of(workbench, explanation, f, place)))
+
+
+def _rows_of(workbench: Workbench, explanation: Explanation, finding: Finding, place: int) -> list[Row]:
+    """Rows of the place of a finding."""
+    rest = tuple(m for m in explanation.model.members if m is not finding.member)
+    without = workbench.fit(rest, start=explanation.model)
+    made = [
+        _Competitor(
+            r.member,
+            r.model,
+            r.model.log_likelihood - without.log_likelihood,
+            workbench.change(r.model, without),
+        )
+        for r in finding.rivals
+    ]
+    held_out = HeldOut(workbench, without)
+    return _ranked(workbench, made, place, held_out)
+
+
+def _tried(workbench: Workbench, explanation: Explanation) -> list[Row]:
+    """Rows of what was tried where nothing was found."""
+    by_key = {e.key: e for e in explanation.effects}
+    made = [
+        _Competitor(Member(by_key[key]), None, gain, sizes)
+        for key, (gain, sizes) in explanation.tried.items()
+        if key in by_key
+    ]
+    return _ranked(workbench, made, 1, None)
+
+
+@dataclass(frozen=True, eq=False)
+class _Competitor:
+    member: Member
+    model: Model | None
+    gain: float
+    sizes: dict[str, float]
+
+
+def _ranked(workbench: Workbench, made: list[_Competitor], place: int, held_out: HeldOut | None) -> list[Row]:
+    scores = np.array([0.0, *(c.gain - price(workbench, c.member) for c in made)])
+    probabilities = posterior(scores, max((c.gain for c in made), default=0.0))
+    order = np.argsort(-probabilities, kind="stable")
+    rows: list[Row] = []
+    before = 0.0
+    for rank, k in enumerate(order[:_KEPT], start=1):
+        inside, before = before < IN_CLASS, before + float(probabilities[k])
+        common = {"place": place, "rank": rank, "in_class": inside, "posterior": float(probabilities[k])}
+        if k == 0:
+            rows.append(Row(hypothesis=NOTHING, **_OF_NOTHING, **common))
+            continue
+        one = made[k - 1]
+        gain, error = (None, None)
+        if held_out is not None and one.model is not None and rank <= _HELD_OUT:
+            gain, error = held_out.gain(one.model)
+        rows.append(
+            Row(
+                hypothesis=one.member.effect.name,
+                form=one.member.effect.key,
+                time_profile=_profile(one.member),
+                log_likelihood=one.gain,
+                log_evidence=float(scores[k]),
+                held_out_gain=gain,
+                held_out_se=error,
+                **_size(workbench, one),
+                **common,
+            )
+        )
+    return rows
+
+
+_OF_NOTHING: dict[str, Any] = {
+    "form": "",
+    "time_profile": "",
+    "channel": "",
+    "size": 0.0,
+    "size_ci95": None,
+    "size_over_relevance": 0.0,
+    "log_likelihood": 0.0,
+    "log_evidence": 0.0,
+}
+
+
+def _profile(member: Member) -> str:
+    if member.effect.grows:
+        return "growing"
+    if member.onset is None:
+        return "throughout"
+    return "intermittent" if member.switches else "from onset"
+
+
+def _size(workbench: Workbench, one: _Competitor) -> dict[str, Any]:
+    """Size of the change in the channel where it counts most, and how well noise lets it be known."""
+    if not one.sizes:
+        return {"channel": "", "size": 0.0, "size_ci95": None, "size_over_relevance": 0.0}
+    multiples = {channel: size / workbench.least(channel) for channel, size in one.sizes.items()}
+    channel = max(multiples, key=lambda c: multiples[c])
+    size, spread = one.sizes[channel], _relative_spread(one)
+    ends = None
+    if spread is not None:
+        ends = max(size * (1.0 - _WITHIN_95 * spread), 0.0), size * (1.0 + _WITHIN_95 * spread)
+    return {
+        "channel": channel,
+        "size": size,
+        "size_ci95": ends,
+        "size_over_relevance": multiples[channel],
+    }
+
+
+def _relative_spread(one: _Competitor) -> float | None:
+    """Standard deviation of an effect's first parameter, share of its size; None where it is not known."""
+    if one.model is None:
+        return None
+    first = one.member.effect.quantities(one.model.chain)[0]
+    name = f"{one.member.effect.key}.{first.name}"
+    spread = one.model.spreads.get(name)
+    if spread is None or first.null is None:
+        return None
+    size = abs(one.model.values[name] - first.null)
+    relative = spread if first.log else spread / max(size, 1e-300)
+    return relative if np.isfinite(relative) else None
+
+
+class HeldOut:
+    """Gains of hypotheses on rows that were left out of their fits.
+
+    Parameters
+    ----------
+    workbench : Workbench
+    without : Model
+        What they are compared with.
+    """
+
+    def __init__(self, workbench: Workbench, without: Model) -> None:
+        self._workbench, self._without = workbench, without
+        self._block = np.arange(len(workbench.recording)) * _BLOCKS // len(workbench.recording)
+        self._of_nothing: np.ndarray | None = None
+
+    def gain(self, model: Model) -> tuple[float, float]:
+        """Log likelihood that a hypothesis gains on such rows, and its standard error by blocks [nat]."""
+        if self._of_nothing is None:
+            self._of_nothing = self._losses(self._without)
+        gained = self._of_nothing - self._losses(model)
+        return float(gained.sum()), float(np.sqrt(_BLOCKS) * gained.std(ddof=1))
+
+    def _losses(self, model: Model) -> np.ndarray:
+        """Robust losses of every block, each predicted by a fit to the blocks of other folds."""
+        bench, block = self._workbench, self._block
+        lines, losses = lines_of(bench, model), np.zeros(_BLOCKS)
+        for fold in range(_FOLDS):
+            held = block % _FOLDS == fold
+            again = bench.simulate(model.members, refitted(bench, model, lines, ~held))
+            left = bench.residuals(again)
+            for channel in bench.channels:
+                rows = losses_of(bench.noise[channel], left[channel])
+                losses += np.bincount(block[held], rows[held], minlength=_BLOCKS)
+        return losses
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(each) for each in value]
+    return float(f"{value:.4g}") if isinstance(value, float) else value

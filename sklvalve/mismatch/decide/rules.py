@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rules that decide, in their order: each a question, its value, its limit, and the answer in words.
+
+A name stands where all of them are passed. The first that is not says why there is none. A rule that was
+never asked, because an earlier one had decided, is not in the list.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from sklvalve.mismatch.decide import constants
+
+#: Names of the rules, in their order.
+ORDER = (
+    "data", "rarity", "relevance", "held_out", "residual", "noise", "data_quality", "forecast", "black_box",
+    "probability",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Rule:
+    """One rule and its outcome.
+
+    Attributes
+    ----------
+    name : str
+        Of `ORDER`.
+    value : float or None
+        What was measured; None where the rule asks no number.
+    limit : float or None
+        What it was held against.
+    passed : bool
+        Whether a name may stand as far as this rule goes.
+    sentence : str
+        The outcome, for people.
+    """
+
+    name: str
+    value: float | None
+    limit: float | None
+    passed: bool
+    sentence: str
+
+
+def data(mend: str | None) -> Rule:
+    """No signal must be exchanged, or of the wrong unit."""
+    return Rule("data", None, None, mend is None, mend or "The columns are what valve.toml says.")
+
+
+def rarity(p_value: float, alpha: float) -> Rule:
+    """Few healthy recordings may look as far from their simulation."""
+    return Rule(
+        "rarity",
+        p_value,
+        alpha,
+        p_value <= alpha,
+        f"A difference this large occurs in {_share(p_value)} of healthy recordings; at most {_share(alpha)} "
+        "may, for something to be missing.",
+    )
+
+
+def relevance(p_value: float, alpha: float) -> Rule:
+    """What was found must be larger than what counts in practice, by more than chance."""
+    return Rule(
+        "relevance",
+        p_value,
+        alpha,
+        p_value <= alpha,
+        f"The probability that chance lifts a difference too small to count this high is {_share(p_value)}; "
+        f"at most {_share(alpha)} is allowed.",
+    )
+
+
+def held_out(share: float) -> Rule:
+    """What was found must predict blocks of rows that were left out of its fit."""
+    limit = constants.HELD_OUT_SHARE
+    return Rule(
+        "held_out",
+        share,
+        limit,
+        share < limit,
+        f"In rows left out of the fit {_share(share)} of the error beyond noise remains; less than "
+        f"{_share(limit)} must.",
+    )
+
+
+def residual(unknown: float, explained: float) -> Rule:
+    """What no effect explains must be small beside what the effects explain."""
+    limit = constants.RESIDUAL_SHARE
+    share = unknown / explained if explained > 0.0 else (float("inf") if unknown > 0.0 else 0.0)
+    words = (
+        f"The unexplained part is {_share(share)} of the explained part"
+        if explained > 0.0
+        else "No effect explains any part of the difference"
+    )
+    return Rule("residual", share, limit, share <= limit, f"{words}; at most {_share(limit)} is allowed.")
+
+
+def noise(times: float, passed: bool) -> Rule:
+    """The flow must be explained down to the noise of a valve at rest."""
+    limit = constants.TIMES_ALLOWED
+    return Rule(
+        "noise",
+        times,
+        limit,
+        passed,
+        f"Where the flow is steady the error is {times:.2g} times what noise and tolerances allow; "
+        f"{limit:g} times is the limit.",
+    )
+
+
+def data_quality(reason: str | None) -> Rule:
+    """Compression or coarse reading must not be able to make what was found."""
+    return Rule(
+        "data_quality",
+        None,
+        None,
+        reason is None,
+        reason or "No compression or coarse reading of a signal explains the difference.",
+    )
+
+
+def forecast(corrected: float, nominal: float) -> Rule:
+    """The correction must not make forecasts of later rows worse."""
+    ratio = corrected / nominal if nominal > 0.0 else 1.0
+    return Rule(
+        "forecast",
+        ratio,
+        1.0,
+        ratio <= 1.0,
+        f"On forecast rows the corrected simulation has {ratio:.2g} times the squared error of the nominal "
+        "one; once is the limit.",
+    )
+
+
+def black_box(ratio: float, limit: float, passed: bool) -> Rule:
+    """No black box may forecast clearly better than the simulation that a diagnosis ends with."""
+    return Rule(
+        "black_box",
+        ratio,
+        limit,
+        passed,
+        f"On forecast rows the simulation has {ratio:.2g} times the error of a black box on the same "
+        f"signals; {limit:g} times, in nearly every stretch, is the limit.",
+    )
+
+
+def probability(value: float | None, passed: bool) -> Rule:
+    """The likeliest class must be likely enough by what was borne out before."""
+    limit = constants.NAMED_FROM
+    sentence = (
+        "How often such names hold was not checked on recordings like this one; the grade decides."
+        if value is None
+        else f"In blind tests {_share(value)} of such classes held the true name; {_share(limit)} is needed "
+        "for a name."
+    )
+    return Rule("probability", value, limit, passed, sentence)
+
+
+def in_order(rules: Iterable[Rule]) -> list[Rule]:
+    """The last outcome of every rule that was asked, in the order of the list."""
+    last = {rule.name: rule for rule in rules}
+    return [last[name] for name in ORDER if name in last]
+
+
+def to_records(rules: Sequence[Rule]) -> list[dict[str, Any]]:
+    """Rules as plain data, numbers with four digits; a value without bound is None."""
+
+    def plain(value: Any) -> Any:
+        if not isinstance(value, float):
+            return value
+        return float(f"{value:.4g}") if abs(value) != float("inf") else None
+
+    return [{key: plain(value) for key, value in asdict(rule).items()} for rule in rules]
+
+
+def _share(share: float) -> str:
+    """A share in percent, as far as it is worth telling."""
+    if share == float("inf"):
+        return "all"
+    if 0.0 < share < 1e-4:
+        return "less than 0.01 %"
+    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.0f} %"

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The table of hypotheses: what it holds of a simulated fault, and of a healthy valve."""
+
+import json
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sklvalve import MissingPhysicsFinder
+from sklvalve.datasets import make_valve_recording
+from sklvalve.mismatch import CATALOGUE
+from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.compare import Comparison, HeldOut, Row, compared
+from sklvalve.mismatch.decide.constants import IN_CLASS
+from sklvalve.recording import Recording, Valve
+
+BY_KEY = {effect.key: effect for effect in CATALOGUE}
+
+
+@pytest.fixture(scope="module")
+def finder():
+    made = make_valve_recording("clogging", 0.5, loop="wide", n_samples=1500, n_later=0, random_state=3)
+    recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    return MissingPhysicsFinder(n_jobs=1).fit(recording)
+
+
+def test_the_best_row_is_the_fault_and_nothing_is_in_the_table(finder):
+    table = finder.comparison_
+    first = table[table.place == 1]
+    assert list(first["rank"]) == list(range(1, len(first) + 1))
+    assert first.iloc[0].hypothesis == "clogging"
+    assert first.iloc[0].in_class
+    nothing = first[first.hypothesis == "nothing"].iloc[0]
+    assert nothing.log_likelihood == 0.0 and nothing.posterior < 1e-6
+    assert first.posterior.is_monotonic_decreasing
+    assert first.posterior.sum() <= 1.0 + 1e-3
+
+
+def test_the_best_row_predicts_rows_left_out_of_its_fit(finder):
+    best = finder.comparison_.iloc[0]
+    assert best.held_out_gain > 3.0 * best.held_out_se > 0.0
+    assert best.size_over_relevance > 1.0
+
+
+def test_classes_are_those_of_the_table(finder):
+    content = finder.diagnosis_.content
+    inside = {row["hypothesis"] for row in content["comparison"] if row["place"] == 1 and row["in_class"]}
+    assert {m["name"] for m in content["effects"][0]["members"]} == inside
+
+
+def test_the_rules_that_were_asked_are_in_the_diagnosis(finder):
+    told = finder.diagnosis_.content["rules"]
+    names = [rule["name"] for rule in told]
+    assert names == [name for name in rules.ORDER if name in names]
+    assert {"data", "rarity", "held_out", "probability"} <= set(names)
+    assert all(rule["passed"] for rule in told)
+    json.dumps(told, allow_nan=False)
+
+
+def test_of_a_healthy_valve_what_was_tried_is_told_and_rarity_stops_it():
+    made = make_valve_recording(None, loop="wide", n_samples=1200, n_later=0, random_state=1)
+    recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    content = MissingPhysicsFinder(n_jobs=1).fit(recording).diagnosis_.content
+    assert content["verdict"] == "no_mismatch"
+    assert any(row["hypothesis"] == "nothing" for row in content["comparison"])
+    failed = {rule["name"] for rule in content["rules"] if not rule["passed"]}
+    assert failed & {"rarity", "relevance"}
+
+
+def _row(place, rank=1):
+    return Row(
+        place, rank, "clogging", "clogging", "throughout", True, "flow", 0.1, None, 20.0, 5.0, 4.0, 0.9
+    )
+
+
+def test_tables_are_put_behind_one_another_with_places_of_their_own():
+    both = Comparison((_row(1), _row(2))).behind(Comparison((_row(1), _row(1, 2))))
+    assert [(row.place, row.rank) for row in both.rows] == [(1, 1), (1, 2), (2, 1), (3, 1)]
+
+
+def _bench(**more):
+    return SimpleNamespace(recording=range(3000), least=lambda channel: 0.005, **more)
+
+
+def test_where_nothing_was_found_nothing_may_be_the_likeliest():
+    tried = {"clogging": (2.0, {"flow": 0.02}), "erosion": (40.0, {"flow": 0.01})}
+    effects = (BY_KEY["clogging"], BY_KEY["erosion"])
+    explanation = SimpleNamespace(findings=[], tried=tried, effects=effects)
+    rows = compared(_bench(), explanation).rows
+    assert [row.hypothesis for row in rows] == ["erosion", "nothing", "clogging"]
+    assert [row.in_class for row in rows] == [True, False, False]
+    assert sum(row.posterior for row in rows) == pytest.approx(1.0)
+    assert rows[0].size_over_relevance == pytest.approx(2.0)
+    alone = compared(_bench(), SimpleNamespace(findings=[], tried={}, effects=())).rows
+    assert [row.hypothesis for row in alone] == ["nothing"] and alone[0].posterior >= IN_CLASS
+
+
+def test_gains_on_rows_left_out_are_summed_by_blocks(monkeypatch):
+    losses = {"without": np.full(16, 5.0), "with": np.r_[np.full(8, 1.0), np.full(8, 3.0)]}
+    held = HeldOut(_bench(), "without")
+    monkeypatch.setattr(held, "_losses", lambda model: losses[model])
+    gain, error = held.gain("with")
+    assert gain == pytest.approx(48.0)
+    assert error == pytest.approx(4.0 * np.std(losses["with"], ddof=1))

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The list of rules: each with value, limit, outcome and a sentence, in one order."""
+
+import json
+
+import pytest
+
+from sklvalve.mismatch.decide import constants, rules
+
+EVERY = [
+    rules.probability(0.7, True),
+    rules.black_box(0.9, 1.25, True),
+    rules.forecast(0.5, 1.0),
+    rules.data_quality(None),
+    rules.noise(0.8, True),
+    rules.residual(0.01, 0.05),
+    rules.held_out(0.2),
+    rules.relevance(1e-6, 0.01),
+    rules.rarity(1e-6, 0.01),
+    rules.data(None),
+]
+
+
+def test_there_are_ten_and_they_come_in_their_order():
+    assert len(rules.ORDER) == 10
+    told = rules.in_order(EVERY)
+    assert [rule.name for rule in told] == list(rules.ORDER)
+    assert all(rule.passed for rule in told)
+
+
+def test_of_a_rule_asked_twice_the_last_outcome_counts():
+    told = rules.in_order([rules.rarity(0.5, 0.01), rules.rarity(1e-4, 0.01)])
+    assert [rule.value for rule in told] == [1e-4]
+
+
+@pytest.mark.parametrize(
+    "rule",
+    [
+        rules.data("Exchange p1 and p2."),
+        rules.rarity(0.02, 0.01),
+        rules.relevance(0.02, 0.01),
+        rules.held_out(constants.HELD_OUT_SHARE),
+        rules.residual(0.05, 0.05),
+        rules.residual(0.05, 0.0),
+        rules.noise(1.4, False),
+        rules.data_quality("The historian's compression may explain it."),
+        rules.forecast(1.1, 1.0),
+        rules.black_box(1.3, constants.MARGIN, False),
+        rules.probability(0.5, False),
+        rules.probability(None, False),
+    ],
+    ids=lambda rule: rule.name,
+)
+def test_what_stops_a_name_says_how_far_off_it_was(rule):
+    assert not rule.passed
+    assert rule.sentence.endswith(".")
+    if rule.value is not None:
+        assert rule.limit is not None
+    json.dumps(rules.to_records([rule]), allow_nan=False)
+
+
+def test_shares_are_told_without_exponents():
+    assert "less than 0.01 %" in rules.rarity(1e-9, 0.01).sentence
+    assert "100 %" in rules.relevance(1.0, 0.01).sentence
