@@ -12,7 +12,6 @@ recordings without the opening or a pressure get an offset and a slope of their 
 import argparse
 import copy
 import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,20 +21,18 @@ from scipy.optimize import minimize
 from benchmarks.concealed.report.history import RESULTS, runs_of
 from benchmarks.concealed.report.reliability import few_signals, reliability_report
 from benchmarks.concealed.scoring.lines import entries_of, names_of, true_names
-from sklvalve.mismatch.borne_out import SEALED, Numbers
+from sklvalve.mismatch.borne_out import Numbers
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 from sklvalve.mismatch.probability import (
     Grounds,
     is_coarse,
     log_odds_of_name,
     probability_of,
-    shares_of,
     vanishing,
 )
 
 # of the ridge: a prior of the coefficients with this standard deviation, and of the slope about one
 _SPREAD, _SPREAD_OF_SLOPE = 1.0, 0.5
-_TEMPERS = np.arange(0.3, 1.01, 0.05)
 
 
 class Told(NamedTuple):
@@ -43,7 +40,6 @@ class Told(NamedTuple):
 
     run: str
     grounds: Grounds
-    shares: tuple
     true: tuple
 
     @property
@@ -58,7 +54,6 @@ def told_of(runs):
         Told(
             run["run"],
             grounds_of(line, entry, k > 0),
-            _at_hand(entry),
             tuple(name in true_names(line) for name in names_of(entry)),
         )
         for run in runs
@@ -103,12 +98,7 @@ def fitted_to(told):
     of_all = _logistic(rows[~few], right[~few], np.array([0.0, 1.0, *[0.0] * (rows.shape[1] - 2)]), _SPREAD)
     odds = np.stack([np.ones(few.sum()), rows[few] @ of_all], axis=1)
     of_few = _logistic(odds, right[few], np.array([0.0, 1.0]), _SPREAD_OF_SLOPE)
-    several = [each for each in told if each.right and len(each.shares) > 1]
-    numbers = Numbers(of_all[0], of_all[1], tuple(of_all[2:]), tuple(of_few), 1.0, held)
-    return min(
-        (replace(numbers, temper=float(power)) for power in _TEMPERS),
-        key=lambda tried: _misfit_of_shares(several, tried),
-    )
+    return Numbers(of_all[0], of_all[1], tuple(of_all[2:]), tuple(of_few), held)
 
 
 def _others_say(each, held):
@@ -128,30 +118,22 @@ def _logistic(rows, right, about, spread):
     return minimize(loss, about).x
 
 
-def _misfit_of_shares(several, numbers):
-    total = 0.0
-    for each in several:
-        shares = np.clip(shares_of(each.shares, numbers), 1e-6, 1.0 - 1e-6)
-        total -= float(np.sum(np.where(each.true, np.log(shares), np.log1p(-shares))))
-    return total
-
-
 def reported_anew(line, numbers):
     """A line of scores with the probabilities that numbers give it."""
     made = copy.deepcopy(line)
     for k, entry in enumerate(entries_of(made)):
         whole = probability_of(grounds_of(line, entry, k > 0), numbers)
-        shares = shares_of(_at_hand(entry), numbers)
+        shares = _shares(entry)
         entry["probability"] = round(whole, 4)
         for member, share in zip(entry["members"], shares, strict=True):
             member["probability"] = round(float(whole * share), 4)
     return made
 
 
-def _at_hand(entry):
-    """Probabilities of the members among the explanations at hand, which lines with a grade have tempered."""
+def _shares(entry):
+    """Shares of the members of a class."""
     reported = np.array([m["probability"] or 0.0 for m in entry["members"]])
-    return tuple(reported ** (1.0 / SEALED.temper) if "grade" in entry else reported)
+    return reported / max(reported.sum(), 1e-12)
 
 
 def as_code(numbers):
@@ -163,7 +145,6 @@ def as_code(numbers):
         f"    of_name={numbers.of_name:.3f},",
         f"    of_grounds=({each}),",
         f"    few_signals=({numbers.few_signals[0]:.3f}, {numbers.few_signals[1]:.3f}),",
-        f"    temper={numbers.temper:.2f},",
         "    held={",
         *(f'        "{name}": ({right}, {many}),' for name, (right, many) in numbers.held.items()),
         "    },",

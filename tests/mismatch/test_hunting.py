@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch.decide.constants import NAMED_FROM
 from sklvalve.mismatch.events import Events
 from sklvalve.mismatch.hunting import find_hunting
-from sklvalve.mismatch.probability import NAMED_FROM
 
 from .conftest import record
 

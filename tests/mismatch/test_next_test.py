@@ -211,23 +211,6 @@ def test_a_test_lowers_no_distance(lags):
     assert np.all(loud.distances(still) >= loud.now())
 
 
-def test_what_a_few_strokes_decided_is_counted_neither_now_nor_with_a_test(lags, monkeypatch):
-    still = library(0.45, 0.5, 0.47, 60, 1.0, TestLimits())[0]
-    actuator, sensor = lags.explanations
-    # the sensor's lag far more likely, by the rows of one stroke
-    likelier = replace(sensor.model, log_likelihood=actuator.model.log_likelihood + 800.0)
-    pair = [actuator, Explanation("sensor_lag", 0.5, likelier, sensor.misfits)]
-    doubted = Advisor(lags.workbench, pair, lags.without, lags.gain)
-    assert doubted._present()[0, 1] > 14.0
-    monkeypatch.setattr("sklvalve.mismatch.distance.gain_in_spreads", lambda *_: 1.0)
-    assert doubted.now()[0, 1] == pytest.approx(4.0)
-    # a short test that shows little does not bring back what the strokes had decided
-    assert 4.0 <= doubted.distances(still).max() < 14.0
-    # where the stem is not what differs, its strokes are no matter
-    monkeypatch.setattr(Explanation, "in_actuator", False)
-    assert Advisor(lags.workbench, pair, lags.without, lags.gain).now()[0, 1] > 14.0
-
-
 def test_only_what_chance_cannot_undo_is_promised():
     # what a record shows of D scatters by 2 sqrt(D): nine of ten are beyond the end of a class
     assert norm.cdf((SURE - 14.0) / (2.0 * np.sqrt(SURE))) == pytest.approx(0.907, abs=0.001)

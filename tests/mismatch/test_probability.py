@@ -5,18 +5,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from sklvalve.mismatch.borne_out import SEALED, Numbers
+from sklvalve.mismatch.decide.constants import NAMED_FROM
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 from sklvalve.mismatch.probability import (
-    NAMED_FROM,
     Grounds,
     is_coarse,
     log_odds_of_name,
     probability_of,
-    shares_of,
     vanishing,
 )
 
@@ -25,7 +22,7 @@ FORMS = {effect.key: effect for effect in (*CATALOGUE, *EVENTS)}
 
 
 def test_by_hand():
-    numbers = Numbers(1.0, 0.5, (0.3, -0.6, -0.9, -1.2), (0.2, 0.5), 0.5, {"a": (24, 24), "b": (8, 16)})
+    numbers = Numbers(1.0, 0.5, (0.3, -0.6, -0.9, -1.2), (0.2, 0.5), {"a": (24, 24), "b": (8, 16)})
     # "b" is drawn towards the usual share, 32 of 40, by eight classes more: (8 + 6.4) / 24 = 0.6
     of_b = np.log(0.6 / 0.4) - np.log(0.8 / 0.2)
     assert log_odds_of_name("b", numbers.held) == pytest.approx(of_b)
@@ -54,18 +51,6 @@ def test_it_spreads():
 def test_names_of_the_table_are_those_of_the_catalogue():
     assert set(SEALED.held) <= {effect.name for effect in FORMS.values()}
     assert all(0 <= right <= many for right, many in SEALED.held.values())
-    assert 0.0 < SEALED.temper <= 1.0
-
-
-@settings(max_examples=50, deadline=None)
-@given(st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12))
-def test_shares_are_tempered_and_keep_their_order(members):
-    shares = shares_of(members)
-    assert shares.sum() == pytest.approx(1.0)
-    order = np.argsort(members, kind="stable")
-    assert np.all(np.diff(shares[order]) >= -1e-12)
-    if sum(members) > 0.0:
-        assert shares.max() <= max(np.max(members) / np.sum(members), 1.0 / len(members)) + 1e-9
 
 
 def test_coarse_values():

@@ -43,12 +43,6 @@ def test_a_verdict_that_stands_needs_none(verdict):
     assert reasons_of(_judged(verdict), None, BENCH) == []
 
 
-def test_a_candidate_is_told_how_far_it_is_from_a_name():
-    (words,) = reasons_of(_judged("cannot_tell", findings=[_finding(("seat_leakage", 0.6))]), None, BENCH)
-    assert words.startswith("Seat leakage has a probability of 60 %")
-    assert "85 % is needed" in words
-
-
 def test_checks_say_what_they_stopped_and_by_how_much():
     assert (
         "dead time or slew limit" in not_upheld([_finding(("dead_time", 0.5), ("slew_limit", 0.5))]).lower()

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.workbench import Workbench
 
 NOTHING = "nothing"
-# rows of a place that are kept, and those that are held against rows left out of the fit
+# rows of a place that are kept beside nothing, and those that are held against rows left out of the fit
 _KEPT, _HELD_OUT = 12, 3
 # blocks of the recording, of which every fourth is left out in turn
 _BLOCKS, _FOLDS = 16, 4
@@ -171,8 +171,10 @@ def _ranked(workbench: Workbench, made: list[_Competitor], place: int, held_out:
     order = np.argsort(-probabilities, kind="stable")
     rows: list[Row] = []
     before = 0.0
-    for rank, k in enumerate(order[:_KEPT], start=1):
+    for rank, k in enumerate(order, start=1):
         inside, before = before < IN_CLASS, before + float(probabilities[k])
+        if rank > _KEPT and k > 0:
+            continue
         common = {"place": place, "rank": rank, "in_class": inside, "posterior": float(probabilities[k])}
         if k == 0:
             rows.append(Row(hypothesis=NOTHING, **_OF_NOTHING, **common))
