@@ -41,8 +41,8 @@ class Explanation:
         The candidates.
     """
 
-    nominal: object
-    model: object
+    nominal: Model
+    model: Model
     findings: list
     tried: dict = field(default_factory=dict)
     effects: tuple = ()

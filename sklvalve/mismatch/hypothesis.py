@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.simulation.chain import Chain
 
 # what an onset must gain, and every other switch: it is one of as many as there are rows
@@ -27,7 +28,7 @@ class Member:
         Later times at which it stops, begins again, and so on [s, absolute].
     """
 
-    effect: object
+    effect: Effect
     onset: float | None = None
     switches: tuple = ()
 

@@ -146,9 +146,9 @@ def to_markdown(d: dict) -> str:
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
         parts.append("### Data\n\n" + table)
-    for item in compared.comparisons(d):
-        title = f"### Why this and not that{': ' + item.title.lower() if item.title else ''}"
-        parts.append(title + "\n\n" + _table(compared.HEAD, item.rows))
+    for place in compared.comparisons(d):
+        title = f"### Why this and not that{': ' + place.title.lower() if place.title else ''}"
+        parts.append(title + "\n\n" + _table(compared.HEAD, place.rows))
     if compared.rules(d):
         parts.append("### Checks\n\n" + _table(compared.RULES_HEAD, compared.rules(d)))
     if rows.details(d):

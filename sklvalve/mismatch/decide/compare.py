@@ -175,7 +175,7 @@ def _ranked(workbench: Workbench, made: list[_Competitor], place: int, held_out:
         inside, before = before < IN_CLASS, before + float(probabilities[k])
         if rank > _KEPT and k > 0:
             continue
-        common = {"place": place, "rank": rank, "in_class": inside, "posterior": float(probabilities[k])}
+        common: dict[str, Any] = {"place": place, "rank": rank, "in_class": inside, "posterior": float(probabilities[k])}
         if k == 0:
             rows.append(Row(hypothesis=NOTHING, **_OF_NOTHING, **common))
             continue
