@@ -171,35 +171,40 @@ def _ranked(workbench: Workbench, made: list[_Competitor], place: int, held_out:
     order = np.argsort(-probabilities, kind="stable")
     rows: list[Row] = []
     before = 0.0
-    for rank, k in enumerate(order, start=1):
-        inside, before = before < IN_CLASS, before + float(probabilities[k])
-        if rank > _KEPT and k > 0:
-            continue
-        common: dict[str, Any] = {"place": place, "rank": rank, "in_class": inside, "posterior": float(probabilities[k])}
+    for rank, k in enumerate(order.tolist(), start=1):
+        probability = float(probabilities[k])
+        shared: dict[str, Any] = {
+            "place": place,
+            "rank": rank,
+            "in_class": before < IN_CLASS,
+            "posterior": probability,
+            "log_evidence": float(scores[k]),
+        }
+        before += probability
         if k == 0:
-            rows.append(Row(hypothesis=NOTHING, **_OF_NOTHING, **common))
-            continue
-        one = made[k - 1]
-        gain, error = (None, None)
-        if held_out is not None and one.model is not None and rank <= _HELD_OUT:
-            gain, error = held_out.gain(one.model)
-        rows.append(
-            Row(
-                hypothesis=one.member.effect.name,
-                form=one.member.effect.key,
-                time_profile=_profile(one.member),
-                log_likelihood=one.gain,
-                log_evidence=float(scores[k]),
-                held_out_gain=gain,
-                held_out_se=error,
-                **_size(workbench, one),
-                **common,
-            )
-        )
+            rows.append(Row(**_OF_NOTHING, **shared))
+        elif rank <= _KEPT:
+            tried = held_out if rank <= _HELD_OUT else None
+            rows.append(Row(**_of_effect(workbench, made[k - 1], tried), **shared))
     return rows
 
 
+def _of_effect(workbench: Workbench, one: _Competitor, held_out: HeldOut | None) -> dict[str, Any]:
+    """What a row says of an effect."""
+    gain, error = held_out.gain(one.model) if held_out and one.model else (None, None)
+    return {
+        "hypothesis": one.member.effect.name,
+        "form": one.member.effect.key,
+        "time_profile": _profile(one.member),
+        "log_likelihood": one.gain,
+        "held_out_gain": gain,
+        "held_out_se": error,
+        **_size(workbench, one),
+    }
+
+
 _OF_NOTHING: dict[str, Any] = {
+    "hypothesis": NOTHING,
     "form": "",
     "time_profile": "",
     "channel": "",
@@ -207,7 +212,6 @@ _OF_NOTHING: dict[str, Any] = {
     "size_ci95": None,
     "size_over_relevance": 0.0,
     "log_likelihood": 0.0,
-    "log_evidence": 0.0,
 }
 
 
