@@ -2,8 +2,9 @@
 """What was found in a loop."""
 
 from dataclasses import asdict, dataclass, field
+from typing import Any
 
-import numpy as np
+from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -13,7 +14,7 @@ class LoopFinding:
     Parameters
     ----------
     verdict : {"named", "no_mismatch", "cannot_tell"}
-        ``named``: the stem sticks or has play; ``no_mismatch``: sticking of a size that matters is excluded;
+        ``named``: the stem sticks or has play; ``no_mismatch``: sticking of a relevant size is excluded;
         ``cannot_tell``: neither.
     p_value : float
         How often a healthy loop gives as much evidence, an outside oscillation included.
@@ -21,7 +22,7 @@ class LoopFinding:
         Level of the test.
     evidence : float
         Difference of log likelihood between the best sticking stem of the grid and the command itself: the
-        least over several forms of process and noise (docs/loops.md).
+        least over several forms of process and noise (docs/loops.md) [nats].
     band : float
         Band of the likeliest stem, as a share of the command's movement; below 0.17 on the grid it is no
         finding.
@@ -30,7 +31,7 @@ class LoopFinding:
         intervals, a sentence, what would separate the members.
     fit : dict
         Held-out errors of the value (SI): `held_out_rows`, `rmse` of `nominal` and `corrected`, and
-        `noise_floor`, what no row foresees.
+        `noise_floor`, the error of the forecast one row ahead.
     predictions : dict of ndarray
         `time`, `stem`, `nominal`, `corrected`; values as recorded (SI), free runs from the command but for a
         constant level in each quarter of the recording.
@@ -51,16 +52,16 @@ class LoopFinding:
     alpha: float
     evidence: float
     band: float
-    effects: tuple[dict, ...] = ()
-    fit: dict = field(default_factory=dict)
-    predictions: dict[str, np.ndarray] = field(default_factory=dict)
+    effects: tuple[dict[str, Any], ...] = ()
+    fit: dict[str, Any] = field(default_factory=dict)
+    predictions: dict[str, NDArray] = field(default_factory=dict)
     reasons: tuple[str, ...] = ()
-    sampling: dict = field(default_factory=dict)
-    oscillation: dict = field(default_factory=dict)
-    methods: tuple[dict, ...] = ()
+    sampling: dict[str, Any] = field(default_factory=dict)
+    oscillation: dict[str, Any] = field(default_factory=dict)
+    methods: tuple[dict[str, Any], ...] = ()
     details: tuple[str, ...] = ()
 
-    def to_dict(self):
+    def to_dict(self) -> dict[str, Any]:
         """Plain dict without the predictions, as it may stand in diagnosis.json."""
         content = asdict(self)
         content.pop("predictions")

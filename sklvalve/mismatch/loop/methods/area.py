@@ -2,26 +2,28 @@
 """Areas before and after the peak of each half period of the value (Singhal and Salsbury)."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from sklvalve.mismatch.loop.methods.cycles import POINTS, half_periods
-from sklvalve.mismatch.loop.methods.result import (
-    NOT_APPLICABLE,
-    SOUND,
-    STICTION,
-    UNDECIDED,
-    MethodResult,
-    why_not_applicable,
+from sklvalve.mismatch.loop.constants import PEAK_AREA_LIMIT, PEAK_AREA_SURE, ROWS_OF_A_SHAPE
+from sklvalve.mismatch.loop.methods.cycles import POINTS, control_error, half_periods, too_few
+from sklvalve.mismatch.loop.methods.result import Method, MethodResult, by_limits
+from sklvalve.mismatch.loop.oscillation import Oscillation
+
+_METHOD = Method(
+    "peak area",
+    "Singhal and Salsbury 2005, Journal of Process Control 15, 371-382",
+    PEAK_AREA_LIMIT,
+    ROWS_OF_A_SHAPE,
 )
 
-METHOD = "peak area"
-SOURCE = "Singhal and Salsbury 2005, Journal of Process Control 15, 371-382"
-LIMIT = 1.0  # published: above stiction, else an aggressive controller
-_FEWEST_ROWS = 10.0
-_FEWEST_HALVES = 4
-_SURE = 2.0  # standard errors of the mean from the limit; nearer is undecided
 
-
-def area(command, value, oscillation, *, setpoint=None, is_flow=None):
+def area(
+    value: ArrayLike,
+    oscillation: Oscillation,
+    *,
+    setpoint: ArrayLike | None = None,
+    is_flow: bool | None = None,
+) -> MethodResult:
     r"""Compare the areas of the error before and after its peak.
 
     .. math:: R = A_1 / A_2
@@ -34,13 +36,11 @@ def area(command, value, oscillation, *, setpoint=None, is_flow=None):
 
     Parameters
     ----------
-    command : array-like of shape (n,)
-        Not used; the methods share one form.
     value : array-like of shape (n,)
         As recorded, any unit.
     oscillation : Oscillation
     setpoint : array-like of shape (n,), optional
-        The error is looked at where it is given.
+        Of the value's unit; where it is given, the error takes the place of the value.
     is_flow : bool or None
         False: the process may integrate, and the method does not apply.
 
@@ -53,27 +53,26 @@ def area(command, value, oscillation, *, setpoint=None, is_flow=None):
     A. Singhal, T. I. Salsbury, A simple method for detecting valve stiction in oscillating control loops,
     Journal of Process Control 15 (2005) 371-382.
     """
-    why = why_not_applicable(oscillation, _FEWEST_ROWS)
-    if oscillation.rows is None or oscillation.rows < _FEWEST_ROWS:
-        return MethodResult(METHOD, SOURCE, None, LIMIT, NOT_APPLICABLE, why)
-    signal = value if setpoint is None else np.asarray(value, float) - np.asarray(setpoint, float)
-    shapes = half_periods(signal, oscillation.rows)
-    if len(shapes) < _FEWEST_HALVES:
-        why = f"The value has {len(shapes)} whole half periods, and {_FEWEST_HALVES} are needed."
-        return MethodResult(METHOD, SOURCE, None, LIMIT, NOT_APPLICABLE, why)
+    obstacle, rows = _METHOD.obstacle(oscillation), oscillation.rows or 0.0
+    if rows < _METHOD.fewest_rows:
+        return _METHOD.not_applicable(obstacle)
+    shapes = half_periods(control_error(value, setpoint), rows)
+    if few := too_few("value", shapes):
+        return _METHOD.not_applicable(few)
     if is_flow is False:
-        why = why or "The process may integrate, and the method is for self-regulating ones."
+        obstacle = obstacle or "The process may integrate, and the method is for self-regulating ones."
     ratios = np.log(_ratios(shapes))
     mean, error = float(ratios.mean()), float(ratios.std(ddof=1) / np.sqrt(len(ratios)))
-    says = STICTION if mean > _SURE * error else SOUND if mean < -_SURE * error else UNDECIDED
-    detail = why or (
+    return _METHOD.result(
+        float(np.exp(mean)),
+        by_limits(mean, -PEAK_AREA_SURE * error, PEAK_AREA_SURE * error),
         f"The area before the peak is {np.exp(mean):.2f} times that after it, in the mean of {len(shapes)} "
-        "half periods."
+        "half periods.",
+        obstacle,
     )
-    return MethodResult(METHOD, SOURCE, float(np.exp(mean)), LIMIT, NOT_APPLICABLE if why else says, detail)
 
 
-def _ratios(shapes):
+def _ratios(shapes: NDArray) -> NDArray:
     """Area before over area after the peak of each shape, the peak's own point shared."""
     up = np.maximum(shapes, 0.0)
     peaks = np.clip(up.argmax(axis=1), 1, POINTS - 2)

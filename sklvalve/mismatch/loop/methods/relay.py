@@ -2,25 +2,32 @@
 """Half periods of the value: a relay's answer, triangles or sines (Rossi and Scali)."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from sklvalve.mismatch.loop.methods.cycles import POINTS, half_periods, left_over, sines, triangles
-from sklvalve.mismatch.loop.methods.result import (
-    NOT_APPLICABLE,
-    MethodResult,
-    by_limits,
-    why_not_applicable,
+from sklvalve.mismatch.loop.constants import RELAY_LIMITS, ROWS_OF_A_SHAPE
+from sklvalve.mismatch.loop.methods.cycles import (
+    POINTS,
+    control_error,
+    half_periods,
+    residual_squares,
+    sines,
+    too_few,
+    triangles,
 )
+from sklvalve.mismatch.loop.methods.result import Method, MethodResult, by_limits
+from sklvalve.mismatch.loop.oscillation import Oscillation
 
-METHOD = "relay fitting"
-SOURCE = "Rossi and Scali 2005, Journal of Process Control 15, 505-514"
-LIMITS = (-0.21, 0.21)  # published: below no stiction, above stiction
-_FEWEST_ROWS = 10.0
-_FEWEST_HALVES = 4
+_METHOD = Method(
+    "relay fitting",
+    "Rossi and Scali 2005, Journal of Process Control 15, 505-514",
+    RELAY_LIMITS[1],
+    ROWS_OF_A_SHAPE,
+)
 _LAGS = np.geomspace(0.02, 3.0, 24)  # of a half period: from a square wave to nearly straight flanks
 
 
-def relay(command, value, oscillation, *, setpoint=None):
+def relay(value: ArrayLike, oscillation: Oscillation, *, setpoint: ArrayLike | None = None) -> MethodResult:
     r"""Compare a relay's answer and triangles with sines on the half periods of the value.
 
     .. math:: S = \frac{E_\text{sin} - E_\text{rt}}{E_\text{sin} + E_\text{rt}}
@@ -33,13 +40,11 @@ def relay(command, value, oscillation, *, setpoint=None):
 
     Parameters
     ----------
-    command : array-like of shape (n,)
-        Not used; the methods share one form.
     value : array-like of shape (n,)
         As recorded, any unit.
     oscillation : Oscillation
     setpoint : array-like of shape (n,), optional
-        The error is looked at where it is given.
+        Of the value's unit; where it is given, the error takes the place of the value.
 
     Returns
     -------
@@ -50,28 +55,25 @@ def relay(command, value, oscillation, *, setpoint=None):
     M. Rossi, C. Scali, A comparison of techniques for automatic detection of stiction: simulation and
     application to industrial data, Journal of Process Control 15 (2005) 505-514.
     """
-    why = why_not_applicable(oscillation, _FEWEST_ROWS)
-    if oscillation.rows is None or oscillation.rows < _FEWEST_ROWS:
-        return MethodResult(METHOD, SOURCE, None, LIMITS[1], NOT_APPLICABLE, why)
-    signal = value if setpoint is None else np.asarray(value, float) - np.asarray(setpoint, float)
-    shapes = half_periods(signal, oscillation.rows)
-    if len(shapes) < _FEWEST_HALVES:
-        why = f"The value has {len(shapes)} whole half periods, and {_FEWEST_HALVES} are needed."
-        return MethodResult(METHOD, SOURCE, None, LIMITS[1], NOT_APPLICABLE, why)
-    sine = left_over(shapes, sines()).mean()
-    answer, triangle = left_over(shapes, _RELAYS).mean(), left_over(shapes, triangles()).mean()
+    obstacle, rows = _METHOD.obstacle(oscillation), oscillation.rows or 0.0
+    if rows < _METHOD.fewest_rows:
+        return _METHOD.not_applicable(obstacle)
+    shapes = half_periods(control_error(value, setpoint), rows)
+    if few := too_few("value", shapes):
+        return _METHOD.not_applicable(few)
+    families = sines(), _RELAYS, triangles()
+    sine, answer, triangle = (residual_squares(shapes, each).mean() for each in families)
     other = min(answer, triangle)
     index = float((sine - other) / max(sine + other, 1e-300))
-    says = by_limits(index, *LIMITS) if why is None else NOT_APPLICABLE
     best = "answers of a relay" if answer <= triangle else "triangles"
-    detail = why or (
+    detail = (
         f"Of the value's {len(shapes)} half periods, {best} leave {other / max(sine, 1e-300):.2g} times the "
         "squared error of sines."
     )
-    return MethodResult(METHOD, SOURCE, index, LIMITS[1], says, detail)
+    return _METHOD.result(index, by_limits(index, *RELAY_LIMITS), detail, obstacle)
 
 
-def relays(lags=_LAGS):
+def relays(lags: NDArray) -> NDArray:
     """Half periods of a first-order lag behind a relay with dead time, from zero to zero.
 
     The value rises as ``1 - exp(-t / lag)`` to the switch, then falls to zero as
@@ -96,4 +98,4 @@ def relays(lags=_LAGS):
     return out
 
 
-_RELAYS = relays()
+_RELAYS = relays(_LAGS)
