@@ -44,8 +44,6 @@ class StickingClass:
         95 % [fraction of travel].
     stem : ndarray of shape (n,)
         Its position [fraction of travel].
-    responses : ndarray of shape (k, n)
-        To it [fraction of travel].
     fit : LoopFit
     """
 
@@ -55,7 +53,6 @@ class StickingClass:
     stick_interval: tuple[float, float]
     slip_interval: tuple[float, float]
     stem: NDArray
-    responses: NDArray
     fit: LoopFit
 
 
@@ -81,8 +78,8 @@ class _Trial:
 
     sizes: NDArray
     stems: NDArray
-    regression: Regression
     screening: Screening
+    regression: Regression
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +90,6 @@ class _Best:
     stick: float
     jump: float
     stem: NDArray
-    responses: NDArray
     fit: LoopFit
 
 
@@ -121,14 +117,7 @@ def classify_sticking(result: StretchResult) -> StickingClass:
     low, high = _band_interval(best.stick, result.loop.span)
     least_slip = 0.0 if "backlash" in shares else low * LEAST_JUMP
     return StickingClass(
-        shares,
-        best.stick,
-        best.stick * best.jump,
-        (low, high),
-        (least_slip, high),
-        best.stem,
-        best.responses,
-        best.fit,
+        shares, best.stick, best.stick * best.jump, (low, high), (least_slip, high), best.stem, best.fit
     )
 
 
@@ -171,7 +160,7 @@ def _best_of_form(form: _FrictionForm, result: StretchResult) -> _Best:
     fit = likeliest(fits)
     trial, place = ranked[fits.index(fit)]
     stick, jump, _ = map(float, trial.sizes[place])
-    return _Best(form.name, stick, jump, trial.stems[place], trial.regression.responses[place], fit)
+    return _Best(form.name, stick, jump, trial.stems[place], fit)
 
 
 def _ranked(trials: list[_Trial]) -> list[tuple[_Trial, int]]:
@@ -183,10 +172,7 @@ def _ranked(trials: list[_Trial]) -> list[tuple[_Trial, int]]:
 def _try(form: _FrictionForm, sizes: NDArray, result: StretchResult) -> _Trial:
     """Stems of some sizes under the simpler noise."""
     stems, forecasts = simulate_stems(form.law, result.loop, sizes, result.forecast)
-    comparison = result.comparison
-    regression = replace(
-        result.regression,
-        responses=responses(stems, forecasts, not result.loop.is_flow),
-        oscillation=comparison.oscillation if comparison.sticking.has_oscillation else None,
-    )
-    return _Trial(sizes, stems, regression, screen(regression))
+    # beside the oscillation from outside that stands beside the best stem of the grid
+    columns = responses(stems, forecasts, not result.loop.is_flow)
+    regression = replace(result.comparison.sticking.regression, responses=columns)
+    return _Trial(sizes, stems, screen(regression), regression)

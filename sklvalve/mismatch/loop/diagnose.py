@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from sklvalve.mismatch.loop.classify import classify_sticking
 from sklvalve.mismatch.loop.finding import LoopFinding
+from sklvalve.mismatch.loop.fit import LoopFit
 from sklvalve.mismatch.loop.forecasts import Forecasts, forecast_errors
 from sklvalve.mismatch.loop.methods import published_methods
 from sklvalve.mismatch.loop.oscillation import find_oscillation
@@ -105,7 +106,7 @@ def diagnose_loop(recording: Recording, *, alpha: float = 0.01, random_state: in
         effects=stem.effects,
         fit={
             "held_out_rows": forecasts.rows,
-            "noise_floor": float(np.sqrt(np.mean(stem.innovations**2))),
+            "noise_floor": float(np.sqrt(np.mean(stem.fit.innovations**2))),
             "rmse": forecasts.rmse,
         },
         predictions=_predictions(result, stem, forecasts.helps),
@@ -119,11 +120,10 @@ def diagnose_loop(recording: Recording, *, alpha: float = 0.01, random_state: in
 
 @dataclass(frozen=True, eq=False)
 class _Stem:
-    """The likeliest stem that sticks: position, response of the value, innovations, band, and its effects."""
+    """The likeliest stem that sticks: position [fraction of travel], fit, band, and its effects."""
 
     position: NDArray
-    response: NDArray
-    innovations: NDArray
+    fit: LoopFit
     band_share: float
     effects: tuple[dict[str, Any], ...] = ()
 
@@ -131,8 +131,7 @@ class _Stem:
 def _best_of_grid(result: StretchResult) -> _Stem:
     """The stem of the grid that explains the value best."""
     fit = result.comparison.sticking
-    response = fit.weights @ result.regression.responses[fit.index]
-    return _Stem(result.candidates.stem[fit.index], response, fit.innovations, result.band_share)
+    return _Stem(result.candidates.stem[fit.index], fit, result.band_share)
 
 
 def _named_stem(result: StretchResult, forecasts: Forecasts) -> _Stem:
@@ -140,8 +139,7 @@ def _named_stem(result: StretchResult, forecasts: Forecasts) -> _Stem:
     loop, sticking = result.loop, classify_sticking(result)
     return _Stem(
         sticking.stem,
-        sticking.fit.weights @ sticking.responses,
-        sticking.fit.innovations,
+        sticking.fit,
         sticking.stick / loop.span,
         (effect_of(sticking, loop, grade_of(result, forecasts.helps)),),
     )
@@ -151,13 +149,14 @@ def _forecast_errors(result: StretchResult) -> Forecasts:
     """Errors on rows ahead, by the best stem of each size of the grid: the finer search has seen all rows."""
     sizes, likelihoods = result.candidates.stick[1:], result.comparison.screening.log_likelihoods[1:]
     best = [1 + int(np.argmax(np.where(sizes == size, likelihoods, -np.inf))) for size in np.unique(sizes)]
-    return forecast_errors(result.regression, result.comparison.command.noise_filter, best)
+    command = result.comparison.command
+    return forecast_errors(command.regression, command.noise_filter, best)
 
 
 def _predictions(result: StretchResult, stem: _Stem, helps: bool) -> dict[str, NDArray]:
     """Free runs of the value, each at the recorded level in every quarter of the stretch."""
-    nominal = result.comparison.command.weights @ result.regression.responses[0]
-    runs = {"nominal": nominal, "corrected": stem.response if helps else nominal}
+    nominal = result.comparison.command.response
+    runs = {"nominal": nominal, "corrected": stem.fit.response if helps else nominal}
     value = result.loop.value
     quarters = np.array_split(np.arange(len(value)), 4)
     levelled = {

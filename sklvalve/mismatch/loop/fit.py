@@ -55,6 +55,8 @@ class LoopFit:
 
     Parameters
     ----------
+    regression : Regression
+        That was fitted, with the oscillation from outside that stands beside the stem.
     index : int
         Place among the stems; 0 is the command itself.
     weights : ndarray of shape (k,)
@@ -63,19 +65,22 @@ class LoopFit:
         As in `FILTERS`.
     innovations : ndarray of shape (rows used,)
         Errors of the forecast one row ahead [value's unit].
-    has_oscillation : bool
-        Whether an oscillation from outside stands beside it.
     log_likelihood : float
         Gaussian, less a complexity penalty of one for each coefficient of the autoregression and of the
         oscillation [nats].
     """
 
+    regression: Regression
     index: int
     weights: NDArray
     noise_filter: NoiseFilter
     innovations: NDArray
-    has_oscillation: bool
     log_likelihood: float
+
+    @property
+    def response(self) -> NDArray:
+        """Free run of the value, but for its level, of shape (n,) [value's unit]."""
+        return self.weights @ self.regression.responses[self.index]
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,18 +109,15 @@ class Comparison:
     Parameters
     ----------
     screening : Screening
-        Of each stem, beside the oscillation from outside where there is one.
+        Of each stem, beside the oscillation from outside that the command's own model asks for.
     command, sticking, small_band : LoopFit
         Of the command itself, of the best stem with a relevant band, and of the best with a smaller one.
-    oscillation : ndarray of shape (w, n) or None
-        The waves from outside that the command's own model asks for.
     """
 
     screening: Screening
     command: LoopFit
     sticking: LoopFit
     small_band: LoopFit
-    oscillation: NDArray | None
 
 
 def likeliest(fits: Iterable[LoopFit]) -> LoopFit:
@@ -124,23 +126,13 @@ def likeliest(fits: Iterable[LoopFit]) -> LoopFit:
 
 
 def screen(regression: Regression) -> Screening:
-    """Log likelihood of each stem under the simpler noise, a wander under white noise.
-
-    Parameters
-    ----------
-    regression : Regression
-
-    Returns
-    -------
-    screening : Screening
-    """
+    """Log likelihood of each stem under the simpler noise, a wander under white noise."""
     used, count = regression.used, int(regression.used.sum())
     # waves of single frequencies pass every filter as themselves, so that they can be taken out before it
-    values, value = (
-        _without_oscillation(each, regression) for each in (regression.responses, regression.value)
-    )
+    responses = np.ascontiguousarray(_without_oscillation(regression.responses, regression))
+    value = _without_oscillation(regression.value, regression)
     sums, without_response = residual_sums(
-        np.ascontiguousarray(values), value, used, np.array(FILTERS), float(regression.gain_sign)
+        responses, value, used, np.array(FILTERS), float(regression.gain_sign)
     )
     best = np.argmin(sums, axis=1)
     return Screening(
@@ -169,24 +161,17 @@ def fit_stems(regression: Regression, relevant: NDArray[np.bool_], small: NDArra
     """
     plain = _compare(regression, relevant, small)
     filters = {plain.command.noise_filter, plain.sticking.noise_filter}
-    candidates = [
-        replace(regression, oscillation=waves)
-        for waves in external_oscillations(regression.value, regression.used)
-    ]
-    if not candidates:  # too few rows for any wave
+    waves = external_oscillations(regression.value, regression.used)
+    beside_waves = [replace(regression, oscillation=each) for each in waves]
+    command = likeliest([plain.command, *(refine(r, 0, each) for r in beside_waves for each in filters)])
+    if command is plain.command:
         return plain
-    fits = [likeliest(refine(beside, 0, each) for each in filters) for beside in candidates]
-    command = likeliest(fits)
-    if command.log_likelihood <= plain.command.log_likelihood:
-        return plain
-    chosen = candidates[fits.index(command)]
-    beside = _compare(chosen, relevant, small)
+    beside = _compare(command.regression, relevant, small)
     return Comparison(
         beside.screening,
         likeliest([command, beside.command]),
         likeliest([plain.sticking, beside.sticking]),
         likeliest([plain.small_band, beside.small_band]),
-        chosen.oscillation,
     )
 
 
@@ -200,7 +185,7 @@ def _compare(regression: Regression, relevant: NDArray[np.bool_], small: NDArray
     )
     tried = {filters[0], sticking.noise_filter}
     command = likeliest(refine(regression, 0, each) for each in tried)
-    return Comparison(screening, command, sticking, small_band, regression.oscillation)
+    return Comparison(screening, command, sticking, small_band)
 
 
 def _without_oscillation(values: NDArray, regression: Regression) -> NDArray:
@@ -258,29 +243,17 @@ def _solve(
 
 
 def refine(regression: Regression, index: int, noise_filter: NoiseFilter) -> LoopFit:
-    """The fit of one stem with an autoregression behind its noise.
-
-    Parameters
-    ----------
-    regression : Regression
-    index : int
-        Which stem.
-    noise_filter : tuple of float
-        The filter to begin with, as in `FILTERS`.
-
-    Returns
-    -------
-    fit : LoopFit
-    """
+    """The fit of the stem at an index, with an autoregression behind the filter of its noise."""
     used, waves = regression.used, regression.oscillation
-    value, responses = (whiten(v, *noise_filter) for v in (regression.value, regression.responses[index]))
+    value = whiten(regression.value, *noise_filter)
+    responses = whiten(regression.responses[index], *noise_filter)
     free = whitened_level(len(value), *noise_filter)[None]
     if waves is not None:
         free = np.concatenate([free, whiten(waves, *noise_filter)])
 
     def scored(weights: NDArray, innovations: NDArray, order: int) -> LoopFit:
         likelihood = -0.5 * len(innovations) * np.log(np.mean(innovations**2)) - order - (len(free) - 1)
-        return LoopFit(index, weights, noise_filter, innovations, len(free) > 1, float(likelihood))
+        return LoopFit(regression, index, weights, noise_filter, innovations, float(likelihood))
 
     weights, residual = _solve(responses, value, free, used, regression.gain_sign)
     fits = [scored(weights, residual[used], 0)]

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """One stretch of a loop: the command itself against every stem that sticks."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from sklvalve.mismatch.loop.constants import (
     TURN_SIZE,
     WIDE_BAND,
 )
-from sklvalve.mismatch.loop.fit import Comparison, LoopFit, Regression, fit_stems
+from sklvalve.mismatch.loop.fit import Comparison, LoopFit, Regression, fit_stems, likeliest
 from sklvalve.mismatch.loop.operators import Candidates, candidate_stems, count_reversals
 from sklvalve.mismatch.loop.process import QUICK_RESPONSES, forecast_command, responses
 from sklvalve.mismatch.loop.signals import LoopSignals
@@ -31,9 +31,8 @@ class StretchResult:
     forecast : ndarray of shape (n,)
         Of the command, from the rows before [fraction of travel].
     candidates : Candidates
-    regression : Regression
-        The value and its responses to every candidate, under the likelier sign of the process gain.
     comparison : Comparison
+        Under the likelier sign of the process gain.
     evidence : float
         Gain of the best stem that sticks; see `evidence_of` [nats].
     largest_gain : float
@@ -55,7 +54,6 @@ class StretchResult:
     loop: LoopSignals
     forecast: NDArray
     candidates: Candidates
-    regression: Regression
     comparison: Comparison
     evidence: float
     largest_gain: float
@@ -68,25 +66,16 @@ class StretchResult:
 
 
 def examine_stretch(loop: LoopSignals) -> StretchResult:
-    """Compare the command itself with every stem that sticks, on one stretch.
-
-    Parameters
-    ----------
-    loop : LoopSignals
-
-    Returns
-    -------
-    result : StretchResult
-    """
+    """Compare the command itself with every stem that sticks, on one stretch."""
     forecast = forecast_command(loop.command, loop.value, loop.setpoint)
     candidates = candidate_stems(loop, forecast)
     shares = candidates.stick / loop.span
     relevant = shares >= RELEVANT_BAND
-    regression, comparison = _likelier_sign(loop, candidates, relevant, ~relevant & (shares > 0.0))
+    comparison = _likelier_sign(loop, candidates, relevant, ~relevant & (shares > 0.0))
     screened, command = comparison.screening.log_likelihoods, comparison.command.log_likelihood
     sticking, small = comparison.sticking.log_likelihood, comparison.small_band.log_likelihood
     simple = float(np.max(screened[relevant]) - screened[0])
-    gain = min(sticking - command, _gain_with_varying_gain(comparison, regression, candidates, loop))
+    gain = min(sticking - command, _gain_with_varying_gain(comparison, candidates, loop))
     evidence = evidence_of(gain, simple)
     turns = int(count_reversals(loop.recorded_command, TURN_SIZE * loop.span))
     # a smaller band that fits better is the play that every valve has
@@ -95,13 +84,12 @@ def examine_stretch(loop: LoopSignals) -> StretchResult:
         loop=loop,
         forecast=forecast,
         candidates=candidates,
-        regression=regression,
         comparison=comparison,
         evidence=evidence,
         largest_gain=float(max(gain, simple)),
         band_share=float(shares[comparison.sticking.index]),
         turns=turns,
-        p_value=p_value_of(evidence, _is_fast(loop, regression, comparison.sticking)) if counts else 1.0,
+        p_value=p_value_of(evidence, _is_fast(loop, comparison.sticking)) if counts else 1.0,
         # bands that are never crossed count here: only a value that moves excludes them
         wide_band_gain=float(np.max(screened[shares >= WIDE_BAND], initial=-np.inf) - screened[0]),
         small_band_gain=float(small - command),
@@ -154,30 +142,26 @@ def p_value_of(evidence: float, fast: bool) -> float:
 
 def _likelier_sign(
     loop: LoopSignals, candidates: Candidates, relevant: NDArray[np.bool_], small: NDArray[np.bool_]
-) -> tuple[Regression, Comparison]:
+) -> Comparison:
     """The comparison under the sign of the process gain that explains the value best."""
     columns = responses(candidates.stem, candidates.stem_forecast, not loop.is_flow)
-    regressions = [Regression(columns, loop.value, loop.used, sign) for sign in loop.gain_signs]
-    pairs = [(each, fit_stems(each, relevant, small)) for each in regressions]
-    return max(pairs, key=lambda p: max(p[1].command.log_likelihood, p[1].sticking.log_likelihood))
+    regressions = (Regression(columns, loop.value, loop.used, sign) for sign in loop.gain_signs)
+    comparisons = [fit_stems(regression, relevant, small) for regression in regressions]
+    return max(comparisons, key=lambda c: likeliest([c.command, c.sticking]).log_likelihood)
 
 
-def _gain_with_varying_gain(
-    comparison: Comparison, regression: Regression, candidates: Candidates, loop: LoopSignals
-) -> float:
+def _gain_with_varying_gain(comparison: Comparison, candidates: Candidates, loop: LoopSignals) -> float:
     """How much better the stem fits than the command where the valve may be curved and its gain may drift."""
 
     def likelihood(fit: LoopFit) -> float:
-        waves = comparison.oscillation if fit.has_oscillation else None
         stems = candidates.stem[fit.index], candidates.stem_forecast[fit.index]
-        beside = replace(regression, oscillation=waves)
-        return likelihood_with_varying_gain(beside, fit, *stems, not loop.is_flow)
+        return likelihood_with_varying_gain(fit, *stems, not loop.is_flow)
 
     return likelihood(comparison.sticking) - likelihood(comparison.command)
 
 
-def _is_fast(loop: LoopSignals, regression: Regression, fit: LoopFit) -> bool:
+def _is_fast(loop: LoopSignals, fit: LoopFit) -> bool:
     """Whether the value follows the stem as a flow does: little comes by a long lag, or summed up."""
-    sizes = np.abs(fit.weights) * regression.responses[fit.index].std(axis=-1)
+    sizes = np.abs(fit.weights) * fit.regression.responses[fit.index].std(axis=-1)
     slow = float(sizes[QUICK_RESPONSES:].sum() / (sizes.sum() or 1.0))
     return loop.is_flow or slow <= FAST_SHARE

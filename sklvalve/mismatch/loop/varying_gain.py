@@ -7,12 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.mismatch.loop.constants import VARYING_GAIN_PENALTY
-from sklvalve.mismatch.loop.fit import LoopFit, Regression, refine
+from sklvalve.mismatch.loop.fit import LoopFit, refine
 from sklvalve.mismatch.loop.process import responses
 
 
 def likelihood_with_varying_gain(
-    regression: Regression, fit: LoopFit, stem: NDArray, stem_forecast: NDArray, any_kind: bool
+    fit: LoopFit, stem: NDArray, stem_forecast: NDArray, any_kind: bool
 ) -> float:
     r"""Log likelihood of a fit where the gain of the valve may change, with its position and over the record.
 
@@ -24,8 +24,6 @@ def likelihood_with_varying_gain(
 
     Parameters
     ----------
-    regression : Regression
-        That the fit was made on, with the oscillation from outside that stands beside it.
     fit : LoopFit
     stem, stem_forecast : ndarray of shape (n,)
         Position of its stem, and the forecast from the rows before, since the command of the same row holds
@@ -39,6 +37,7 @@ def likelihood_with_varying_gain(
         Less a complexity penalty for the gains; that of `fit` where they help less [nats].
     """
     # the weights have the sign of the process, and are multiplied by it again
+    regression = fit.regression
     weights = regression.gain_sign * fit.weights
     bent, bent_forecast = (_under_varying_gain(position, stem) for position in (stem, stem_forecast))
     columns = np.einsum("k,mkn->mn", weights, responses(bent, bent_forecast, any_kind))

@@ -73,7 +73,7 @@ def _why_undecided(result: StretchResult) -> str:
             "A dead band explains the value better than the command itself with one noise model, and worse "
             "with another."
         )
-    outside = result.comparison.command.has_oscillation
+    outside = result.comparison.command.regression.oscillation is not None
     other = "an outside oscillation explains" if outside else "the command itself explains"
     return f"Wide dead bands are not excluded, but {other} the value as well."
 

@@ -16,9 +16,15 @@ from sklvalve.mismatch.loop.methods import (
     published_methods,
     relay,
 )
-from sklvalve.mismatch.loop.methods.cycles import POINTS, half_periods, residual_squares, sines, triangles
 from sklvalve.mismatch.loop.methods.ellipse import nonlinearity_indices, width_of_ellipse
-from sklvalve.mismatch.loop.methods.relay import relays
+from sklvalve.mismatch.loop.methods.half_periods import (
+    POINTS,
+    half_periods,
+    relays,
+    residual_squares,
+    sines,
+    triangles,
+)
 from sklvalve.mismatch.loop.oscillation import find_oscillation
 
 _NAMES = [

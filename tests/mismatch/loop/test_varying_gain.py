@@ -29,7 +29,7 @@ def likelihoods(value, stem, forecast=None):
     forecast = stem if forecast is None else forecast
     regression = Regression(responses(stem, forecast, False)[None], loop.value, loop.used, 1)
     fit = refine(regression, 0, (0.9, 0.0))
-    return fit.log_likelihood, likelihood_with_varying_gain(regression, fit, stem, forecast, False)
+    return fit.log_likelihood, likelihood_with_varying_gain(fit, stem, forecast, False)
 
 
 def after(stem):

@@ -3,12 +3,10 @@
 
 from numpy.typing import ArrayLike
 
-from sklvalve.mismatch.loop.methods.area import area
 from sklvalve.mismatch.loop.methods.cross_correlation import cross_correlation
-from sklvalve.mismatch.loop.methods.curve_shape import curve_shape
 from sklvalve.mismatch.loop.methods.ellipse import ellipse
+from sklvalve.mismatch.loop.methods.half_periods import area, curve_shape, relay
 from sklvalve.mismatch.loop.methods.hammerstein import hammerstein
-from sklvalve.mismatch.loop.methods.relay import relay
 from sklvalve.mismatch.loop.methods.result import MethodResult
 from sklvalve.mismatch.loop.oscillation import Oscillation, filled, find_oscillation
 

@@ -5,7 +5,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from sklvalve.mismatch.loop.constants import HEIGHT_LIMITS, LAG_LIMITS
-from sklvalve.mismatch.loop.methods.cycles import low_passed, without_drift
+from sklvalve.mismatch.loop.methods.filters import low_passed, without_drift
 from sklvalve.mismatch.loop.methods.result import SOUND, STICTION, UNDECIDED, Method, MethodResult
 from sklvalve.mismatch.loop.oscillation import Oscillation, zero_crossings
 

@@ -8,7 +8,7 @@ from scipy.linalg import eig
 from scipy.signal.windows import hann
 
 from sklvalve.mismatch.loop.constants import BICOHERENCE_LEVEL, NGI_LIMIT, NLI_LIMIT
-from sklvalve.mismatch.loop.methods.cycles import control_error, low_passed, without_drift
+from sklvalve.mismatch.loop.methods.filters import control_error, low_passed, without_drift
 from sklvalve.mismatch.loop.methods.result import SOUND, STICTION, UNDECIDED, Method, MethodResult
 from sklvalve.mismatch.loop.oscillation import Oscillation, without_trend
 
