@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.mismatch.distance import DISTINGUISHABLE, OF_STROKES, distance
-from sklvalve.mismatch.loop.constants import BAND_INTERVAL, LEAST_JUMP, RELEVANT_BAND, WHOLE_MOVEMENT
+from sklvalve.mismatch.loop import constants
 from sklvalve.mismatch.loop.fit import LoopFit, Regression, Screening, likeliest, refine, screen
 from sklvalve.mismatch.loop.operators import (
     JUMPS,
@@ -100,22 +100,13 @@ def classify_sticking(result: StretchResult) -> StickingClass:
     stem of each kind under either form of friction and the noise that suits it. Play is never told from a
     jump: between two rows a controller that answers noise turns the command many times, and what is left of a
     jump then looks smooth (of twelve drawn loops for which play fitted better by that much eight had one).
-
-    Parameters
-    ----------
-    result : StretchResult
-        Of a stretch of which it is known that its valve sticks.
-
-    Returns
-    -------
-    sticking : StickingClass
     """
     bests = [_best_of_form(form, result) for form in _FORMS]
     fit = likeliest(best.fit for best in bests)
     best = next(each for each in bests if each.fit is fit)
     shares = _shares(bests, best, result.comparison.command.log_likelihood)
     low, high = _band_interval(best.stick, result.loop.span)
-    least_slip = 0.0 if "backlash" in shares else low * LEAST_JUMP
+    least_slip = 0.0 if "backlash" in shares else low * constants.LEAST_JUMP
     return StickingClass(
         shares, best.stick, best.stick * best.jump, (low, high), (least_slip, high), best.stem, best.fit
     )
@@ -136,22 +127,22 @@ def _shares(bests: list[_Best], best: _Best, command: float) -> dict[str, float]
 
 def _band_interval(stick: float, span: float) -> tuple[float, float]:
     """Where the band lies, 95 % [fraction of travel]."""
-    low, high = (factor * stick for factor in BAND_INTERVAL)
-    low = max(low, RELEVANT_BAND * span)  # a smaller one is not called
+    low, high = (factor * stick for factor in constants.BAND_INTERVAL)
+    low = max(low, constants.RELEVANT_BAND * span)  # a smaller one is not called
     # of a band as wide as the movement nobody has seen the other end, and the stem has its stops
-    return low, max(min(high, 1.0) if stick < WHOLE_MOVEMENT * span else 1.0, stick)
+    return low, max(min(high, 1.0) if stick < constants.WHOLE_MOVEMENT * span else 1.0, stick)
 
 
 def _best_of_form(form: _FrictionForm, result: StretchResult) -> _Best:
     """The likeliest stem of a form of friction, from the grid and finer sizes around its best."""
     # what is called is a relevant band: a smaller one was held against it before
-    least = RELEVANT_BAND * result.loop.span
+    least = constants.RELEVANT_BAND * result.loop.span
     sizes = size_grid(result.loop.span, form.jumps)
     trials = [_try(form, sizes[sizes[:, 0] >= least], result)]
     for factor, step in _ROUNDS:
         trial, place = _ranked(trials)[0]
         stick, jump, side = trial.sizes[place]
-        jumps = np.clip([jump - step, jump, jump + step], LEAST_JUMP, 1.0) if jump > 0.0 else [0.0]
+        jumps = np.clip([jump - step, jump, jump + step], constants.LEAST_JUMP, 1.0) if jump > 0.0 else [0.0]
         widths = np.unique(np.maximum(stick * np.geomspace(1 / factor, factor, 7), least))
         near = [(width, share, side) for width in widths for share in np.unique(jumps)]
         trials.append(_try(form, np.array(near), result))

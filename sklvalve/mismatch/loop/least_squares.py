@@ -23,61 +23,32 @@ def nonnegative_weights(products: NDArray, cross_products: NDArray) -> tuple[NDA
     gain : float
         By how much the sum of squares falls.
     """
-    k = len(cross_products)
-    weights = np.zeros(k)
-    free = np.zeros(k, dtype=np.bool_)
+    weights = np.zeros(len(cross_products))
+    free = np.zeros(len(cross_products), dtype=np.bool_)
     limit = 1e-9 * (np.abs(cross_products).max() + 1e-300)
-    for _ in range(3 * k):
-        steepest = _steepest(cross_products - products @ weights, free, limit)
-        if steepest < 0:
+    for _ in range(3 * len(cross_products)):
+        gradient = cross_products - products @ weights
+        gradient[free] = 0.0
+        steepest = np.argmax(gradient)
+        if not gradient[steepest] > limit:
             break
         free[steepest] = True
         while free.any():
             at = np.flatnonzero(free)
-            solved = _solve_free(products, cross_products, at)
-            if solved.min() > 0.0:
+            solved = np.linalg.solve(products[at][:, at] + 1e-10 * np.eye(len(at)), cross_products[at])
+            negative = solved <= 0.0
+            if not negative.any():
                 weights[:] = 0.0
                 weights[at] = solved
                 break
-            _step_to_bound(weights, free, at, solved)
+            # to the first bound that the solution would cross
+            now = weights[at]
+            steps = now[negative] / (now[negative] - solved[negative] + 1e-300)
+            now += min(1.0, steps.min()) * (solved - now)
+            now[now <= 1e-12] = 0.0
+            weights[at] = now
+            free[at] = now > 0.0
     return weights, 2.0 * (weights @ cross_products) - (weights @ products) @ weights
-
-
-@nb.njit(cache=True)
-def _steepest(gradient: NDArray, free: NDArray[np.bool_], limit: float) -> int:
-    """The weight at its bound that lowers the sum of squares fastest; -1 if none does."""
-    best, size = -1, limit
-    for i in range(len(gradient)):
-        if not free[i] and gradient[i] > size:
-            best, size = i, gradient[i]
-    return best
-
-
-@nb.njit(cache=True)
-def _solve_free(products: NDArray, cross_products: NDArray, at: NDArray) -> NDArray:
-    """Weights of the free responses without a bound."""
-    part = np.empty((len(at), len(at)))
-    right = np.empty(len(at))
-    for i in range(len(at)):
-        right[i] = cross_products[at[i]]
-        for j in range(len(at)):
-            part[i, j] = products[at[i], at[j]]
-        part[i, i] += 1e-10
-    return np.linalg.solve(part, right)
-
-
-@nb.njit(cache=True)
-def _step_to_bound(weights: NDArray, free: NDArray[np.bool_], at: NDArray, solved: NDArray) -> None:
-    """Move the weights towards a solution until the first is zero, and bind those that are."""
-    step = 1.0
-    for i in range(len(at)):
-        if solved[i] <= 0.0:
-            step = min(step, weights[at[i]] / (weights[at[i]] - solved[i] + 1e-300))
-    for i in range(len(at)):
-        weights[at[i]] += step * (solved[i] - weights[at[i]])
-        if weights[at[i]] <= 1e-12:
-            weights[at[i]] = 0.0
-            free[at[i]] = False
 
 
 @nb.njit(cache=True)
@@ -102,20 +73,13 @@ def _one_sign_fit(gram: NDArray, sign: float) -> float:
     The last rows of the Gram matrix are those of the value and of the level, which is projected out in place.
     """
     k = len(gram) - 2
+    inner = gram[: k + 1, : k + 1]
     if gram[k + 1, k + 1] > 1e-14:
-        for i in range(k + 1):
-            for j in range(k + 1):
-                gram[i, j] -= gram[i, k + 1] * gram[k + 1, j] / gram[k + 1, k + 1]
-    scale = np.empty(k)
-    for i in range(k):
-        scale[i] = np.sqrt(max(gram[i, i], 1e-300))
-    products, cross_products = np.empty((k, k)), np.empty(k)
-    for i in range(k):
-        cross_products[i] = sign * gram[i, k] / scale[i]
-        for j in range(k):
-            products[i, j] = gram[i, j] / (scale[i] * scale[j])
-    _, gain = nonnegative_weights(products, cross_products)
-    return max(gram[k, k] - gain, 1e-12 * gram[k, k] + 1e-300)
+        inner -= np.outer(gram[: k + 1, k + 1], gram[k + 1, : k + 1]) / gram[k + 1, k + 1]
+    scale = np.sqrt(np.maximum(np.diag(inner)[:k], 1e-300))
+    products = inner[:k, :k] / np.outer(scale, scale)
+    _, gain = nonnegative_weights(products, sign * inner[:k, k] / scale)
+    return max(inner[k, k] - gain, 1e-12 * inner[k, k] + 1e-300)
 
 
 @nb.njit(cache=True)

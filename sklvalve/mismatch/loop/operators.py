@@ -217,12 +217,12 @@ def simulate_stems(
     sizes : ndarray of shape (m, 3)
         As `size_grid` has them.
     forecast : ndarray of shape (n,)
-        Forecast of the command at the end of each row from the rows before [fraction of travel].
+        Of the command at the end of each row, from the rows before [fraction of travel].
 
     Returns
     -------
     stem, stem_forecast : ndarray of shape (m, n)
-        Position, and its forecast from the rows before [fraction of travel].
+        As in `stick_glide` [fraction of travel].
     """
     stick, slip, start = friction_parameters(loop.recorded_command, sizes)
     if loop.decimation == 1:
@@ -236,19 +236,7 @@ def simulate_stems(
 
 @nb.njit(cache=True)
 def count_reversals(command: NDArray, size: float) -> int:
-    """How often a command turns and then goes at least a given way back.
-
-    Parameters
-    ----------
-    command : ndarray of shape (n,)
-        [fraction of travel]
-    size : float
-        [fraction of travel]
-
-    Returns
-    -------
-    count : int
-    """
+    """How often a command turns and then goes at least a given way back [fraction of travel]."""
     count, direction, high, low = 0, 0, command[0], command[0]
     for now in command:
         high, low = max(high, now), min(low, now)
@@ -266,17 +254,7 @@ def candidate_stems(loop: LoopSignals, forecast: NDArray) -> Candidates:
 
     Both forms of friction are tried, `stick_slip` and `stick_glide`: a stem that moves goes in jumps, or with
     the command until it turns. Where the stem stood before the first row is not recorded: behind a command
-    that rose, behind one that fell, or level with it.
-
-    Parameters
-    ----------
-    loop : LoopSignals
-    forecast : ndarray of shape (n,)
-        Forecast of the command at the end of each row from the rows before [fraction of travel].
-
-    Returns
-    -------
-    candidates : Candidates
+    that rose, behind one that fell, or level with it. `forecast` is as in `simulate_stems`.
     """
     jumping = np.vstack([np.zeros(3), size_grid(loop.span)])
     gliding = size_grid(loop.span, JUMPS[1:])

@@ -9,14 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.stats import f as f_distribution
 
-from sklvalve.mismatch.loop.constants import (
-    FEWEST_CYCLES,
-    LEAST_AUTOCORRELATION,
-    LEAST_VARIANCE_SHARE,
-    LINE_TEST_LEVEL,
-    REGULARITY_LIMIT,
-    SHORTEST_PERIOD,
-)
+from sklvalve.mismatch.loop import constants
 
 _CROSSINGS = 12  # of the autocorrelation: five periods, as Thornhill et al. count them
 _FEWEST_CROSSINGS = 7  # from which the scatter of half periods is known
@@ -172,11 +165,11 @@ def _lines(name: str, signal: NDArray, sample_time: float) -> list[Oscillation]:
     """The strongest lines of one signal's spectrum, each with its regularity."""
     count = len(signal)
     centred = without_trend(signal)
-    too_short = count < FEWEST_CYCLES * SHORTEST_PERIOD
+    too_short = count < constants.FEWEST_CYCLES * constants.SHORTEST_PERIOD
     if too_short or np.ptp(centred) <= 1e-9 * max(np.abs(signal).max(), 1e-300):
         return []
     spectrum = _spectrum_of(centred)
-    lowest, highest = FEWEST_CYCLES / count, 1.0 / SHORTEST_PERIOD
+    lowest, highest = constants.FEWEST_CYCLES / count, 1.0 / constants.SHORTEST_PERIOD
     grid = np.geomspace(lowest, highest, max(8, int(np.log(highest / lowest) / np.log(_GRID_RATIO))))
     held = spectrum.between(grid / _LINE * spectrum.padded, grid * _LINE * spectrum.padded)
     inner = np.flatnonzero((held[1:-1] >= held[:-2]) & (held[1:-1] > held[2:])) + 1
@@ -199,7 +192,7 @@ def _stands_out(spectrum: _Spectrum, frequency: float) -> bool:
         flanks[1] = flanks[0]
     ratio = line / max(np.sqrt(flanks[0] * flanks[1]), 1e-300)
     freedom = 2.0 * spectrum.count * widths[0], 2.0 * spectrum.count * (widths[1] + widths[2])
-    return bool(f_distribution.sf(ratio, *freedom) < LINE_TEST_LEVEL)
+    return bool(f_distribution.sf(ratio, *freedom) < constants.LINE_TEST_LEVEL)
 
 
 def _autocorrelation_near(spectrum: _Spectrum, frequency: float) -> NDArray:
@@ -225,9 +218,9 @@ def _line(name: str, spectrum: _Spectrum, frequency: float, sample_time: float) 
     cycles = np.arange(2, min(len(intervals), 6), 2)
     tops = np.interp(rows * cycles / 2.0, np.arange(len(correlation)), correlation)
     regular = (
-        regularity > REGULARITY_LIMIT
-        and float(tops.mean()) > LEAST_AUTOCORRELATION
-        and share > LEAST_VARIANCE_SHARE
+        regularity > constants.REGULARITY_LIMIT
+        and float(tops.mean()) > constants.LEAST_AUTOCORRELATION
+        and share > constants.LEAST_VARIANCE_SHARE
         and _stands_out(spectrum, 1.0 / rows)
     )
     period = float(rows * sample_time)

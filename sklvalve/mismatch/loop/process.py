@@ -23,16 +23,9 @@ _FORECAST_ORDER = 4
 
 
 def lagged(values: NDArray, count: int) -> NDArray:
-    """Values of the rows before, nearest first; the first value stands in before the first row.
+    """Values of the `count` rows before each, nearest first, of shape (n, count).
 
-    Parameters
-    ----------
-    values : ndarray of shape (n,)
-    count : int
-
-    Returns
-    -------
-    rows : ndarray of shape (n, count)
+    The first value stands in before the first row.
     """
     padded = np.concatenate([np.full(count, values[0]), values])
     n = len(values)

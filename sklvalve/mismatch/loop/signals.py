@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.mismatch.loop.constants import FEWEST_ROWS, HELD_ROWS, MOST_AT_LIMIT, NEAR_ZERO_FLOW, SURE_SIGN
+from sklvalve.mismatch.loop import constants
 from sklvalve.mismatch.loop.oscillation import filled, swing_spectrum
 from sklvalve.mismatch.loop.process import process_gain_sign
 from sklvalve.recording.errors import InputError
@@ -76,7 +76,9 @@ class LoopSignals:
         begins = np.linspace(0, n - _STRETCH_ROWS, count).astype(int)
         parts = [self._slice(begin, begin + _STRETCH_ROWS) for begin in begins.tolist()]
         # where all that is fresh and moves lies between the stretches, the whole is examined
-        return [part for part in parts if part.used.sum() >= FEWEST_ROWS and part.span > 0.0] or [self]
+        return [part for part in parts if part.used.sum() >= constants.FEWEST_ROWS and part.span > 0.0] or [
+            self
+        ]
 
     def _slice(self, begin: int, end: int) -> "LoopSignals":
         """The rows from `begin` up to, not including, `end`."""
@@ -148,10 +150,10 @@ def loop_signals(recording: Recording) -> LoopSignals:
         )
     missing = ~(np.isfinite(recording["command"]) & np.isfinite(recording[role]))
     signals = _decimated(recording, command, value, setpoint, missing)
-    if signals.used.sum() < FEWEST_ROWS:
+    if signals.used.sum() < constants.FEWEST_ROWS:
         raise InputError(
             f"{source}: only {signals.used.sum()} rows hold a fresh command and {role}; give at least "
-            f"{FEWEST_ROWS} rows, exported as they were sampled"
+            f"{constants.FEWEST_ROWS} rows, exported as they were sampled"
         )
     return signals
 
@@ -191,7 +193,7 @@ def _gain_signs(command: NDArray, value: NDArray, setpoint: NDArray | None, is_f
     A larger opening gives more flow, unless the controller surely shows the other sign.
     """
     sign, share = process_gain_sign(command, value, setpoint)
-    if share >= SURE_SIGN:
+    if share >= constants.SURE_SIGN:
         return (sign,)
     if is_flow:
         return (1,)
@@ -199,18 +201,9 @@ def _gain_signs(command: NDArray, value: NDArray, setpoint: NDArray | None, is_f
 
 
 def swing_rows(values: NDArray) -> float:
-    """Rows in a period of the strongest swing: the peak of frequency times power.
+    """Rows in a period of the strongest swing: the peak of frequency times power; infinite without one.
 
     Frequency times power is the power in an octave, so a slow wander does not hide a swing.
-
-    Parameters
-    ----------
-    values : ndarray of shape (n,)
-
-    Returns
-    -------
-    rows : float
-        Infinite where nothing moves.
     """
     power = np.convolve(swing_spectrum(values), np.ones(3) / 3.0, mode="same")
     # white noise has the most power in the quickest octave
@@ -221,17 +214,9 @@ def swing_rows(values: NDArray) -> float:
 
 
 def decimation_of(command: NDArray, value: NDArray) -> tuple[int, float]:
-    """How many rows are averaged: as many as leave some 30 rows to a period, and 600 in all.
+    """How many rows are averaged, and the period of the faster of the two signals [rows as recorded].
 
-    Parameters
-    ----------
-    command, value : ndarray of shape (n,)
-
-    Returns
-    -------
-    decimation : int
-    period : float
-        Of the faster of the two [rows as recorded].
+    As many as leave some 30 rows to a period, and 600 in all.
     """
     period = min(swing_rows(command), swing_rows(value))
     most = len(command) // _ROWS_KEPT
@@ -243,7 +228,7 @@ def _held(command: NDArray, value: NDArray) -> NDArray[np.bool_]:
     same = np.concatenate([[False], (np.diff(command) == 0.0) & (np.diff(value) == 0.0)])
     held = np.zeros(len(same), dtype=bool)
     for begin, end in runs(same):
-        if end - begin >= HELD_ROWS:
+        if end - begin >= constants.HELD_ROWS:
             held[begin : end + 1] = True
     return held
 
@@ -256,7 +241,7 @@ def _require_command(source: str, command: NDArray) -> None:
             "a valve's command stays between 0 and 100 %; correct its unit, or name the column of the command"
         )
     share = max(np.mean(command <= 0.001), np.mean(command >= 0.999))
-    if share > MOST_AT_LIMIT:
+    if share > constants.MOST_AT_LIMIT:
         raise InputError(
             f"{source}: the command is at its limit in {share:.0%} of the rows, where no loop controls; "
             "give a time in which it does"
@@ -276,7 +261,7 @@ def _require_value(
         return
     most = max(np.abs(value).max(), 0.0 if setpoint is None else np.abs(setpoint).max())
     usual = float(np.median(np.abs(value)))
-    if usual < NEAR_ZERO_FLOW * most:
+    if usual < constants.NEAR_ZERO_FLOW * most:
         raise InputError(
             f"{source}: the flow is near zero ({usual:.2g} in the middle, {most:.2g} at most or asked for) "
             f"while the command runs from {command.min():.1%} to {command.max():.1%}; give a time in which "

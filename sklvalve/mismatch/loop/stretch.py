@@ -6,14 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.mismatch.loop.constants import (
-    FAST_SHARE,
-    FEWEST_TURNS,
-    NULL_EVIDENCE,
-    RELEVANT_BAND,
-    TURN_SIZE,
-    WIDE_BAND,
-)
+from sklvalve.mismatch.loop import constants
 from sklvalve.mismatch.loop.fit import Comparison, LoopFit, Regression, fit_stems, likeliest
 from sklvalve.mismatch.loop.operators import Candidates, candidate_stems, count_reversals
 from sklvalve.mismatch.loop.process import QUICK_RESPONSES, forecast_command, responses
@@ -70,16 +63,16 @@ def examine_stretch(loop: LoopSignals) -> StretchResult:
     forecast = forecast_command(loop.command, loop.value, loop.setpoint)
     candidates = candidate_stems(loop, forecast)
     shares = candidates.stick / loop.span
-    relevant = shares >= RELEVANT_BAND
+    relevant = shares >= constants.RELEVANT_BAND
     comparison = _likelier_sign(loop, candidates, relevant, ~relevant & (shares > 0.0))
     screened, command = comparison.screening.log_likelihoods, comparison.command.log_likelihood
     sticking, small = comparison.sticking.log_likelihood, comparison.small_band.log_likelihood
     simple = float(np.max(screened[relevant]) - screened[0])
     gain = min(sticking - command, _gain_with_varying_gain(comparison, candidates, loop))
     evidence = evidence_of(gain, simple)
-    turns = int(count_reversals(loop.recorded_command, TURN_SIZE * loop.span))
+    turns = int(count_reversals(loop.recorded_command, constants.TURN_SIZE * loop.span))
     # a smaller band that fits better is the play that every valve has
-    counts = turns >= FEWEST_TURNS and small - sticking <= 0.0
+    counts = turns >= constants.FEWEST_TURNS and small - sticking <= 0.0
     return StretchResult(
         loop=loop,
         forecast=forecast,
@@ -91,14 +84,14 @@ def examine_stretch(loop: LoopSignals) -> StretchResult:
         turns=turns,
         p_value=p_value_of(evidence, _is_fast(loop, comparison.sticking)) if counts else 1.0,
         # bands that are never crossed count here: only a value that moves excludes them
-        wide_band_gain=float(np.max(screened[shares >= WIDE_BAND], initial=-np.inf) - screened[0]),
+        wide_band_gain=float(np.max(screened[shares >= constants.WIDE_BAND], initial=-np.inf) - screened[0]),
         small_band_gain=float(small - command),
         response_gain=float(screened[0] - comparison.screening.without_response),
     )
 
 
 def evidence_of(gain: float, simple: float) -> float:
-    """Evidence that a stem sticks.
+    """Evidence that a stem sticks [nats].
 
     Where the simpler noise speaks against it, that is taken off: a level whose controller answers at once is
     explained by any stem under a long autoregression.
@@ -106,38 +99,23 @@ def evidence_of(gain: float, simple: float) -> float:
     Parameters
     ----------
     gain : float
-        How much better the stem fits than the command itself: the lesser of the differences of log likelihood
-        with a linear process and where the valve may be curved and its gain may drift. Friction that is there
-        shows itself in both; what a healthy loop lends to it goes where the process may take another form
-        [nats].
+        How much better the stem fits than the command itself [nats]: the lesser of that with a linear process
+        and that where the valve may be curved and its gain may drift. Friction shows itself in both; what a
+        healthy loop lends to it goes where the process may take another form.
     simple : float
-        The difference under a wander with white noise alone [nats].
-
-    Returns
-    -------
-    evidence : float
-        [nats]
+        The same under a wander with white noise alone [nats].
     """
     return float(gain + min(simple, 0.0))
 
 
 def p_value_of(evidence: float, fast: bool) -> float:
-    """Survival function of the evidence of a relevant band in healthy loops, drawn at random.
+    """Survival function of the evidence [nats] of a relevant band in healthy loops, drawn at random.
 
-    Parameters
-    ----------
-    evidence : float
-        Difference of log likelihood [nats].
-    fast : bool
-        Whether the value follows the stem at once, as a flow does.
-
-    Returns
-    -------
-    p_value : float
-        Not below 0.0001: nothing is known of rarer loops.
+    `fast` says that the value follows the stem at once, as a flow does. No p-value is below 0.0001: nothing
+    is known of rarer loops.
     """
-    known = NULL_EVIDENCE[:, 1 if fast else 2]
-    return float(np.exp(np.interp(evidence, known, np.log(NULL_EVIDENCE[:, 0]))))
+    known = constants.NULL_EVIDENCE[:, 1 if fast else 2]
+    return float(np.exp(np.interp(evidence, known, np.log(constants.NULL_EVIDENCE[:, 0]))))
 
 
 def _likelier_sign(
@@ -164,4 +142,4 @@ def _is_fast(loop: LoopSignals, fit: LoopFit) -> bool:
     """Whether the value follows the stem as a flow does: little comes by a long lag, or summed up."""
     sizes = np.abs(fit.weights) * fit.regression.responses[fit.index].std(axis=-1)
     slow = float(sizes[QUICK_RESPONSES:].sum() / (sizes.sum() or 1.0))
-    return loop.is_flow or slow <= FAST_SHARE
+    return loop.is_flow or slow <= constants.FAST_SHARE

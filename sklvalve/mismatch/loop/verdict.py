@@ -4,25 +4,15 @@
 from collections.abc import Sequence
 from typing import Any
 
+from sklvalve.mismatch.loop import constants
 from sklvalve.mismatch.loop.classify import StickingClass
-from sklvalve.mismatch.loop.constants import (
-    EXCLUDED_BY,
-    FEWEST_ROWS_PER_SWING,
-    FEWEST_TURNS,
-    GRADES,
-    RELEVANT_BAND,
-    SMALL_BAND_FITS,
-    VISIBLE_RESPONSE,
-    WHOLE_MOVEMENT,
-    WIDE_BAND,
-)
 from sklvalve.mismatch.loop.forecasts import Forecasts
 from sklvalve.mismatch.loop.signals import LoopSignals
 from sklvalve.mismatch.loop.stretch import StretchResult
 
 
 def decide(results: Sequence[StretchResult], result: StretchResult, detected: bool) -> tuple[str, str]:
-    """Verdict, and the sentence it rests on.
+    """Verdict (named, no_mismatch or cannot_tell), and the sentence it rests on.
 
     Parameters
     ----------
@@ -32,33 +22,28 @@ def decide(results: Sequence[StretchResult], result: StretchResult, detected: bo
         The one that speaks most for sticking.
     detected : bool
         Whether its p-value is within the level.
-
-    Returns
-    -------
-    verdict : {"named", "no_mismatch", "cannot_tell"}
-    reason : str
     """
     if detected:
         return "named", format_named(result.band_share, result.loop.span)
-    if max(each.response_gain for each in results) <= VISIBLE_RESPONSE:
+    if max(each.response_gain for each in results) <= constants.VISIBLE_RESPONSE:
         return "cannot_tell", (
             "The value does not visibly follow the command: the loop moves too little for its noise."
         )
     if all(map(_excludes, results)):
         return "no_mismatch", (
-            f"Dead bands of {_percent(WIDE_BAND)} or more of the command's movement explain the value "
-            "clearly worse than the command itself."
+            f"Dead bands of {_percent(constants.WIDE_BAND)} or more of the command's movement explain the "
+            "value clearly worse than the command itself."
         )
     return "cannot_tell", _why_undecided(result)
 
 
 def _why_undecided(result: StretchResult) -> str:
     """Why sticking is neither called nor excluded."""
-    if result.turns < FEWEST_TURNS:
+    if result.turns < constants.FEWEST_TURNS:
         return (
             "The command goes one way only, so a dead band looks the same as a supply or a gain that drifts."
         )
-    if result.wide_band_gain < -EXCLUDED_BY:
+    if result.wide_band_gain < -constants.EXCLUDED_BY:
         return (
             "Wide dead bands explain the value clearly worse than the command itself, but "
             f"{_doubt(result)}, so they are not excluded."
@@ -95,8 +80,8 @@ def format_details(results: Sequence[StretchResult], result: StretchResult) -> t
     return (
         f"Log likelihood of the best sticking stem minus that of the command itself: {result.evidence:.0f} "
         f"nats, over {_turns(result)} of the command.",
-        f"The same for the best dead band of {_percent(WIDE_BAND)} or more of the command's movement: "
-        f"{wide:.0f} nats.",
+        f"The same for the best dead band of {_percent(constants.WIDE_BAND)} or more of the command's "
+        f"movement: {wide:.0f} nats.",
     )
 
 
@@ -104,11 +89,11 @@ def _doubt(result: StretchResult) -> str:
     """Why a stretch does not exclude wide bands that explain the value worse."""
     if len(result.loop.gain_signs) > 1:
         return "it is uncertain whether a larger command raises or lowers the value"
-    if _rows_per_swing(result) < FEWEST_ROWS_PER_SWING:
+    if _rows_per_swing(result) < constants.FEWEST_ROWS_PER_SWING:
         return f"one swing of the command has only {_rows_per_swing(result):.0f} rows"
     if result.largest_gain > 0.0:
         return "a dead band of another size explains it better"
-    if result.small_band_gain >= SMALL_BAND_FITS:
+    if result.small_band_gain >= constants.SMALL_BAND_FITS:
         return "a smaller dead band explains it better"
     return "the value does not visibly follow in every part of the recording"
 
@@ -126,13 +111,13 @@ def _percent(share: float) -> str:
 def _excludes(result: StretchResult) -> bool:
     """Whether a stretch excludes sticking of a relevant size; each condition is measured in `constants`."""
     return (
-        result.wide_band_gain < -EXCLUDED_BY
+        result.wide_band_gain < -constants.EXCLUDED_BY
         and result.largest_gain <= 0.0
-        and result.response_gain > VISIBLE_RESPONSE
-        and result.small_band_gain < SMALL_BAND_FITS
+        and result.response_gain > constants.VISIBLE_RESPONSE
+        and result.small_band_gain < constants.SMALL_BAND_FITS
         and len(result.loop.gain_signs) == 1
-        and result.turns >= FEWEST_TURNS
-        and _rows_per_swing(result) >= FEWEST_ROWS_PER_SWING
+        and result.turns >= constants.FEWEST_TURNS
+        and _rows_per_swing(result) >= constants.FEWEST_ROWS_PER_SWING
     )
 
 
@@ -144,16 +129,7 @@ def _rows_per_swing(result: StretchResult) -> float:
 def check_by_forecasts(verdict: str, forecasts: Forecasts) -> tuple[str, tuple[str, ...]]:
     """Verdict held against forecasts of rows ahead in time, and what they add in sentences.
 
-    Parameters
-    ----------
-    verdict : str
-    forecasts : Forecasts
-
-    Returns
-    -------
-    verdict : str
-        ``cannot_tell`` in place of ``no_mismatch`` where a black box is clearly better.
-    sentences : tuple of str
+    It is ``cannot_tell`` in place of ``no_mismatch`` where a black box is clearly better.
     """
     if verdict == "named" and not forecasts.helps:
         return verdict, (
@@ -168,21 +144,15 @@ def check_by_forecasts(verdict: str, forecasts: Forecasts) -> tuple[str, tuple[s
 
 
 def grade_of(result: StretchResult, helps: bool = True) -> dict[str, str]:
-    """How strong the evidence of a class is, and why; no frequency was checked, so there is no probability.
+    """How strong the evidence of a class is (strong, moderate or weak), and the reason.
 
-    Parameters
-    ----------
-    result : StretchResult
-    helps : bool, default=True
-        Whether it lowers the error on rows ahead in time; else it is no more than moderate.
-
-    Returns
-    -------
-    grade : dict
-        `level`, one of strong, moderate and weak, and `reason`.
+    No frequency was checked, so there is no probability. Sticking that does not help, that is lower the error
+    on rows ahead in time, is no more than moderate.
     """
     reached = (
-        name for name, evidence, turns in GRADES if result.evidence >= evidence and result.turns >= turns
+        name
+        for name, evidence, turns in constants.GRADES
+        if result.evidence >= evidence and result.turns >= turns
     )
     level = next(reached, "weak")
     level = "moderate" if level == "strong" and not helps else level
@@ -191,7 +161,7 @@ def grade_of(result: StretchResult, helps: bool = True) -> dict[str, str]:
 
 def _why_this_grade(result: StretchResult, level: str, helps: bool) -> str:
     """What holds a grade back; of a strong one, what speaks for it."""
-    _, evidence, turns = GRADES[1] if level == "weak" else GRADES[0]
+    _, evidence, turns = constants.GRADES[1] if level == "weak" else constants.GRADES[0]
     if result.turns < turns:
         return f"The command makes only {_turns(result)}."
     if result.evidence < evidence:
@@ -205,22 +175,14 @@ def _why_this_grade(result: StretchResult, level: str, helps: bool) -> str:
 
 
 def effect_of(sticking: StickingClass, loop: LoopSignals, grade: dict[str, str]) -> dict[str, Any]:
-    """The class of sticking and play, with the sizes of the likeliest stem and how far they are known.
+    """The class of sticking and play as an effect of diagnosis.json.
 
-    Parameters
-    ----------
-    sticking : StickingClass
-    loop : LoopSignals
-    grade : dict
-
-    Returns
-    -------
-    effect : dict
-        As in diagnosis.json; probabilities are None, sizes are fractions of the command's range.
+    It has the sizes of the likeliest stem [fraction of the command's range] and how far they are known; its
+    probabilities are None.
     """
     names = sorted(sticking.shares, key=lambda name: -sticking.shares[name])
     upper = ["upper"] if sticking.stick_interval[1] >= 1.0 else []
-    lower = ["lower"] if sticking.stick_interval[0] <= RELEVANT_BAND * loop.span else []
+    lower = ["lower"] if sticking.stick_interval[0] <= constants.RELEVANT_BAND * loop.span else []
     return {
         "members": [{"name": name, "probability": None} for name in names],
         "probability": None,
@@ -246,7 +208,7 @@ def _size(value: float, interval: tuple[float, float], unknown_ends: list[str]) 
 def _stays(sticking: StickingClass, loop: LoopSignals, unknown_ends: list[str]) -> str:
     """How far the command turns before the stem follows."""
     low, high = map(_percent, sticking.stick_interval)
-    at_least = " or more" if sticking.stick >= WHOLE_MOVEMENT * loop.span else ""
+    at_least = " or more" if sticking.stick >= constants.WHOLE_MOVEMENT * loop.span else ""
     within = f"{low} to {high}"
     if "upper" in unknown_ends:
         within = f"{low} or more"
@@ -264,21 +226,10 @@ def _stays(sticking: StickingClass, loop: LoopSignals, unknown_ends: list[str]) 
 def sampling_of(
     loop: LoopSignals, results: Sequence[StretchResult], result: StretchResult
 ) -> tuple[dict[str, Any], tuple[str, ...]]:
-    """How the rows were used, as plain data and in sentences.
+    """How the rows of the whole loop were used, as plain data [s] and in sentences.
 
-    Parameters
-    ----------
-    loop : LoopSignals
-        Of the whole recording.
-    results, result
-        As in `decide`.
-
-    Returns
-    -------
-    sampling : dict
-        Times in s; `stretches` that were examined, and the one the finding is of.
-    sentences : tuple of str
-        Empty where every row counts as it was recorded.
+    The sentences are none where every row counts as it was recorded. `results` and `result` are as in
+    `decide`.
     """
     spans = [[float(each.loop.time[0]), float(each.loop.time[-1])] for each in results]
     begin, end = spans[[each is result for each in results].index(True)]

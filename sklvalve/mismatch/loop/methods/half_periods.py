@@ -7,14 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from sklvalve.mismatch.loop.constants import (
-    CURVE_LIMITS,
-    FEWEST_HALF_PERIODS,
-    PEAK_AREA_LIMIT,
-    PEAK_AREA_SURE,
-    RELAY_LIMITS,
-    ROWS_OF_A_SHAPE,
-)
+from sklvalve.mismatch.loop import constants
 from sklvalve.mismatch.loop.methods.filters import control_error, low_passed, without_drift
 from sklvalve.mismatch.loop.methods.result import Method, MethodResult, by_limits
 from sklvalve.mismatch.loop.oscillation import Oscillation, zero_crossings
@@ -28,20 +21,20 @@ _LAGS = np.geomspace(0.02, 3.0, 24)  # of a half period: from a square wave to n
 _AREA = Method(
     "peak area",
     "Singhal and Salsbury 2005, Journal of Process Control 15, 371-382",
-    PEAK_AREA_LIMIT,
-    ROWS_OF_A_SHAPE,
+    constants.PEAK_AREA_LIMIT,
+    constants.ROWS_OF_A_SHAPE,
 )
 _CURVE = Method(
     "curve fitting",
     "He, Wang, Pottmann and Qin 2007, doi 10.1021/ie061219a",
-    CURVE_LIMITS[1],
-    ROWS_OF_A_SHAPE,
+    constants.CURVE_LIMITS[1],
+    constants.ROWS_OF_A_SHAPE,
 )
 _RELAY = Method(
     "relay fitting",
     "Rossi and Scali 2005, Journal of Process Control 15, 505-514",
-    RELAY_LIMITS[1],
-    ROWS_OF_A_SHAPE,
+    constants.RELAY_LIMITS[1],
+    constants.ROWS_OF_A_SHAPE,
 )
 
 
@@ -167,9 +160,9 @@ def _judge(
     if rows < method.fewest_rows:
         return method.not_applicable(obstacle)
     shapes = half_periods(signal, rows)
-    if len(shapes) < FEWEST_HALF_PERIODS:
-        few = f"The {name} has {len(shapes)} whole half periods, and {FEWEST_HALF_PERIODS} are needed."
-        return method.not_applicable(few)
+    if len(shapes) < constants.FEWEST_HALF_PERIODS:
+        needed = f"and {constants.FEWEST_HALF_PERIODS} are needed"
+        return method.not_applicable(f"The {name} has {len(shapes)} whole half periods, {needed}.")
     return method.result(*judge(shapes, name), obstacle)
 
 
@@ -177,7 +170,7 @@ def _peak_areas(shapes: NDArray, name: str) -> tuple[float, str, str]:
     """Ratio of areas, what it says, and in words."""
     ratios = np.log(_ratios(shapes))
     mean, error = float(ratios.mean()), float(ratios.std(ddof=1) / np.sqrt(len(ratios)))
-    says = by_limits(mean, -PEAK_AREA_SURE * error, PEAK_AREA_SURE * error)
+    says = by_limits(mean, -constants.PEAK_AREA_SURE * error, constants.PEAK_AREA_SURE * error)
     times = f"{np.exp(mean):.2f} times that after it, in the mean of {len(shapes)} half periods"
     return float(np.exp(mean)), says, f"The area before the peak is {times}."
 
@@ -200,7 +193,7 @@ def _triangles_or_sines(shapes: NDArray, name: str) -> tuple[float, str, str]:
         f"Triangles fit the {name}'s {len(shapes)} half periods with {triangle / max(sine, 1e-300):.2g} "
         "times the squared error of sines."
     )
-    return index, by_limits(index, *CURVE_LIMITS), detail
+    return index, by_limits(index, *constants.CURVE_LIMITS), detail
 
 
 def _relay_or_sines(shapes: NDArray, name: str) -> tuple[float, str, str]:
@@ -214,7 +207,7 @@ def _relay_or_sines(shapes: NDArray, name: str) -> tuple[float, str, str]:
         f"Of the {name}'s {len(shapes)} half periods, {best} leave {other / max(sine, 1e-300):.2g} times the "
         "squared error of sines."
     )
-    return index, by_limits(index, *RELAY_LIMITS), detail
+    return index, by_limits(index, *constants.RELAY_LIMITS), detail
 
 
 def half_periods(signal: ArrayLike, rows: float) -> NDArray:
