@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Play or a jump: asked of a loop of which it is known that it sticks.
 
-Whether a stem sticks is asked with one form of friction, and the law of that evidence under healthy loops
-is known. What *kind* it is must not hang on the form: a stem that jumps and then goes with the command looks
-like play to a form in which every movement is a jump. So both forms compete here, with sizes finer than the
-grid.
+A stem that jumps and then goes with the command looks like play to a form of friction in which every movement
+is a jump. So both forms compete, with sizes finer than the grid.
 """
 
 from dataclasses import dataclass, replace

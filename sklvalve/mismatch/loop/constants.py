@@ -10,6 +10,7 @@ import numpy as np
 
 # Which recordings are diagnosed. Set by judgement, not measured.
 FEWEST_ROWS = 100  # rows with a fresh command and value, in all and in each stretch
+COMMAND_RANGE = (-0.1, 1.1)  # of travel: 0 to 100 % with what a signal may be off; beyond, the unit is wrong
 MOST_AT_LIMIT = 0.2  # share of rows with the command at 0 or 100 %: no loop controls there
 NEAR_ZERO_FLOW = 0.02  # median flow over the greatest: the valve is shut most of the time
 HELD_ROWS = 6  # rows in which nothing recorded changes are a historian's hold, not the plant

@@ -17,11 +17,11 @@ from sklvalve.mismatch.loop.signals import loop_signals, value_role
 from sklvalve.mismatch.loop.stretch import StretchResult, examine_stretch
 from sklvalve.mismatch.loop.verdict import (
     check_by_forecasts,
-    decide,
     effect_of,
     format_details,
     format_named,
     grade_of,
+    judge_undetected,
     sampling_of,
 )
 from sklvalve.recording.recording import Recording
@@ -41,9 +41,9 @@ def diagnose_loop(recording: Recording, *, alpha: float = 0.01, random_state: in
     Evidence is the difference of log likelihood, with all sizes of stem searched. Its p-value comes from
     healthy loops drawn at random (docs/loops.md). A band below 17 % of the command's movement is no finding,
     and neither is one of a command that goes one way only, or one beside which a smaller band explains the
-    value better. Where the stem sticks, a second form of friction competes too, and a jump is named alone
-    where it explains the value better than play by a distance of 14; play is never named alone. Intervals of
-    sizes are those that drawn loops bore out.
+    value better. A jump is named alone where it explains the value better than play by a distance of 14; play
+    is never named alone. Two forms of friction compete. Intervals of sizes are those that drawn loops bore
+    out.
 
     Valid for a valve that moves faster than it is sampled, and a process that is nearly linear over the
     record but for a curved valve or a gain that drifts. Rows are averaged only where some 30 are left to a
@@ -89,11 +89,13 @@ def diagnose_loop(recording: Recording, *, alpha: float = 0.01, random_state: in
     # a valve that sticks in one stretch sticks; as many stretches are as many chances
     result = min(results, key=lambda each: (each.p_value, -each.evidence))
     p_value = min(1.0, len(results) * result.p_value)
-    verdict, reason = decide(results, result, p_value <= alpha)
     forecasts = _forecast_errors(result)
-    stem = _named_stem(result, forecasts) if verdict == "named" else _best_of_grid(result)
-    if verdict == "named":
-        reason = format_named(stem.band_share, result.loop.span)
+    if p_value <= alpha:
+        stem = _named_stem(result, forecasts)
+        verdict, reason = "named", format_named(stem.band_share, result.loop.span)
+    else:
+        stem = _best_of_grid(result)
+        verdict, reason = judge_undetected(results, result)
     verdict, of_forecasts = check_by_forecasts(verdict, forecasts)
     sampling, of_sampling = sampling_of(loop, results, result)
     oscillation, methods = _published_results(recording)

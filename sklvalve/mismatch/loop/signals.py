@@ -76,9 +76,8 @@ class LoopSignals:
         begins = np.linspace(0, n - _STRETCH_ROWS, count).astype(int)
         parts = [self._slice(begin, begin + _STRETCH_ROWS) for begin in begins.tolist()]
         # where all that is fresh and moves lies between the stretches, the whole is examined
-        return [part for part in parts if part.used.sum() >= constants.FEWEST_ROWS and part.span > 0.0] or [
-            self
-        ]
+        fresh = [part for part in parts if part.used.sum() >= constants.FEWEST_ROWS]
+        return [part for part in fresh if part.span > 0.0] or [self]
 
     def _slice(self, begin: int, end: int) -> "LoopSignals":
         """The rows from `begin` up to, not including, `end`."""
@@ -235,7 +234,8 @@ def _held(command: NDArray, value: NDArray) -> NDArray[np.bool_]:
 
 def _require_command(source: str, command: NDArray) -> None:
     """Refuse a command outside 0 to 100 %, or at its limit."""
-    if command.min() < -0.1 or command.max() > 1.1:
+    low, high = constants.COMMAND_RANGE
+    if command.min() < low or command.max() > high:
         raise InputError(
             f"{source}: the command runs from {command.min():.1%} to {command.max():.1%} of the travel, and "
             "a valve's command stays between 0 and 100 %; correct its unit, or name the column of the command"

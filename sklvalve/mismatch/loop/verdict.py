@@ -11,8 +11,8 @@ from sklvalve.mismatch.loop.signals import LoopSignals
 from sklvalve.mismatch.loop.stretch import StretchResult
 
 
-def decide(results: Sequence[StretchResult], result: StretchResult, detected: bool) -> tuple[str, str]:
-    """Verdict (named, no_mismatch or cannot_tell), and the sentence it rests on.
+def judge_undetected(results: Sequence[StretchResult], result: StretchResult) -> tuple[str, str]:
+    """Verdict on a loop whose p-value is not within the level, and the sentence it rests on.
 
     Parameters
     ----------
@@ -20,11 +20,7 @@ def decide(results: Sequence[StretchResult], result: StretchResult, detected: bo
         Of every stretch.
     result : StretchResult
         The one that speaks most for sticking.
-    detected : bool
-        Whether its p-value is within the level.
     """
-    if detected:
-        return "named", format_named(result.band_share, result.loop.span)
     if max(each.response_gain for each in results) <= constants.VISIBLE_RESPONSE:
         return "cannot_tell", (
             "The value does not visibly follow the command: the loop moves too little for its noise."
@@ -75,7 +71,7 @@ def _band(band_share: float, span: float) -> str:
 
 
 def format_details(results: Sequence[StretchResult], result: StretchResult) -> tuple[str, ...]:
-    """What the verdict rests on in figures, for a specialist; parameters as in `decide`."""
+    """What the verdict rests on in figures, for a specialist; parameters as in `judge_undetected`."""
     wide = max(each.wide_band_gain for each in results)
     return (
         f"Log likelihood of the best sticking stem minus that of the command itself: {result.evidence:.0f} "
@@ -143,7 +139,7 @@ def check_by_forecasts(verdict: str, forecasts: Forecasts) -> tuple[str, tuple[s
     return verdict, ()
 
 
-def grade_of(result: StretchResult, helps: bool = True) -> dict[str, str]:
+def grade_of(result: StretchResult, helps: bool) -> dict[str, str]:
     """How strong the evidence of a class is (strong, moderate or weak), and the reason.
 
     No frequency was checked, so there is no probability. Sticking that does not help, that is lower the error
@@ -229,10 +225,10 @@ def sampling_of(
     """How the rows of the whole loop were used, as plain data [s] and in sentences.
 
     The sentences are none where every row counts as it was recorded. `results` and `result` are as in
-    `decide`.
+    `judge_undetected`.
     """
     spans = [[float(each.loop.time[0]), float(each.loop.time[-1])] for each in results]
-    begin, end = spans[[each is result for each in results].index(True)]
+    begin, end = spans[results.index(result)]
     sampling = {
         "recorded": loop.recorded_sample_time,
         "used": loop.sample_time,
