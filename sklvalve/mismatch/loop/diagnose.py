@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A loop known by its command and its value only: does its valve stick?"""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
@@ -177,4 +177,4 @@ def _published_results(recording: Recording) -> tuple[dict[str, Any], tuple[dict
     results = published_methods(
         *signals, oscillation=oscillation, setpoint=setpoint, is_flow=True if role == "flow" else None
     )
-    return oscillation.to_dict(), tuple(result.to_dict() for result in results)
+    return asdict(oscillation), tuple(asdict(result) for result in results)

@@ -203,22 +203,8 @@ def fit_weights(
 ) -> tuple[NDArray, float]:
     """Weights of one stem's responses, from some of the rows.
 
-    Parameters
-    ----------
-    responses : ndarray of shape (k, n)
-        [fraction of travel]
-    value : ndarray of shape (n,)
-        [value's unit]
-    rows : ndarray of bool, shape (n,)
-    gain_sign : int
-    noise_filter : tuple of float
-
-    Returns
-    -------
-    weights : ndarray of shape (k,)
-        [value's unit / fraction of travel]
-    norm : float
-        Root of the residual sum of squares.
+    Returns the weights, of shape (k,) [value's unit / fraction of travel], and the root of the residual sum
+    of squares. `rows` are those fitted, `responses` of shape (k, n).
     """
     level = whitened_level(len(value), *noise_filter)[None]
     whitened = whiten(responses, *noise_filter), whiten(value, *noise_filter)

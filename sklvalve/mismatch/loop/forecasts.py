@@ -52,8 +52,8 @@ def forecast_errors(regression: Regression, noise_filter: NoiseFilter, stems: Se
     forecasts = forecast_from_origins(regression, noise_filter, stems)
     rows = regression.used & np.isfinite(forecasts["nominal"])
     squares = {kind: np.where(rows, run - value, 0.0) ** 2 for kind, run in forecasts.items()}
-    sums = [{kind: square[span].sum() for kind, square in squares.items()} for span in spans_of(len(value))]
-    better = sum(bool(each["black_box"] < each["nominal"]) for each in sums)
+    box, nominal = squares["black_box"], squares["nominal"]
+    better = sum(bool(box[span].sum() < nominal[span].sum()) for span in spans_of(len(value)))
     count = max(int(rows.sum()), 1)
     rmse = {kind: float(np.sqrt(square.sum() / count)) for kind, square in squares.items()}
     return Forecasts(int(rows.sum()), rmse, better)

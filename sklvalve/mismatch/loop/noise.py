@@ -48,17 +48,9 @@ def whitened_level(n: int, keep: float, follow: float) -> NDArray:
 
 
 def fit_autoregression(residual: NDArray) -> NDArray:
-    """Coefficients of an autoregression, of the order that Akaike's criterion chooses.
+    """Coefficients of an autoregression of a residual, of the order that Akaike's criterion chooses.
 
     The order is up to 40 rows, so an oscillation from outside belongs to the noise.
-
-    Parameters
-    ----------
-    residual : ndarray of shape (n,)
-
-    Returns
-    -------
-    coefficients : ndarray of shape (p,)
     """
     most = min(_ORDERS[-1], len(residual) // _ROWS_PER_TERM)
     before, now = lagged(residual, most)[most:], residual[most:]

@@ -7,18 +7,20 @@ from scipy.signal import lfilter
 
 from sklvalve.mismatch.loop.constants import INTEGRAL_ACTION
 
-#: Dead times [rows] and time constants [rows] of the responses. Rows are averaged to some 30 a period, so
-#: they span from at once to longer than a period whatever the sampling.
-_DEAD_TIMES = (2, 4, 8)
-_FAST_LAGS = (1.5, 4.0, 10.0)
-#: Lags behind a dead time: two lags one behind the other begin as slowly as these, and no sum of single ones
-#: does. Without them a band stands in for the beginning.
-_DEAD_TIMES_AND_LAGS = ((4, 4.0), (4, 10.0), (8, 10.0))
-_LONG_LAG = 25.0
-_SLOW_LAGS = (60.0, 150.0)
-_LAGS_OF_INTEGRALS = (0.0, 4.0, 25.0)
-#: Number of quick responses: at once, late, behind a dead time, with the first lags, or both.
-QUICK_RESPONSES = 2 + len(_DEAD_TIMES) + len(_FAST_LAGS) + len(_DEAD_TIMES_AND_LAGS)
+#: Dead time [rows] and time constant [rows] of the responses. Rows are averaged to some 30 a period, so they
+#: span from at once to longer than a period whatever the sampling. Two lags one behind the other begin as
+#: slowly as those behind a dead time, and no sum of single lags does; without them a band stands in for that.
+_QUICK = (
+    *((1, 0.0), (2, 0.0), (4, 0.0), (8, 0.0)),
+    *((1, 1.5), (1, 4.0), (1, 10.0)),
+    *((4, 4.0), (4, 10.0), (8, 10.0)),
+)
+_LONG = ((1, 25.0),)
+#: Beside them, of a value of unknown kind: slow responses, and integrals behind a lag.
+_SLOW = ((1, 60.0), (1, 150.0))
+_INTEGRATED = ((1, 0.0), (1, 4.0), (1, 25.0))
+#: Number of responses, the one at once included, that follow within a fraction of a swing.
+QUICK_RESPONSES = 1 + len(_QUICK)
 _FORECAST_ORDER = 4
 
 
@@ -115,25 +117,21 @@ def responses(stem: NDArray, stem_forecast: NDArray, any_kind: bool) -> NDArray:
     """
     level = stem.mean(axis=-1, keepdims=True) if any_kind else stem[..., :1]
 
-    def dead(rows: int) -> NDArray:
-        return np.concatenate([np.repeat(stem[..., :1], rows, axis=-1), stem[..., :-rows]], axis=-1) - level
+    def response(dead_time: int, lag: float) -> NDArray:
+        before = np.repeat(stem[..., :1], dead_time, axis=-1)
+        late = np.concatenate([before, stem[..., :-dead_time]], axis=-1) - level
+        if not lag:
+            return late
+        keep = np.exp(-1.0 / lag)
+        # at rest at the first value, not at zero
+        return lfilter([1.0 - keep], [1.0, -keep], late, axis=-1, zi=keep * late[..., :1])[0]
 
-    late = dead(1)
-    columns = [stem_forecast - level, late, *map(dead, _DEAD_TIMES)]
-    columns += [_first_order_lag(late, rows) for rows in _FAST_LAGS]
-    columns += [_first_order_lag(dead(after), rows) for after, rows in _DEAD_TIMES_AND_LAGS]
-    columns.append(_first_order_lag(late, _LONG_LAG))
+    columns = [stem_forecast - level, *(response(*each) for each in _QUICK + _LONG)]
     if any_kind:
-        columns += [_first_order_lag(late, rows) for rows in _SLOW_LAGS]
+        columns += [response(*each) for each in _SLOW]
         # the factor only brings the columns to one size
-        columns += [0.02 * np.cumsum(_first_order_lag(late, rows), axis=-1) for rows in _LAGS_OF_INTEGRALS]
+        columns += [0.02 * np.cumsum(response(*each), axis=-1) for each in _INTEGRATED]
     return np.stack(columns, axis=-2)
-
-
-def _first_order_lag(values: NDArray, rows: float) -> NDArray:
-    """A lag of a time constant [rows], at rest at the first value."""
-    keep = np.exp(-1.0 / rows) if rows else 0.0
-    return lfilter([1.0 - keep], [1.0, -keep], values, axis=-1, zi=keep * values[..., :1])[0]
 
 
 def _standardised(values: NDArray) -> NDArray:

@@ -22,19 +22,12 @@ _AREA = Method(
     "peak area",
     "Singhal and Salsbury 2005, Journal of Process Control 15, 371-382",
     constants.PEAK_AREA_LIMIT,
-    constants.ROWS_OF_A_SHAPE,
 )
 _CURVE = Method(
-    "curve fitting",
-    "He, Wang, Pottmann and Qin 2007, doi 10.1021/ie061219a",
-    constants.CURVE_LIMITS[1],
-    constants.ROWS_OF_A_SHAPE,
+    "curve fitting", "He, Wang, Pottmann and Qin 2007, doi 10.1021/ie061219a", constants.CURVE_LIMITS[1]
 )
 _RELAY = Method(
-    "relay fitting",
-    "Rossi and Scali 2005, Journal of Process Control 15, 505-514",
-    constants.RELAY_LIMITS[1],
-    constants.ROWS_OF_A_SHAPE,
+    "relay fitting", "Rossi and Scali 2005, Journal of Process Control 15, 505-514", constants.RELAY_LIMITS[1]
 )
 
 

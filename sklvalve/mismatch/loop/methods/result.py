@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What one published method says of a loop."""
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass
 
+from sklvalve.mismatch.loop.constants import ROWS_OF_A_SHAPE
 from sklvalve.mismatch.loop.oscillation import Oscillation
 
 STICTION, SOUND, UNDECIDED, NOT_APPLICABLE = "stiction", "no stiction", "undecided", "not applicable"
@@ -38,10 +38,6 @@ class MethodResult:
     detail: str
     band: float | None = None
 
-    def to_dict(self) -> dict[str, Any]:
-        """Plain dict."""
-        return asdict(self)
-
 
 @dataclass(frozen=True)
 class Method:
@@ -50,7 +46,7 @@ class Method:
     name: str
     source: str
     limit: float
-    fewest_rows: float = 0.0
+    fewest_rows: float = ROWS_OF_A_SHAPE
 
     def obstacle(self, oscillation: Oscillation) -> str | None:
         """The sentence that says why the method does not apply to an oscillation; None where it does."""
