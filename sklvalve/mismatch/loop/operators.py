@@ -98,22 +98,6 @@ def _gliding_step(
 
 
 @nb.njit(cache=True)
-def _gliding_stems(
-    command: NDArray, forecast: NDArray, bands: NDArray, offsets: NDArray, start: NDArray
-) -> tuple[NDArray, NDArray]:
-    """Stems that glide with the command until it turns, and their position by the forecast command."""
-    stems = np.empty((len(bands), len(command)))
-    ahead = np.empty((len(bands), len(command)))
-    for g in range(len(bands)):
-        stem, direction, last = start[g], 0.0, command[0]
-        for k in range(len(command)):
-            ahead[g, k], _ = _gliding_step(forecast[k], last, stem, direction, bands[g], offsets[g])
-            stem, direction = _gliding_step(command[k], last, stem, direction, bands[g], offsets[g])
-            stems[g, k] = stem
-            last = command[k]
-    return stems, ahead
-
-
 def stick_glide(
     command: NDArray, stick: NDArray, slip: NDArray, start: NDArray, forecast: NDArray
 ) -> tuple[NDArray, NDArray]:
@@ -138,7 +122,17 @@ def stick_glide(
     stem, stem_forecast : ndarray of shape (m, n)
         Position, and its forecast from the rows before [fraction of travel].
     """
-    return _gliding_stems(command, forecast, 0.5 * (stick + slip), 0.5 * (stick - slip), start)
+    stems = np.empty((len(stick), len(command)))
+    ahead = np.empty((len(stick), len(command)))
+    for g in range(len(stick)):
+        band, offset = 0.5 * (stick[g] + slip[g]), 0.5 * (stick[g] - slip[g])
+        stem, direction, last = start[g], 0.0, command[0]
+        for k in range(len(command)):
+            ahead[g, k], _ = _gliding_step(forecast[k], last, stem, direction, band, offset)
+            stem, direction = _gliding_step(command[k], last, stem, direction, band, offset)
+            stems[g, k] = stem
+            last = command[k]
+    return stems, ahead
 
 
 def stick_jump(

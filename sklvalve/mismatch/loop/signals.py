@@ -147,8 +147,7 @@ def loop_signals(recording: Recording) -> LoopSignals:
         raise InputError(
             f"{source}: the command is at rest in 98 % of the rows; give a time in which it moves"
         )
-    missing = ~(np.isfinite(recording["command"]) & np.isfinite(recording[role]))
-    signals = _decimated(recording, command, value, setpoint, missing)
+    signals = _decimated(recording, command, value, setpoint)
     if signals.used.sum() < constants.FEWEST_ROWS:
         raise InputError(
             f"{source}: only {signals.used.sum()} rows hold a fresh command and {role}; give at least "
@@ -158,31 +157,28 @@ def loop_signals(recording: Recording) -> LoopSignals:
 
 
 def _decimated(
-    recording: Recording,
-    command: NDArray,
-    value: NDArray,
-    setpoint: NDArray | None,
-    missing: NDArray[np.bool_],
+    recording: Recording, command: NDArray, value: NDArray, setpoint: NDArray | None
 ) -> LoopSignals:
-    """Signals of a recording in rows as long as its swings allow."""
+    """Signals of a recording, without gaps, in rows as long as its swings allow."""
     size, period = decimation_of(command, value)
     n = len(command) // size
     ends = slice(size - 1, n * size, size)
-    is_flow = value_role(recording) == "flow"
+    role = value_role(recording)
+    missing = ~(np.isfinite(recording["command"]) & np.isfinite(recording[role]))
     return LoopSignals(
         time=block_means(recording.time, size),
         command=command[ends],
         value=block_means(value, size),
         setpoint=None if setpoint is None else block_means(setpoint, size),
         used=(block_means(missing.astype(float), size) < 0.5) & ~_held(command[ends], value[ends]),
-        is_flow=is_flow,
+        is_flow=role == "flow",
         span=span_of(command),
         recorded_command=command[: n * size],
         decimation=size,
         recorded_sample_time=recording.sample_time,
         sample_time=recording.sample_time * size,
         period=period * recording.sample_time,
-        gain_signs=_gain_signs(command, value, setpoint, is_flow),
+        gain_signs=_gain_signs(command, value, setpoint, role == "flow"),
     )
 
 

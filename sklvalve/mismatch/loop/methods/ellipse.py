@@ -82,8 +82,8 @@ def ellipse(
     if width is None:
         detail = f"The loop is nonlinear {figures} and no ellipse fits."
         return _METHOD.result(statistic, UNDECIDED, detail, obstacle)
-    apparent = f"the apparent stiction is {width:.3g} of the command's unit"
-    detail = f"The loop is nonlinear {figures} and {apparent}."
+    size = f"{width:.3g} of the command's unit"
+    detail = f"The loop is nonlinear {figures} and the apparent stiction is {size}."
     return _METHOD.result(statistic, STICTION, detail, obstacle, width)
 
 
