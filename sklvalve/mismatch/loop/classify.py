@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+import sklvalve.mismatch.loop.constants as constants
 from sklvalve.mismatch.distance import DISTINGUISHABLE, OF_STROKES, distance
-from sklvalve.mismatch.loop import constants
 from sklvalve.mismatch.loop.fit import LoopFit, Regression, Screening, likeliest, refine, screen
 from sklvalve.mismatch.loop.operators import (
     JUMPS,

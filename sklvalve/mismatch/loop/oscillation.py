@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 from scipy.stats import f as f_distribution
 
-from sklvalve.mismatch.loop import constants
+import sklvalve.mismatch.loop.constants as constants
 
 _CROSSINGS = 12  # of the autocorrelation: five periods, as Thornhill et al. count them
 _FEWEST_CROSSINGS = 7  # from which the scatter of half periods is known

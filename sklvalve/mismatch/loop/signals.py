@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.mismatch.loop import constants
+import sklvalve.mismatch.loop.constants as constants
 from sklvalve.mismatch.loop.oscillation import filled, swing_spectrum
 from sklvalve.mismatch.loop.process import process_gain_sign
 from sklvalve.recording.errors import InputError

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.mismatch.loop import constants
+import sklvalve.mismatch.loop.constants as constants
 from sklvalve.mismatch.loop.fit import Comparison, LoopFit, Regression, fit_stems, likeliest
 from sklvalve.mismatch.loop.operators import Candidates, candidate_stems, count_reversals
 from sklvalve.mismatch.loop.process import QUICK_RESPONSES, forecast_command, responses

@@ -4,7 +4,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from sklvalve.mismatch.loop import constants
+import sklvalve.mismatch.loop.constants as constants
 from sklvalve.mismatch.loop.classify import StickingClass
 from sklvalve.mismatch.loop.forecasts import Forecasts
 from sklvalve.mismatch.loop.signals import LoopSignals

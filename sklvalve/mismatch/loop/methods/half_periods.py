@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
-from sklvalve.mismatch.loop import constants
+import sklvalve.mismatch.loop.constants as constants
 from sklvalve.mismatch.loop.methods.filters import control_error, low_passed, without_drift
 from sklvalve.mismatch.loop.methods.result import Method, MethodResult, by_limits
 from sklvalve.mismatch.loop.oscillation import Oscillation, zero_crossings
@@ -69,7 +69,7 @@ def area(
     """
     integrates = "The process may integrate, and the method is for self-regulating ones."
     error = control_error(value, setpoint)
-    return _judge(_AREA, oscillation, error, _peak_areas, integrates if is_flow is False else None)
+    return _apply(_AREA, oscillation, error, _peak_areas, integrates if is_flow is False else None)
 
 
 def curve_shape(
@@ -105,8 +105,8 @@ def curve_shape(
     oscillating control loops, Industrial and Engineering Chemistry Research 46 (2007) 4549-4560.
     """
     if is_flow is False:
-        return _judge(_CURVE, oscillation, value, _triangles_or_sines)
-    return _judge(_CURVE, oscillation, command, _triangles_or_sines, name="command")
+        return _apply(_CURVE, oscillation, value, _triangles_or_sines)
+    return _apply(_CURVE, oscillation, command, _triangles_or_sines, name="command")
 
 
 def relay(value: ArrayLike, oscillation: Oscillation, *, setpoint: ArrayLike | None = None) -> MethodResult:
@@ -137,10 +137,10 @@ def relay(value: ArrayLike, oscillation: Oscillation, *, setpoint: ArrayLike | N
     M. Rossi, C. Scali, A comparison of techniques for automatic detection of stiction: simulation and
     application to industrial data, Journal of Process Control 15 (2005) 505-514.
     """
-    return _judge(_RELAY, oscillation, control_error(value, setpoint), _relay_or_sines)
+    return _apply(_RELAY, oscillation, control_error(value, setpoint), _relay_or_sines)
 
 
-def _judge(
+def _apply(
     method: Method,
     oscillation: Oscillation,
     signal: ArrayLike,
