@@ -5,99 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.recording.dead_bands import DeadBand, flow_moved_by
 from sklvalve.recording.standing import stem_may_stand
 from sklvalve.simulation.calibration import span_of
 
-# moves of the stem that stick, lose motion or come late: all that a record redrawn in time cannot show
-_STICKING = ("stiction", "friction", "backlash", "presliding", "positioner_deadband", "rod_bend")
-_LATE = ("dead_time", "actuator_lag", "slew_limit")
-_STILL = ("stuck_valve",)
-_WET_DYNAMICS = ("flow_inertia", "sensor_lag")
-_UNSTEADY = ("cavitation", "two_phase", "flashing")  # told by the variance of flow and pressures
-_TOP_OF_FLOW = ("clogging", "choked_flow", "piping_reducers", "line_loss", "wrong_characteristic")
-_NEAR_SEAT = ("seat_leakage", "bypass_open", "erosion", "tight_shutoff", "viscous_flow", "flow_meter_bias")
-_SLOW = ("sedimentation", "flow_meter_drift", "density_change", "viscosity_change")
-_LIMITED = (
-    "supply_pressure_drop", "actuator_leak", "spring_fault", "stem_load", "positioner_characteriser",
-    "transducer_fault",
-)  # fmt: skip
-_SENSOR_OF_STEM = ("position_sensor_bias", "position_sensor_gain", "positioner_feedback_fault")
-_BY_PRESSURE = (
-    "choked_flow",
-    "gas_expansion",
-    "external_leakage",
-    "stem_load",
-    "inlet_pressure_bias",
-    "outlet_pressure_bias",
-)
-_SIZE_OF_FLOW = ("capacity_error", "flow_meter_gain")
-
-#: Every name of the design's table.
-NAMES = tuple(
-    sorted(
-        {
-            *_STICKING,
-            *_LATE,
-            *_STILL,
-            *_WET_DYNAMICS,
-            *_UNSTEADY,
-            *_TOP_OF_FLOW,
-            *_NEAR_SEAT,
-            *_SLOW,
-            *_LIMITED,
-            *_SENSOR_OF_STEM,
-            *_BY_PRESSURE,
-            *_SIZE_OF_FLOW,
-        }
-    )
-)
-
-_REDRAWN = {
-    "command": (*_STICKING, *_LATE, *_STILL),
-    "opening": (*_STICKING, *_LATE, *_STILL, *_WET_DYNAMICS),
-    "flow": ("backlash", *_WET_DYNAMICS, *_UNSTEADY),
-    "p1": (*_WET_DYNAMICS, *_UNSTEADY),
-    "p2": (*_WET_DYNAMICS, *_UNSTEADY),
-    "temperature": ("density_change", "viscosity_change"),
-}
-# an opening that is known within a dead band shows how a stem moves; a flow damped by the meter follows less
-_WITHIN_A_BAND = {"opening": _WET_DYNAMICS}
-# finding -> role (None: any) -> effects that it imitates, or that cannot be seen for it
-_MIMICS = {
-    "compressed": _REDRAWN,
-    "quantised": {
-        "opening": ("stiction", "backlash", "presliding", "positioner_deadband"),
-        "flow": ("backlash", *_UNSTEADY),
-        "p1": _UNSTEADY,
-        "p2": _UNSTEADY,
-    },
-    "frozen": {
-        "command": ("dead_time", *_STILL),
-        "opening": ("stiction", "friction", "positioner_deadband", "presliding", *_STILL),
-        "flow": ("sensor_lag",),
-        "temperature": ("density_change", "viscosity_change"),
-    },
-    "saturated": {
-        "opening": (*_LIMITED, *_STILL, "tight_shutoff", "rod_bend", *_SENSOR_OF_STEM),
-        "flow": (*_TOP_OF_FLOW, "two_phase", "flashing", "seat_leakage", "bypass_open", "erosion"),
-        "p1": ("inlet_pressure_bias", "external_leakage", "gas_expansion"),
-        "p2": ("choked_flow", "flashing", "outlet_pressure_bias", "gas_expansion"),
-        "temperature": ("density_change", "viscosity_change"),
-    },
-    "clock_shift": {None: (*_STICKING, *_LATE, *_WET_DYNAMICS)},
-    "swapped": {None: NAMES},
-    "unit_suspect": {None: NAMES},
-}
-# where a channel is frozen from first to last row it was not measured at all
-_UNMEASURED = {
-    "command": (*_STICKING, *_LATE, *_STILL, *_LIMITED, "positioner_feedback_fault"),
-    "opening": (*_STICKING, *_LATE, *_STILL, *_LIMITED, *_SENSOR_OF_STEM),
-    "flow": NAMES,
-    "p1": (*_BY_PRESSURE, *_UNSTEADY),
-    "p2": (*_BY_PRESSURE, *_UNSTEADY),
-    "temperature": ("density_change", "viscosity_change", "viscous_flow", "flashing"),
-}
+# columns exchanged or in a wrong unit: whatever shows may be of their making
+_WRONG = ("swapped", "unit_suspect")
 # of a channel, where values pile up: what is left would say nothing of the whole; a frozen value is none
 _MOST_BLANK = {"frozen": 1.0, "saturated": 0.6}
 _COUNTS = 0.005  # of what an effect must change to count; steps below this cannot pass for one
@@ -131,13 +45,15 @@ def _may_be_seized(finding, recording):
     return all(stem_may_stand(recording, *span) for span in finding["rows"] or [(0, None)])
 
 
-def effects_switched_off(data):
+def effects_switched_off(data, effects=CATALOGUE):
     """Effects that a recording's data cannot speak for.
 
     Parameters
     ----------
     data : list of dict
         Findings of `screen_recording`, as they are or marked by `with_seized_stems`.
+    effects : sequence of Effect, default=CATALOGUE
+        Those that are asked; an effect is off in all its forms where one of them is.
 
     Returns
     -------
@@ -149,25 +65,36 @@ def effects_switched_off(data):
         name, role = finding["finding"], finding["role"]
         if name == "quantised" and finding.get("size", 1.0) < _FINE.get(role, _COUNTS):
             continue
-        by_role = _imitated_by(finding)
         needs = _needs(name, role)
-        seized = _STILL if finding.get("seized") else ()
-        for effect in (*by_role.get(role, ()), *by_role.get(None, ())):
-            if effect not in seized:
-                off.setdefault(effect, needs)
+        for effect in effects:
+            if _hides(finding, effect):
+                off.setdefault(effect.name, needs)
     return off
 
 
-def _imitated_by(finding):
-    """Role (None: any) -> effects that a finding imitates, or that cannot be seen for it."""
-    if _never_moves(finding):
-        return _UNMEASURED
-    return _WITHIN_A_BAND if held_within_a_band(finding) else _MIMICS.get(finding["finding"], {})
+def _hides(finding, effect):
+    """Whether an effect is imitated by a finding, or cannot be seen for it."""
+    if effect.standstill and finding.get("seized"):
+        return False
+    defect, role = _defect(finding), finding["role"]
+    if defect in _WRONG or (defect, role) == ("unmeasured", "flow"):
+        return True
+    roles = effect.hidden_by.get(defect, ())
+    return role in roles or "any" in roles
+
+
+def _defect(finding):
+    """Kind of a defect, as effects name what hides them."""
+    if finding["finding"] == "frozen" and finding.get("rows", ()) is None:
+        # frozen from first to last row a signal was not measured at all
+        return "unmeasured"
+    return "held" if held_within_a_band(finding) else finding["finding"]
 
 
 def held_within_a_band(finding):
     """Whether a historian left out moves of the stem that are too small to count, and no others."""
-    compressed = finding["finding"] == "compressed" and finding["role"] in _WITHIN_A_BAND
+    # an opening known within a dead band shows how a stem moves; a flow that a meter damps follows less
+    compressed = finding["finding"] == "compressed" and finding["role"] == "opening"
     return compressed and finding.get("size", np.inf) < _COUNTS
 
 
@@ -212,10 +139,6 @@ def _bands(recording, data):
     return bands
 
 
-def _never_moves(finding):
-    return finding["finding"] == "frozen" and finding.get("rows", ()) is None
-
-
 def _needs(name, role):
     if name == "swapped":
         return "columns that are not swapped"
@@ -239,7 +162,7 @@ def blocking(data):
     sentence : str or None
         For people, with what was seen and what to do.
     """
-    grave = [each for each in data if each["finding"] in ("swapped", "unit_suspect")]
+    grave = [each for each in data if each["finding"] in _WRONG]
     if not grave:
         return None
     seen = "; ".join(f"{each['role']} {each['detail']}" for each in grave)

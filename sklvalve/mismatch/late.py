@@ -163,7 +163,7 @@ def _settled(workbench, model, event):
 def _named(workbench, model, event, settled, effects):
     """The finding of what explains the last rows; None where nothing that was tried does."""
     onset = float(model.chain.clock[event.row])
-    stuck = [e for e in CATALOGUE if e.key == "stuck_valve" and e.possible(model.chain)]
+    stuck = [e for e in CATALOGUE if e.standstill and e.possible(model.chain)]
     ends = [e for e in (*stuck, *LATE) if event.channel in workbench.channels_touched(e)]
     began = [e for e in effects if e.may_begin and not e.grows and e.key not in {s.key for s in ends}]
     began = [e for e in began if event.channel in workbench.channels_touched(e)]

@@ -18,25 +18,6 @@ from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.going_on import going_on
 
 _NAMES = tuple(sorted({e.name for e in CATALOGUE}))
-# forms that an unrecorded pressure drop can make or hide: what bends, scales, slowly shifts or damps the
-# flow, for pump and line answer late too. Lost motion and a stem that does not move are not of its making
-_BY_THE_DROP = frozenset(
-    (
-        *("capacity_error", "flow_meter_gain", "flow_meter_bias", "flow_meter_drift"),
-        *("flow_meter_drift_span", "density_change", "density_change_thermal", "sedimentation", "erosion"),
-        *("seat_leakage", "bypass_open", "clogging", "wrong_characteristic", "piping_reducers", "line_loss"),
-        *("position_sensor_bias_loop", "position_sensor_gain_loop", "sensor_lag"),
-    )
-)
-# but what a large play does to a flow from a moment on, a drop does that changes then
-_PLAYS = frozenset(("backlash", "positioner_feedback_play"))
-# and without a position those as well that shift or end the stem's travel
-_BY_THE_DROP_UNSEEN = _BY_THE_DROP | frozenset(
-    (
-        *("transducer_fault", "positioner_feedback_fault", "positioner_characteriser", "clogging_closing"),
-        *("supply_pressure_drop", "spring_fault", "actuator_leak", "actuator_leak_diaphragm"),
-    )
-)
 
 
 def rows_to_use(whole, until):
@@ -127,10 +108,10 @@ def _held(simulation, recording):
 
 
 def _made_by_the_drop(workbench):
-    """Keys of effects that a pressure drop which nobody recorded would make just as well."""
+    """`by_drop` of effects that a pressure drop which nobody recorded would make just as well."""
     if "flow" not in workbench.channels or not drop_is_unknown(workbench.recording):
-        return frozenset()
-    return _BY_THE_DROP_UNSEEN if workbench.coupled else _BY_THE_DROP
+        return ()
+    return ("always", "unseen") if workbench.coupled else ("always",)
 
 
 def _knows_drive(chain):
@@ -177,12 +158,13 @@ def candidates(workbench, wanted, data):
         raise InputError(
             f"effects names {strange[0]!r}, which is no effect; the effects are {', '.join(_NAMES)}"
         )
-    off = effects_switched_off(data)
+    asked = (*CATALOGUE, *(e for e in own if e not in CATALOGUE))
+    off = effects_switched_off(data, asked)
     # what the opening shows is not hidden by a flow that was drawn anew
-    off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)])
+    off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)], asked)
     found, untestable, by_the_drop = [], {}, _made_by_the_drop(workbench)
     names |= {e.name for e in own}
-    for effect in (*CATALOGUE, *(e for e in own if e not in CATALOGUE)):
+    for effect in asked:
         # what the simulation holds already is calibrated, so it cannot be missing
         if effect.name not in names or is_in(effect, workbench.held):
             continue
@@ -191,7 +173,7 @@ def candidates(workbench, wanted, data):
         hidden = off_the_stem if "opening" in touched else off
         if missing:
             untestable.setdefault(effect.name, " and ".join(missing))
-        elif effect.key in by_the_drop:
+        elif effect.by_drop in by_the_drop:
             untestable.setdefault(effect.name, "p1 and p2")
         elif effect.name in hidden:
             untestable.setdefault(effect.name, hidden[effect.name])
@@ -201,7 +183,8 @@ def candidates(workbench, wanted, data):
             # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
             untestable.setdefault(effect.name, "a recorded opening, or a data sheet of the actuator")
         elif effect.possible(workbench.plain) and touched:
-            steady = by_the_drop and touched == ("flow",) and effect.key in _PLAYS
+            # what it does to a flow from a moment on, a drop does that changes then
+            steady = by_the_drop and touched == ("flow",) and effect.by_drop == "onset"
             found.append(_throughout(effect) if steady else effect)
         else:
             untestable.setdefault(effect.name, effect.requires)
@@ -220,6 +203,6 @@ def _never(chain):
     if chain.electric:
         of_air = "an actuator driven by air"
         moved = [e for e in CATALOGUE if e.requires != of_air]
-        motors = {e.name for e in moved if e.stage != "actuator" or getattr(e, "motor", False)}
+        motors = {e.name for e in moved if e.stage != "actuator" or e.motor}
         found |= {name: of_air for name in _NAMES if name not in motors}
     return found

@@ -6,12 +6,6 @@ from sklvalve.report.words import class_clause, class_words, either, number
 
 # a class of several kinds is likely of the one that holds this share of its probability
 _LIKELY = 0.8
-# effect -> key of [actuator], parameter, and the value to be declared from it
-_DECLARED = {
-    "slew_limit": ("stroke_time", "speed", lambda speed: 1.0 / speed),
-    "dead_time": ("dead_time", "delay", lambda delay: delay),
-    "positioner_deadband": ("dead_band", "half_width", lambda half: 200.0 * half),
-}
 
 
 def kind_of(effect: dict) -> str:
@@ -85,6 +79,12 @@ def to_be_declared(effects: list[dict]) -> str:
 
 def _declaration(effect: dict) -> str:
     """The line that declares an effect; empty where valve.toml has no key for it."""
-    key, parameter, declared = _DECLARED.get(effect["members"][0]["name"], ("", "", None))
-    value = ((effect.get("parameters") or {}).get(parameter) or {}).get("value")
-    return f"{key} = {number(declared(value), 2)}" if declared and value else ""
+    from sklvalve.mismatch.effects.known import forms_of
+
+    values = effect.get("parameters") or {}
+    for form in forms_of(effect["members"][0]["name"]):
+        for quantity in form.parameters:
+            value = (values.get(quantity.name) or {}).get("value")
+            if quantity.declared is not None and value:
+                return f"{form.declared_as} = {number(quantity.declared(value), 2)}"
+    return ""

@@ -2,68 +2,10 @@
 """Parameters of effects as a plant engineer writes them: percent of travel, the recording's own units."""
 
 from collections.abc import Callable
-from math import exp
 from typing import NamedTuple
 
 from sklvalve.recording.units import from_si, quantity_of, to_si
 from sklvalve.report.words import number
-
-_Words = tuple[str, float | Callable[[float], float], str]
-
-# of no meaning without the equation: they are in diagnosis.json
-_SILENT = {
-    "backlash": ("overshoot", "first_side"),
-    "choked_flow": ("slope",),
-    "spring_fault": ("hardening",),
-    "wrong_characteristic": ("bow",),
-}
-# (name, unit) -> words, factor or function to what is shown, its unit; any other parameter is shown as it is
-_SPOKEN: dict[tuple[str, str], _Words] = {
-    ("width", "1"): ("play", 100.0, "% of travel"),
-    ("half_width", "1"): ("dead band each way", 100.0, "% of travel"),
-    ("reversal", "1"): ("dead band where it turns, as a multiple", 1.0, ""),
-    ("limit", "1"): ("blocked at", 100.0, "% opening"),
-    ("stick", "1"): ("dead band plus stick band", 100.0, "% of travel"),
-    ("slip", "1"): ("slip jump", 100.0, "% of travel"),
-    ("free", "1"): ("capacity that is left", 100.0, "%"),
-    ("drop", "1"): ("loss of supply pressure", 100.0, "%"),
-    ("bias", "1"): ("offset", 100.0, "% of travel"),
-    ("gain", "1"): ("deviation", 100.0, "%"),
-    ("fl", "1"): ("F_L", 1.0, ""),
-    ("xt", "1"): ("x_T", 1.0, ""),
-    ("knee", "1"): ("sharpness of the knee", 1.0, ""),
-    ("delay", "s"): ("delay", 1.0, "s"),
-    ("loss", "1"): ("loss, as a multiple of the open valve's own,", 1.0, ""),
-    ("static_friction", "1"): ("friction at rest", 100.0, "% of the spring range"),
-    ("sliding_share", "1"): ("sliding friction", 100.0, "% of that at rest"),
-    ("friction", "1"): ("friction", 100.0, "% of the spring range"),
-    ("jump", "1"): ("jump", 100.0, "% of travel"),
-    ("speed", "1/s"): ("largest speed", 100.0, "%/s"),
-    ("closing_ratio", "1"): ("speed of closing over that of opening", 1.0, ""),
-    ("opening", "1"): ("stuck at", 100.0, "% opening"),
-    ("cut_off", "1"): ("cut-off", 100.0, "% of the command"),
-    ("curvature", "1"): ("curvature (0 is straight)", 1.0, ""),
-    ("load", "1"): ("force at a large drop", 100.0, "% of the spring range"),
-    ("strength", "1"): ("force of the spring", 100.0, "% of the sheet's"),
-    ("leak", "1"): ("leak", 100.0, "% of the positioner's capacity"),
-    ("lost_area", "1"): ("area without pressure", 100.0, "%"),
-    ("share", "1"): ("air that passes", 100.0, "%"),
-    ("gas_share", "1"): ("gas share", 100.0, "% of the volume"),
-    ("ratio", "1"): ("density, as a multiple of the sheet's,", 1.0, ""),
-    ("expansion", "1/K"): ("change of density", 100.0, "%/K"),
-    ("fall", "1/K"): ("fall of viscosity", 100.0, "%/K"),
-    ("rate", "1/h"): ("rate", 100.0, "%/h"),
-}
-# the same name means another thing there
-_OF_EFFECT: dict[tuple[str, str], _Words] = {
-    ("cavitation", "loss"): ("largest loss of capacity", 100.0, "%"),
-    ("cavitation", "begins"): ("pressure ratio at which it begins", 1.0, ""),
-    ("rod_bend", "begins"): ("begins at", 100.0, "% opening"),
-    ("erosion", "reach"): ("reach of the wear", 100.0, "% of travel"),
-    ("presliding", "reach"): ("give before it slides", 100.0, "% of travel"),
-    ("wrong_characteristic", "slope"): ("rangeability, as a multiple of the sheet's,", exp, ""),
-}
-
 
 # a third digit says nothing where the interval is wider than this share of the value
 _WIDE = 0.2
@@ -134,30 +76,38 @@ def shown_parameters(effect: dict, d: dict) -> list[Parameter]:
         The whole diagnosis; flows in SI are shown in the unit in which the recording has its flow.
     """
     who = next((member["name"] for member in effect.get("members") or []), "")
-    return [
-        _shown(who, name, item, d)
-        for name, item in (effect.get("parameters") or {}).items()
-        if name not in _SILENT.get(who, ())
-    ]
+    shown = (_shown(who, name, item, d) for name, item in (effect.get("parameters") or {}).items())
+    return [parameter for parameter in shown if parameter is not None]
 
 
-def _shown(who: str, name: str, item: dict, d: dict) -> Parameter:
+def _shown(who: str, name: str, item: dict, d: dict) -> Parameter | None:
+    # a report without effects does without the simulation, which takes a second to import
+    from sklvalve.mismatch.effects.known import quantity_named
+
     unit = item.get("unit") or "1"
+    quantity = quantity_named(who, name, unit)
+    if quantity is not None and quantity.silent:
+        return None
+    told = quantity.shown if quantity is not None else None
+    words, shown, turn = (told.words, told.unit, told.turn) if told else _plain(name, unit, d)
     low, high = item.get("ci95") or (None, None)
-    spelt = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
-    plain: _Words = (spelt, 1.0, "" if unit == "1" else unit)
-    words, factor, shown = _OF_EFFECT.get((who, name)) or _SPOKEN.get((name, unit), plain)
-    flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
-    quantity = quantity_of(unit)
-    if flow_unit and quantity in ("volume flow", "mass flow") and quantity_of(flow_unit) == quantity:
-        factor, shown = float(from_si(to_si(1.0, unit, quantity), flow_unit, quantity)), flow_unit
-        words = "offset" if name == "bias" else words
-    value, low, high = (_turned(v, factor) for v in (item["value"], low, high))
+    value, low, high = (_turned(v, turn) for v in (item["value"], low, high))
     unknown = tuple(item.get("unknown_ends") or ())
     return Parameter(words, value, low, high, shown, unknown)
 
 
-def _turned(value: float | None, factor: float | Callable[[float], float]) -> float | None:
+def _plain(name: str, unit: str, d: dict) -> tuple[str, str, float]:
+    """Words, unit and factor of a parameter that does not say how it is shown; a flow as it is recorded."""
+    words = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
+    flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
+    quantity = quantity_of(unit)
+    if flow_unit and quantity in ("volume flow", "mass flow") and quantity_of(flow_unit) == quantity:
+        factor = float(from_si(to_si(1.0, unit, quantity), flow_unit, quantity))
+        return "offset" if name == "bias" else words, flow_unit, factor
+    return words, "" if unit == "1" else unit, 1.0
+
+
+def _turned(value: float | None, turn: float | Callable[[float], float]) -> float | None:
     if value is None:
         return None
-    return factor(value) if callable(factor) else factor * value
+    return turn(value) if callable(turn) else turn * value

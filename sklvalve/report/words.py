@@ -7,104 +7,6 @@ from math import isfinite
 
 # what effects need that only a data sheet can give, as `not_testable` has it
 _SHEET = "a data sheet that gives the trim's characteristic"
-EFFECTS = {
-    "stiction": "stiction",
-    "friction": "raised friction of the stem",
-    "backlash": "backlash",
-    "presliding": "give of the packing before it slides",
-    "positioner_deadband": "a dead band of the positioner",
-    "spring_fault": "a faulty actuator spring",
-    "supply_pressure_drop": "low air supply pressure",
-    "actuator_leak": "an air leak of the actuator",
-    "rod_bend": "a bent or twisted stem",
-    "actuator_lag": "a slow actuator",
-    "slew_limit": "a limited stroking speed",
-    "dead_time": "a dead time between command and stem",
-    "transducer_fault": "a fault of the I/P transducer",
-    "positioner_feedback_fault": "a fault of the positioner's feedback",
-    "stem_load": "a flow force that shifts the stem",
-    "tight_shutoff": "a tight shut-off setting of the positioner",
-    "positioner_characteriser": "a characteriser in the positioner",
-    "stuck_valve": "a stuck stem",
-    "capacity_error": "a capacity other than the data sheet's",
-    "wrong_characteristic": "a trim characteristic other than the data sheet's",
-    "clogging": "clogging that caps the opening",
-    "sedimentation": "deposits growing in the trim",
-    "erosion": "erosion of the trim near the seat",
-    "seat_leakage": "seat leakage",
-    "bypass_open": "an open bypass",
-    "external_leakage": "a leak to the outside",
-    "choked_flow": "choked flow",
-    "cavitation": "cavitation",
-    "flashing": "flashing",
-    "viscous_flow": "viscous, no longer turbulent flow",
-    "gas_expansion": "expansion of the gas",
-    "density_change": "a change of density",
-    "viscosity_change": "a change of viscosity",
-    "piping_reducers": "reducers or fittings at the valve",
-    "line_loss": "pressure loss of the line",
-    "flow_inertia": "inertia of the liquid in the line",
-    "two_phase": "gas carried in the liquid",
-    "flow_meter_gain": "a wrong span of the flow meter",
-    "flow_meter_bias": "a shifted zero of the flow meter",
-    "flow_meter_drift": "a drift of the flow meter",
-    "flow_meter_failure": "a failed flow meter",
-    "position_sensor_bias": "a shifted zero of the position sensor",
-    "position_sensor_gain": "a wrong span of the position sensor",
-    "inlet_pressure_bias": "a shifted zero of the inlet pressure sensor",
-    "outlet_pressure_bias": "a shifted zero of the outlet pressure sensor",
-    "sensor_lag": "a slow sensor",
-}
-
-# what has happened where it is a fault, as a clause that follows "Likely fault:"
-CLAUSES = {
-    "stiction": "the stem sticks and jumps (stiction)",
-    "friction": "the stem's friction is too high",
-    "backlash": "the stem has play (backlash)",
-    "presliding": "the packing gives before it slides",
-    "positioner_deadband": "the positioner has a dead band",
-    "spring_fault": "the actuator's spring is faulty",
-    "supply_pressure_drop": "the air supply pressure is too low",
-    "actuator_leak": "the actuator leaks air",
-    "rod_bend": "the stem is bent or twisted",
-    "actuator_lag": "the actuator is slow",
-    "slew_limit": "the stroking speed is limited",
-    "dead_time": "the stem answers its command after a dead time",
-    "transducer_fault": "the I/P transducer is faulty",
-    "positioner_feedback_fault": "the positioner's feedback is faulty",
-    "stem_load": "the flow's force shifts the stem",
-    "tight_shutoff": "the positioner shuts the valve early (tight shut-off)",
-    "positioner_characteriser": "the positioner holds a characteriser",
-    "stuck_valve": "the stem is stuck",
-    "capacity_error": "the capacity differs from the data sheet's",
-    "wrong_characteristic": "the trim's characteristic differs from the data sheet's",
-    "clogging": "clogging limits the opening",
-    "sedimentation": "deposits grow in the trim",
-    "erosion": "the trim is worn near the seat",
-    "seat_leakage": "the seat leaks",
-    "bypass_open": "a bypass is open",
-    "external_leakage": "liquid leaks to the outside",
-    "choked_flow": "the flow chokes",
-    "cavitation": "the liquid cavitates",
-    "flashing": "the liquid flashes",
-    "viscous_flow": "the flow is viscous, no longer turbulent",
-    "gas_expansion": "the gas expands in the valve",
-    "density_change": "the density has changed",
-    "viscosity_change": "the viscosity has changed",
-    "piping_reducers": "reducers or fittings at the valve take pressure",
-    "line_loss": "the line loses pressure",
-    "flow_inertia": "the liquid in the line is slow to follow",
-    "two_phase": "the liquid carries gas",
-    "flow_meter_gain": "the flow meter's span is wrong",
-    "flow_meter_bias": "the flow meter's zero has shifted",
-    "flow_meter_drift": "the flow meter drifts",
-    "flow_meter_failure": "the flow meter has failed",
-    "position_sensor_bias": "the position sensor's zero has shifted",
-    "position_sensor_gain": "the position sensor's span is wrong",
-    "inlet_pressure_bias": "the inlet pressure sensor's zero has shifted",
-    "outlet_pressure_bias": "the outlet pressure sensor's zero has shifted",
-    "sensor_lag": "a sensor is slow",
-}
 
 BLOCKS = {
     "actuator": "in the actuator",
@@ -137,7 +39,7 @@ def verdict_words(d: dict) -> str:
 
 def spoken(name: str) -> str:
     """Words for an effect, or its name without underscores where it has none."""
-    return EFFECTS.get(name, name.replace("_", " "))
+    return _own(name, "words") or name.replace("_", " ")
 
 
 def role_words(role: str | None) -> str:
@@ -160,7 +62,15 @@ def class_words(members: Iterable[dict], limit: int = 3) -> str:
 def class_clause(members: Iterable[dict], limit: int = 3) -> str:
     """The same as clauses: ``the seat leaks or a bypass is open``."""
     names = [member["name"] for member in members]
-    return _shortened([CLAUSES.get(name, f"there is {spoken(name)}") for name in names], limit)
+    return _shortened([_own(name, "clause") or f"there is {spoken(name)}" for name in names], limit)
+
+
+def _own(name: str, told: str) -> str:
+    """What an effect says of itself; empty where it says nothing."""
+    # commands that speak of signals alone do without the simulation, which takes a second to import
+    from sklvalve.mismatch.effects.known import forms_of
+
+    return next((words for form in forms_of(name) if (words := getattr(form, told))), "")
 
 
 def _shortened(names: list[str], limit: int) -> str:

@@ -28,10 +28,6 @@ def test_every_name_of_the_design_is_in_the_catalogue_in_its_block(name, block):
     assert any(e.name == name and e.block == block for e in CATALOGUE)
 
 
-def test_the_catalogue_has_no_other_name():
-    assert {(e.name, e.block) for e in CATALOGUE} <= set(PLACES)
-
-
 # ---- equal equations
 
 

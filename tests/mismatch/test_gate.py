@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.gate import NAMES, blocking, effects_switched_off, without_findings
+from sklvalve.mismatch.gate import blocking, effects_switched_off, without_findings
 from sklvalve.mismatch.noise_of_pieces import noise_of
 from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import DeadBand, band_of, step_of
 from sklvalve.simulation.fitting import residual_of
+
+NAMES = {effect.name for effect in CATALOGUE}
 
 
 def found(name, role, rows=None, **more):
@@ -24,11 +26,6 @@ def recording():
     return Recording.from_frame(
         {"time": time, "command": time / 100, "opening": time / 100, "flow": 1.0 + time}
     )
-
-
-def test_every_effect_of_the_catalogue_is_in_the_table():
-    assert {effect.name for effect in CATALOGUE} <= set(NAMES)
-    assert len(NAMES) == 45
 
 
 @pytest.mark.parametrize(
@@ -60,13 +57,13 @@ def test_gap_switches_nothing_off():
 
 
 def test_flow_that_never_moves_leaves_nothing():
-    assert set(effects_switched_off([found("frozen", "flow")])) == set(NAMES)
+    assert set(effects_switched_off([found("frozen", "flow")])) == NAMES
 
 
 @pytest.mark.parametrize("name", ["swapped", "unit_suspect"])
 def test_columns_that_are_not_what_they_are_called_block_everything(name):
     data = [found(name, "p2")]
-    assert set(effects_switched_off(data)) == set(NAMES)
+    assert set(effects_switched_off(data)) == NAMES
     assert "p2 d" in blocking(data)
 
 

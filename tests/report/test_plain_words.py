@@ -9,12 +9,11 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import Diagnosis, MissingPhysicsFinder
-from sklvalve.mismatch.effects import CATALOGUE, EVENTS
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
 from sklvalve.recording import Recording, Valve
 from sklvalve.report import summary_sentence, to_markdown, to_text
 from sklvalve.report import words as of_reports
 from sklvalve.report.html import render
-from sklvalve.report.words import CLAUSES, EFFECTS
 from tests.report import examples
 
 # private or archaic, with word boundaries; "rest" is a word of its own only where it is a residual
@@ -180,10 +179,13 @@ def test_weak_evidence_is_no_likely_cause():
     assert of_reports.verdict_words(d) == "possible cause, weak evidence"
 
 
-def test_every_effect_has_a_name_and_a_clause():
-    names = {effect.name for effect in (*CATALOGUE, *EVENTS)}
-    assert names <= set(EFFECTS)
-    assert names <= set(CLAUSES)
+@pytest.mark.parametrize("effect", [*CATALOGUE, *EVENTS, *LATE], ids=lambda effect: effect.key)
+def test_every_effect_has_a_name_and_a_clause(effect):
+    assert effect.words
+    assert effect.clause
+    # a report knows the name alone, whichever form it is of
+    assert of_reports.spoken(effect.name) == effect.words
+    assert of_reports.class_clause([{"name": effect.name}]) == effect.clause
 
 
 def test_a_zero_that_has_shifted_is_a_clause():

@@ -5,7 +5,7 @@ from sklvalve.mismatch.effects._late import Blocked, MeterFailed
 from sklvalve.mismatch.effects.actuator_lag import ActuatorLag, RestrictedAir
 from sklvalve.mismatch.effects.actuator_leak import ActuatorLeak, DiaphragmLeak
 from sklvalve.mismatch.effects.backlash import Backlash, LinkageBacklash
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
 from sklvalve.mismatch.effects.bypass_open import BypassOpen
 from sklvalve.mismatch.effects.capacity_error import CapacityError
 from sklvalve.mismatch.effects.cavitation import Cavitation
@@ -130,4 +130,4 @@ EVENTS = (
 #: Forms that only an event at the end of a recording is told by, which no search takes up.
 LATE = (Blocked(), MeterFailed())
 
-__all__ = ["CATALOGUE", "EVENTS", "LATE", "Effect", "Quantity"]
+__all__ = ["CATALOGUE", "EVENTS", "LATE", "Effect", "Quantity", "Shown"]

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Forms of an effect that are told by events in the recording: not simulated, and taken up by no search."""
 
-from sklvalve.mismatch.effects.base import Quantity
+from typing import Any
+
+from sklvalve.mismatch.effects.base import Quantity, Shown
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
 
 
 class Event:
@@ -14,11 +18,11 @@ class Event:
     stage = "stem"
     needs: tuple = ("command", "opening")
 
-    def apply(self, value, p, chain):
+    def apply(self, value: Any, p: dict[str, float], chain: Chain) -> Any:
         """What the stage makes, unchanged."""
         return value
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         """True: what is told by an event was seen."""
         return True
 
@@ -26,7 +30,7 @@ class Event:
 class BySlips(Event):
     """Told by slips of the stem: its parameter is the median jump."""
 
-    parameters: tuple = (Quantity("jump", "1", 0.0, 1.0, (0.03,)),)
+    parameters: tuple = (Quantity("jump", "1", 0.0, 1.0, (0.03,), shown=Shown("jump", "% of travel", 100.0)),)
 
 
 class ByHunting(Event):

@@ -3,8 +3,11 @@
 
 import numpy as np
 
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.simulation.chain import Chain
 
-def hours_since(effect, chain):
+
+def hours_since(effect: Effect, chain: Chain) -> np.ndarray:
     """Time since an effect's onset, or since the first row where it has none; zero before it.
 
     Parameters
@@ -22,6 +25,6 @@ def hours_since(effect, chain):
     return np.maximum(chain.clock - begin, 0.0) / 3600.0
 
 
-def hours_left(effect, chain):
+def hours_left(effect: Effect, chain: Chain) -> float:
     """How long an effect grows within the recording, a minute at least [h]."""
     return max(float(hours_since(effect, chain)[-1]), 1.0 / 60.0)

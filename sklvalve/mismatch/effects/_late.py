@@ -3,8 +3,12 @@
 
 import numpy as np
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
+from sklvalve.mismatch.effects.clogging import Clogging
 from sklvalve.simulation.calibration import span_of
+from sklvalve.simulation.chain import Chain
+
+_FREE = Shown("capacity that is left", "%", 100.0)
 
 
 class Blocked(Effect):
@@ -12,14 +16,16 @@ class Blocked(Effect):
 
     name, key = "clogging", "clogging_blocked"
     block, stage = "valve", "capacity"
-    parameters = (Quantity("free", "1", 0.0, 1.0, (0.02, 0.3, 0.7), null=1.0),)
+    parameters = (Quantity("free", "1", 0.0, 1.0, (0.02, 0.3, 0.7), null=1.0, shown=_FREE),)
     needs = ("flow",)
+    hidden_by = Clogging.hidden_by
     family = "gain"
+    words, clause = Clogging.words, Clogging.clause
     phrase = "the passage is blocked: {free:.0%} of its capacity is left"
     separated_by = "Step the command and read the stem's position: behind a blockage the stem still moves."
     source = "plain"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return p["free"] * value
 
 
@@ -30,11 +36,13 @@ class MeterFailed(Effect):
     block, stage = "measurement", "flow_meter"
     parameters = (Quantity("reading", "m3/s", -1.0, 1.0, (0.0,), null=None),)
     needs = ("flow",)
+    words = "a failed flow meter"
+    clause = "the flow meter has failed"
     phrase = "the flow meter shows one value whatever flows"
     separated_by = "Read a second meter, or the level of the tank that the flow fills or drains."
     source = "plain"
 
-    def quantities(self, chain):
+    def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         flow = chain.recording["flow"]
         seen = flow[np.isfinite(flow)]
         span = span_of(flow)
@@ -42,5 +50,5 @@ class MeterFailed(Effect):
         last = float(np.median(seen[-max(len(seen) // 100, 10) :])) if len(seen) else 0.0
         return (Quantity("reading", unit, -2.0 * span, 2.0 * span, (last, 0.0), null=None),)
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return np.full_like(value, p["reading"])

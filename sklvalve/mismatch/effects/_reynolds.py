@@ -7,13 +7,14 @@ import numpy as np
 
 from sklvalve.mechanism import at_travel, nonturbulent_flow_ratio, trim_parameter, valve_reynolds_number
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
+from sklvalve.simulation.chain import Chain
 
 # of a globe valve, where the sheet has none
 _FD, _FL, _TRIM = 0.42, 0.9, 4.0
 _LOG_REYNOLDS = np.linspace(np.log(1e-3), np.log(1e6), 1200)
 
 
-def viscous_share(kv, viscosity, chain):
+def viscous_share(kv: np.ndarray, viscosity: float | np.ndarray, chain: Chain) -> np.ndarray:
     """Share of the turbulent flow that a viscous liquid keeps.
 
     Parameters
@@ -46,5 +47,5 @@ def viscous_share(kv, viscosity, chain):
 
 
 @lru_cache(maxsize=32)
-def _log_share(trim, fl):
+def _log_share(trim: float, fl: float) -> np.ndarray:
     return np.log(nonturbulent_flow_ratio(np.exp(_LOG_REYNOLDS), trim, fl))

@@ -3,10 +3,12 @@
 
 import numpy as np
 
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
 from sklvalve.simulation.trim import GRID
 
 
-def visited(chain):
+def visited(chain: Chain) -> tuple[np.ndarray, np.ndarray]:
     """Openings between which nearly all rows of a recording lie, and the sheet's relative capacity there."""
     opening = chain.command if chain.measured is None else chain.measured
     low, high = np.nanquantile(opening, (0.01, 0.99)) if opening is not None else (0.0, 1.0)
@@ -14,7 +16,7 @@ def visited(chain):
     return x, np.interp(x, GRID, chain.trim.nominal)
 
 
-def beyond_trim(change, phi, tolerance):
+def beyond_trim(change: np.ndarray, phi: np.ndarray, tolerance: Tolerance) -> bool:
     """Whether a relative change of capacity is anywhere larger than IEC 60534-2-4 allows.
 
     Parameters

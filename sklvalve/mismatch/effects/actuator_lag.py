@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An actuator that answers slowly."""
 
+from typing import Any
+
+import numpy as np
+
+from sklvalve.mismatch.effects._defects import MOVES
 from sklvalve.mismatch.effects._response import slowest
+from sklvalve.mismatch.effects._shown import AIR
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.stages import first_order_lag
+from sklvalve.simulation.tolerance import Tolerance
 
 
 class ActuatorLag(Effect):
@@ -20,21 +28,24 @@ class ActuatorLag(Effect):
     block, stage = "actuator", "signal"
     parameters: tuple = (Quantity("time_constant", "s", 0.5, 600.0, (6.0, 25.0), log=True),)
     needs = ("command",)
+    hidden_by = MOVES
     source = "volume behind a resistance, V dp/dt = (p_s - p) / R"
     requires = "an actuator driven by air"
+    words = "a slow actuator"
+    clause = "the actuator is slow"
     phrase = "the actuator follows with a lag of {time_constant:.1f} s"
     separated_by = (
         "Steps of three sizes: a lag takes the same time for all, choked air or a slew limit longer "
         "the larger the step, and a dead time shifts all of it."
     )
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return first_order_lag(value, chain.step, p["time_constant"], 1.0)
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         return p["time_constant"] > slowest(chain, tolerance, late)
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return not chain.electric
 
 
@@ -52,13 +63,13 @@ class RestrictedAir(ActuatorLag):
     kind = "either"
     stage = "actuator"
     family = "air"
-    parameters = (Quantity("share", "1", 0.002, 0.95, (0.3, 0.07), log=True, null=1.0),)
+    parameters = (Quantity("share", "1", 0.002, 0.95, (0.3, 0.07), log=True, null=1.0, shown=AIR),)
     phrase = "the actuator's air is throttled to {share:.0%} of its flow"
     source = "ISO 6358, critical ratio 0.3"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: Any, p: dict[str, float], chain: Chain) -> Any:
         return value | {"capacity": p["share"] - 1.0}
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # a capacity constant from the start is calibrated down to a whole stroke in the response time
         return True

@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Air that is lost from the actuator's chamber."""
 
+from typing import Any
+
 import numpy as np
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects._defects import REACH
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
 from sklvalve.mismatch.effects.spring_fault import knows_air
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
+
+_LEAK = Shown("leak", "% of the positioner's capacity", 100.0)
 
 
 class ActuatorLeak(Effect):
@@ -19,12 +26,16 @@ class ActuatorLeak(Effect):
 
     name = key = "actuator_leak"
     block, stage = "actuator", "actuator"
-    parameters: tuple = (Quantity("leak", "1", 0.003, 3.0, (0.1, 0.4), log=True),)
+    parameters: tuple = (Quantity("leak", "1", 0.003, 3.0, (0.1, 0.4), log=True, shown=_LEAK),)
     needs = ("command",)
+    hidden_by = REACH
+    by_drop = "unseen"
     # a positioner that integrates makes up for the leak, so that one calibrated to do so leaves no use for it
     begins_with = (("actuator_reset", 0.003),)
     source = "ISO 6358, critical ratio 0.3"
     requires = "an air supply or a spring range in the data sheet"
+    words = "an air leak of the actuator"
+    clause = "the actuator leaks air"
     phrase = "the actuator loses air (a leak of {leak:.0%} of the positioner's capacity)"
     separated_by = (
         "Soap the housing, the fittings and the vent hole with the valve half open: "
@@ -32,15 +43,15 @@ class ActuatorLeak(Effect):
     )
     damadics = "f9"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         return value | {"leak": p["leak"]}
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # the spool stands open by the leak's share of its flow, and a gain of ten turns that into an error
         droop = 0.1 * p["leak"] * (chain.spring + 0.5) / chain.supply
         return late or droop > 0.5 * tolerance.static_error
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return knows_air(chain)
 
 
@@ -55,7 +66,7 @@ class DiaphragmLeak(ActuatorLeak):
     key = "actuator_leak_diaphragm"
     parameters = (
         *ActuatorLeak.parameters,
-        Quantity("lost_area", "1", 0.0, 0.9, (0.2, 0.5)),
+        Quantity("lost_area", "1", 0.0, 0.9, (0.2, 0.5), shown=Shown("area without pressure", "%", 100.0)),
     )
     phrase = (
         "the diaphragm is torn (a leak of {leak:.0%} of the positioner's capacity, "
@@ -63,12 +74,12 @@ class DiaphragmLeak(ActuatorLeak):
     )
     damadics = "f10"
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # what still carries the whole travel changes the response only
         reach = (1.0 - p["lost_area"]) * (chain.supply - chain.atmosphere) - (chain.spring - chain.atmosphere)
         return reach < 1.05 or super().beyond_tolerance(p, chain, tolerance, late)
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         more = p["lost_area"] / (1.0 - p["lost_area"])
         return super().apply(value, p, chain) | {
             "coulomb": np.multiply(value["coulomb"], 1.0 + more),

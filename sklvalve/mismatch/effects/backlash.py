@@ -6,15 +6,21 @@ from math import exp
 import numba as nb
 import numpy as np
 
+from sklvalve.mismatch.effects._defects import MOVES, hidden
+from sklvalve.mismatch.effects._shown import PLAY
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.stages import play
+from sklvalve.simulation.tolerance import Tolerance
 
 # a positioner's swing after a stroke is over in about this time [s]
 _SWING = 1.0
 
 
 @nb.njit(cache=True, nogil=True)
-def play_with_overshoot(inside, step, width, overshoot, first_side):
+def play_with_overshoot(
+    inside: np.ndarray, step: np.ndarray, width: float, overshoot: float, first_side: float
+) -> np.ndarray:
     """Play whose driving part swings beyond its samples after a stroke.
 
     Parameters
@@ -70,22 +76,26 @@ class Backlash(Effect):
     name = key = "backlash"
     block, stage = "valve", "plug"
     parameters: tuple = (
-        Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),
-        Quantity("overshoot", "1", 0.0, 0.3, (0.03,), null=None),
-        Quantity("first_side", "1", -1.0, 1.0, (0.0,), null=None),
+        Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True, shown=PLAY),
+        Quantity("overshoot", "1", 0.0, 0.3, (0.03,), null=None, silent=True),
+        Quantity("first_side", "1", -1.0, 1.0, (0.0,), null=None, silent=True),
     )
     needs: tuple = ("flow",)
+    hidden_by = hidden(MOVES, compressed=("flow",), quantised=("opening", "flow"))
+    by_drop = "onset"
     family = "play"
+    words = "backlash"
+    clause = "the stem has play (backlash)"
     phrase = "there is play between stem and plug of {width:.1%} of travel"
     separated_by = (
         "Step the command up and down by 1, 2 and 5 % at a slow and at a fast rate: play is the same at both."
     )
     damadics = "f4"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return play_with_overshoot(value, chain.step, p["width"], p["overshoot"], p["first_side"])
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         return p["width"] > tolerance.static_error
 
 
@@ -95,15 +105,16 @@ class LinkageBacklash(Backlash):
     key = "backlash_linkage"
     alike = "play"
     block, stage = "actuator", "stem"
-    parameters = (Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True),)
+    parameters = (Quantity("width", "1", 0.002, 0.4, (0.015, 0.05), log=True, shown=PLAY),)
     needs = ("command", "opening")
+    by_drop = ""
     phrase = "there is play of {width:.1%} of travel between actuator and stem"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         changed, begun = value.copy(), slice(chain.first_row(self), None)
         # a gap that opens opens around the stem: where it stood in none before says nothing
         changed[begun] = play(value[begun], p["width"])
         return changed
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return chain.measured is not None

@@ -1,9 +1,33 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What an effect is: a change to one stage of the chain, with what a person needs to know of it."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
 
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.parameters import Parameter
+from sklvalve.simulation.tolerance import Tolerance
+
+
+@dataclass(frozen=True)
+class Shown:
+    """How a parameter is shown to a plant engineer.
+
+    Parameters
+    ----------
+    words : str
+        What it is called.
+    unit : str, default=""
+        Unit in which it is shown.
+    turn : float or callable, default=1.0
+        Factor, or function, from the parameter in its own unit to what is shown.
+    """
+
+    words: str
+    unit: str = ""
+    turn: float | Callable[[float], float] = 1.0
 
 
 @dataclass(frozen=True)
@@ -24,6 +48,13 @@ class Quantity:
     null : float or None, default=0.0
         Value at which the effect vanishes: zero of a bias or a leak, one of a ratio. None of a parameter that
         says where or how an effect acts and not how much, such as a limit of speed.
+    shown : Shown or None, default=None
+        How reports show it. Where it is None, as the catalogue shows all parameters of that name and unit,
+        if it shows them alike; else by its name, in its own unit.
+    silent : bool, default=False
+        Whether reports leave it to diagnosis.json, for it has no meaning without the equation.
+    declared : callable or None, default=None
+        From the parameter to the value that declares it in valve.toml, under the effect's `declared_as`.
     """
 
     name: str
@@ -33,8 +64,11 @@ class Quantity:
     starts: tuple
     log: bool = False
     null: float | None = 0.0
+    shown: Shown | None = None
+    silent: bool = False
+    declared: Callable[[float], float] | None = None
 
-    def parameter_of(self, key, attempt=0):
+    def parameter_of(self, key: str, attempt: int = 0) -> Parameter:
         """Parameter of a fit for the effect of this key, begun with the start of this number."""
         start = self.starts[min(attempt, len(self.starts) - 1)]
         return Parameter(f"{key}.{self.name}", self.unit, self.low, self.high, start, log=self.log)
@@ -55,10 +89,29 @@ class Effect:
         Stage of the chain that it changes.
     needs : tuple of str
         Roles without which it cannot be tested.
+    words : str
+        What it is called in a report, as it follows "the simulation lacks": ``"seat leakage"``. Where it is
+        empty the name stands there, with blanks.
+    clause : str
+        What has happened where it is a fault, as it follows "likely fault:": ``"the seat leaks"``. Where it
+        is empty, "there is" and its words.
     phrase : str
         What a person reads; may name the parameters.
     separated_by : str
         The test that tells it from what it is confused with.
+    hidden_by : mapping of str to tuple of str
+        Defects of the data that hide it or look like it, and the roles of the signals for which they do, or
+        ``"any"``: ``compressed``, ``quantised``, ``frozen``, ``saturated``, ``clock_shift``; ``unmeasured``,
+        which is frozen from first to last; and ``held``, an opening of which a historian left out no more
+        than moves that are too small to count. Exchanged columns, wrong units and a flow that was not
+        measured hide every effect, and need not be named.
+    standstill : bool
+        Whether it is a stem that stands still: a frozen opening that may be a seized stem does not hide it.
+    by_drop : {"", "always", "unseen", "onset"}
+        What a pressure drop that nobody recorded makes just as well. It bends, scales, slowly shifts and
+        damps a flow (``"always"``), and passes for a stem whose travel is shifted or ends early where no
+        position is recorded (``"unseen"``). No drop makes lost motion, but one that changes makes the
+        beginning of it (``"onset"``), so that it is then there throughout or not at all.
     family : str
         Effects of one family have the same equation: a hypothesis holds one of them at most.
     begins_with : tuple of (str, float)
@@ -69,6 +122,8 @@ class Effect:
         another one stands.
     may_begin : bool
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
+    motor : bool
+        Whether it is one of an electric actuator.
     in_loop : bool
         Whether it is a sensor's that positioner and recording share; then `stops` says what it reads at both
         stops of the stem.
@@ -94,34 +149,45 @@ class Effect:
         What must be known or seen for `possible` to hold, as it is told where the effect cannot be tested.
     """
 
-    name = key = block = stage = phrase = separated_by = damadics = ""
-    family = alike = source = declared_as = fluid = ""
+    name = key = block = stage = words = clause = phrase = separated_by = damadics = ""
+    family = alike = source = declared_as = fluid = by_drop = ""
     kind, kind_late = "fault", "fault"
     begins_with: tuple = ()
     requires = "a data sheet that gives the characteristic and the fluid"
+    hidden_by: Mapping[str, tuple[str, ...]] = MappingProxyType({})
+    standstill = False
     may_begin = True
     grows = False
+    motor = False
     in_loop = False
     mistaken = 0.15
     needs: tuple = ()
     parameters: tuple = ()
 
-    def quantities(self, chain):
+    def __init_subclass__(cls, **settings: Any) -> None:
+        """Leave the words of another effect to that one: they belong to its name."""
+        super().__init_subclass__(**settings)
+        if "name" in vars(cls):
+            for told in ("words", "clause"):
+                if told not in vars(cls):
+                    setattr(cls, told, "")
+
+    def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         """Parameters with the bounds that hold for this valve."""
         return self.parameters
 
-    def apply(self, value, p, chain):
+    def apply(self, value: Any, p: dict[str, float], chain: Chain) -> Any:
         """What the stage makes, `value`, with the effect of parameters `p`."""
         raise NotImplementedError
 
-    def kind_of(self, chain, late):
+    def kind_of(self, chain: Chain, late: bool) -> str:
         """What it is in this valve: "fault", "property" or "either"; `late`: it began in the record."""
         return self.kind_late if late or self.grows else self.kind
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         """Whether parameters `p` lie beyond what a data sheet leaves open; `late`: it began in the record."""
         return True
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         """Whether the effect makes sense for this valve at all."""
         return True

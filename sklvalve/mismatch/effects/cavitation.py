@@ -3,9 +3,12 @@
 
 import numpy as np
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects._defects import UNSTEADY
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
+from sklvalve.simulation.chain import Chain
 
 _SEEN = 0.2
+_BEGINS = Shown("pressure ratio at which it begins")
 
 
 class Cavitation(Effect):
@@ -23,10 +26,13 @@ class Cavitation(Effect):
     kind, fluid = "property", "liquid"
     block, stage = "valve", "capacity"
     parameters = (
-        Quantity("loss", "1", 0.0, 0.4, (0.05, 0.15)),
-        Quantity("begins", "1", 0.15, 0.9, (0.3, 0.6), null=None),
+        Quantity("loss", "1", 0.0, 0.4, (0.05, 0.15), shown=Shown("largest loss of capacity", "%", 100.0)),
+        Quantity("begins", "1", 0.15, 0.9, (0.3, 0.6), null=None, shown=_BEGINS),
     )
     needs = ("flow", "p1", "p2")
+    hidden_by = UNSTEADY
+    words = "cavitation"
+    clause = "the liquid cavitates"
     phrase = "cavitation takes capacity from a pressure ratio of {begins:.2f} on"
     separated_by = (
         "Lower the outlet pressure slowly at a fixed opening and record it fast: its noise rises where "
@@ -35,13 +41,13 @@ class Cavitation(Effect):
     source = "IEC 60534-8-4"
     requires = "the liquid's vapour pressure, and pressure drops of 0.2 (p1 - pv) or more"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         with np.errstate(divide="ignore", invalid="ignore"):
             ratio = chain.dp / (chain.p1 - chain.vapour)
         far = np.clip((ratio - p["begins"]) / (1.0 - p["begins"]), 0.0, 1.0)
         return value * (1.0 - p["loss"] * far)
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         if chain.vapour is None:
             return False
         with np.errstate(divide="ignore", invalid="ignore"):

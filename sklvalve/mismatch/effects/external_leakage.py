@@ -4,8 +4,9 @@
 import numpy as np
 
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
+from sklvalve.mismatch.effects._defects import PRESSURES, hidden
 from sklvalve.mismatch.effects.base import Effect, Quantity
-from sklvalve.simulation.chain import ATMOSPHERE
+from sklvalve.simulation.chain import ATMOSPHERE, Chain
 
 
 class ExternalLeakage(Effect):
@@ -20,6 +21,9 @@ class ExternalLeakage(Effect):
     block, stage = "valve", "flow"
     parameters: tuple = (Quantity("leak_kv", "m3/h", 0.0, 1.0, (0.3,)),)
     needs: tuple = ("flow", "p1", "p2")
+    hidden_by = hidden(PRESSURES, saturated=("p1",))
+    words = "a leak to the outside"
+    clause = "liquid leaks to the outside"
     phrase = "liquid leaks out before the trim (Kv {leak_kv:.2g} m3/h)"
     separated_by = (
         "Shut the valve and raise the pressures on both sides by 1 bar: a leak to the outside grows, a "
@@ -29,18 +33,18 @@ class ExternalLeakage(Effect):
     requires = "a pressure above the atmosphere's that varies"
     _role, _sign = "p1", 1.0
 
-    def _gauge(self, chain):
+    def _gauge(self, chain: Chain) -> np.ndarray:
         return np.maximum(getattr(chain, self._role) - ATMOSPHERE, 0.0)
 
-    def quantities(self, chain):
+    def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         rated = chain.trim.rated
         return (Quantity("leak_kv", "m3/h", 0.0, 0.2 * rated, (0.005 * rated, 0.03 * rated)),)
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         lost = FLOW_CONSTANT * p["leak_kv"] * np.sqrt(self._gauge(chain) / chain.density)
         return value + self._sign * (lost * chain.density if chain.recording.mass_flow else lost)
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         # at one pressure it is a meter's zero and nothing else
         gauge = np.sqrt(self._gauge(chain))
         low, high = np.nanquantile(gauge, (0.02, 0.98))

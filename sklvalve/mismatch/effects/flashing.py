@@ -3,7 +3,9 @@
 
 import numpy as np
 
+from sklvalve.mismatch.effects._defects import UNSTEADY, hidden
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.chain import Chain
 
 _FEWEST = 0.01
 
@@ -23,17 +25,20 @@ class Flashing(Effect):
     block, stage = "valve", "flow"
     parameters = (Quantity("swelling", "1", 0.0, 20.0, (0.3, 3.0)),)
     needs = ("flow", "p1", "p2")
+    hidden_by = hidden(UNSTEADY, saturated=("flow", "p2"), unmeasured=("temperature",))
+    words = "flashing"
+    clause = "the liquid flashes"
     phrase = "liquid boils behind the valve and swells what the meter counts"
     separated_by = "Raise the outlet pressure above the vapour pressure: what boiling adds vanishes at once."
     damadics = "f7"
     requires = "the liquid's vapour pressure, and outlet pressures below it"
 
-    def _depth(self, chain):
+    def _depth(self, chain: Chain) -> np.ndarray:
         with np.errstate(divide="ignore", invalid="ignore"):
             return np.clip(1.0 - chain.p2 / chain.vapour, 0.0, 1.0)
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return value * (1.0 + p["swelling"] * self._depth(chain))
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return chain.vapour is not None and bool(np.mean(self._depth(chain) > 0.0) > _FEWEST)

@@ -6,8 +6,11 @@ from math import tanh
 import numba as nb
 import numpy as np
 
+from sklvalve.mismatch.effects._defects import FOLLOWING
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.calibration import span_of
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
 
 _STEEL = 4e7
 # of the line between the taps [m], and of a liquid in one that long [m/s]
@@ -15,7 +18,7 @@ _BETWEEN_TAPS, _FASTEST = 1000.0, 2.0
 
 
 @nb.njit(cache=True, nogil=True)
-def water_column(steady, step, drop, inertance):
+def water_column(steady: np.ndarray, step: np.ndarray, drop: np.ndarray, inertance: np.ndarray) -> np.ndarray:
     """Flow of a rigid column of liquid through a valve that would pass `steady` at rest.
 
     Parameters
@@ -63,20 +66,23 @@ class FlowInertia(Effect):
     block, stage = "line", "flow"
     parameters = (Quantity("length_over_area", "1/m", 10.0, _STEEL, (1e4,), log=True),)
     needs = ("flow", "p1", "p2")
+    hidden_by = FOLLOWING
+    words = "inertia of the liquid in the line"
+    clause = "the liquid in the line is slow to follow"
     phrase = "the liquid in the line is slow to follow (length over cross section {length_over_area:.2g} 1/m)"
     separated_by = (
         "Fast steps at two pressure drops: inertia takes less time at the larger drop, a sensor's damping "
         "the same at both."
     )
 
-    def _per_second(self, chain):
+    def _per_second(self, chain: Chain) -> float:
         """Length over area that makes a lag of one second in the middle of the recording [1/m]."""
         flow = chain.recording["flow"]
         volume = flow / chain.density if chain.recording.mass_flow else flow
         size = float(np.nanmedian(np.abs(chain.dp) / (chain.density * np.maximum(np.abs(volume), 1e-9))))
         return 2.0 * max(size, 1e-9)
 
-    def quantities(self, chain):
+    def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         (own,) = self.parameters
         starts = tuple(
             float(np.clip(lag * self._per_second(chain), 20.0, 0.5 * _STEEL)) for lag in (5.0, 20.0)
@@ -89,11 +95,11 @@ class FlowInertia(Effect):
             Quantity(own.name, own.unit, own.low, high, tuple(min(s, 0.5 * high) for s in starts), log=True),
         )
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         steady = value / chain.density if chain.recording.mass_flow else value
         inertance = p["length_over_area"] * chain.density
         flow = water_column(steady, chain.step, np.abs(chain.dp), inertance)
         return flow * chain.density if chain.recording.mass_flow else flow
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         return p["length_over_area"] / self._per_second(chain) > tolerance.response

@@ -1,10 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stem that rubs."""
 
+from typing import Any
+
 import numpy as np
 
+from sklvalve.mismatch.effects._defects import MOVES, hidden
 from sklvalve.mismatch.effects._events import ByHunting, BySlips
+from sklvalve.mismatch.effects._shown import FRICTION
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
 
 
 class Friction(Effect):
@@ -20,19 +26,22 @@ class Friction(Effect):
     name = key = "friction"
     alike = "play"
     block, stage = "actuator", "actuator"
-    parameters = (Quantity("friction", "1", 0.02, 1.5, (0.1, 0.3), log=True),)
+    parameters = (Quantity("friction", "1", 0.02, 1.5, (0.1, 0.3), log=True, shown=FRICTION),)
     needs = ("command",)
+    hidden_by = hidden(MOVES, frozen=("opening",))
     source = "Olsson et al., Friction models and friction compensation, Eur. J. Control 4 (1998)"
+    words = "raised friction of the stem"
+    clause = "the stem's friction is too high"
     phrase = "the stem rubs (friction {friction:.0%} of the spring's range)"
     separated_by = (
         "Ramp the command slowly up and down with the actuator's pressure recorded: "
         "friction opens its loop of pressure over travel, play in the linkage does not."
     )
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         return value | {"coulomb": np.maximum(value["coulomb"], p["friction"])}
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         return p["friction"] > most_friction(tolerance)
 
 
@@ -62,6 +71,6 @@ class FrictionByHunting(ByHunting, Friction):
     )
 
 
-def most_friction(tolerance):
+def most_friction(tolerance: Tolerance) -> float:
     """Friction that a sound valve may have: what keeps a loop of ordinary gain within its static error."""
     return 2.5 * tolerance.static_error

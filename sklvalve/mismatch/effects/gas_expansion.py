@@ -3,7 +3,9 @@
 
 import numpy as np
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects._defects import PRESSURES, hidden
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
+from sklvalve.simulation.chain import Chain
 
 _GAS = ("molar_mass", "heat_capacity_ratio", "compressibility")
 _DIATOMIC = 1.4
@@ -21,8 +23,11 @@ class GasExpansion(Effect):
     name = key = "gas_expansion"
     kind, fluid = "property", "gas"
     block, stage = "valve", "capacity"
-    parameters = (Quantity("xt", "1", 0.15, 0.9, (0.7, 0.4), null=None),)
+    parameters = (Quantity("xt", "1", 0.15, 0.9, (0.7, 0.4), null=None, shown=Shown("x_T")),)
     needs = ("flow", "p1", "p2")
+    hidden_by = hidden(PRESSURES, saturated=("p1", "p2"))
+    words = "expansion of the gas"
+    clause = "the gas expands in the valve"
     phrase = "the gas expands in the valve (x_T about {xt:.2f})"
     separated_by = (
         "Lower the outlet pressure at a fixed opening, from a small drop to half the inlet pressure."
@@ -30,7 +35,7 @@ class GasExpansion(Effect):
     source = "IEC 60534-2-1"
     requires = "a gas"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         gamma = chain.valve.fluid.get("heat_capacity_ratio", _DIATOMIC)
         choked = p["xt"] * gamma / _DIATOMIC
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -38,5 +43,5 @@ class GasExpansion(Effect):
             root = np.sqrt(np.where(x > choked, choked / x, 1.0))
         return value * (1.0 - np.minimum(x / choked, 1.0) / 3.0) * root
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return any(datum in chain.valve.fluid for datum in _GAS)

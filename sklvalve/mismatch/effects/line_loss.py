@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Resistance of the line between the pressure taps."""
 
+from sklvalve.mismatch.effects._shown import LOSS
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.effects.piping_reducers import PipingReducers
 
@@ -15,5 +16,7 @@ class LineLoss(PipingReducers):
 
     name = key = "line_loss"
     kind = "property"
-    parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5)),)
+    parameters = (Quantity("loss", "1", 0.0, 30.0, (0.3, 1.5), shown=LOSS),)
+    words = "pressure loss of the line"
+    clause = "the line loses pressure"
     phrase = "the line between the pressure taps costs {loss:.2g} times the valve's own loss when fully open"

@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An outlet pressure sensor that reads off by a constant."""
 
+from typing import Any
+
+from sklvalve.mismatch.effects._defects import PRESSURES, hidden
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
+from sklvalve.simulation.chain import Chain
 
 
 class OutletPressureBias(InletPressureBias):
@@ -12,10 +16,13 @@ class OutletPressureBias(InletPressureBias):
     """
 
     name = key = "outlet_pressure_bias"
+    hidden_by = hidden(PRESSURES, saturated=("p2",))
+    words = "a shifted zero of the outlet pressure sensor"
+    clause = "the outlet pressure sensor's zero has shifted"
 
-    def quantities(self, chain):
+    def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         (inlet,) = super().quantities(chain)
         return (Quantity("bias", "Pa", -inlet.high, -inlet.low, tuple(-s for s in inlet.starts)),)
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         return value | {"p2": value["p2"] - p["bias"]}

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A position sensor whose span is wrong."""
 
+import numpy as np
+
+from sklvalve.mismatch.effects._shown import DEVIATION
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.effects.position_sensor_bias import InLoop, PositionSensorBias
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
 
 
 class PositionSensorGain(PositionSensorBias):
@@ -15,20 +20,22 @@ class PositionSensorGain(PositionSensorBias):
     """
 
     name = key = "position_sensor_gain"
-    parameters = (Quantity("gain", "1", -0.5, 1.0, (0.06, -0.06)),)
+    parameters = (Quantity("gain", "1", -0.5, 1.0, (0.06, -0.06), shown=DEVIATION),)
     family = "position_gain"
+    words = "a wrong span of the position sensor"
+    clause = "the position sensor's span is wrong"
     phrase = "the position sensor's span is {gain:+.1%} off"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         rest = 1.0 if chain.air_closes else 0.0
         return rest + (1.0 + p["gain"]) * (value - rest)
 
-    def invert(self, value, p, chain):
+    def invert(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         """True opening of a recorded one."""
         rest = 1.0 if chain.air_closes else 0.0
         return rest + (value - rest) / (1.0 + p["gain"])
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # at the far end of the travel it is as much as a zero may be off
         return late or abs(p["gain"]) > tolerance.position_zero
 

@@ -1,10 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A positioner that leaves small errors alone."""
 
+from typing import Any
+
 import numpy as np
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects._defects import STICKS
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
 from sklvalve.mismatch.thresholds import seen_thresholds
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
+
+_HALF_BAND = Shown("dead band each way", "% of travel", 100.0)
+_REVERSAL = Shown("dead band where it turns, as a multiple")
+
+
+def _dead_band(half_width: float) -> float:
+    """Whole dead band, as valve.toml has it [% of travel]."""
+    return 200.0 * half_width
 
 
 class PositionerDeadband(Effect):
@@ -18,17 +31,24 @@ class PositionerDeadband(Effect):
     kind, declared_as = "either", "dead_band"
     alike = "play"
     block, stage = "actuator", "actuator"
-    parameters: tuple = (Quantity("half_width", "1", 0.002, 0.2, (0.01, 0.03), log=True),)
+    parameters: tuple = (
+        Quantity(
+            "half_width", "1", 0.002, 0.2, (0.01, 0.03), log=True, shown=_HALF_BAND, declared=_dead_band
+        ),
+    )
     needs = ("command",)
+    hidden_by = STICKS
+    words = "a dead band of the positioner"
+    clause = "the positioner has a dead band"
     phrase = "the positioner leaves errors of up to {half_width:.1%} of travel uncorrected"
     separated_by = (
         "Small steps of the command (0.25, 0.5, 1, 2 %): in a dead band the stem stays, without a jump after."
     )
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         return value | {"dead_band": np.full_like(value["dead_band"], p["half_width"])}
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         declared = (1.0 + tolerance.declared) * (chain.valve.dead_band or 0.0)
         return 2.0 * p["half_width"] > max(tolerance.static_error, declared)
 
@@ -47,8 +67,19 @@ class MotorDeadband(PositionerDeadband):
     kind = "property"
     motor = True
     parameters = (
-        Quantity("half_width", "1", 0.0005, 0.2, (0.005, 0.01, 0.01, 0.02, 0.02, 0.05), log=True),
-        Quantity("reversal", "1", 0.2, 10.0, (1.0, 1.0, 2.5, 1.0, 2.5, 1.0), log=True, null=None),
+        Quantity(
+            "half_width",
+            "1",
+            0.0005,
+            0.2,
+            (0.005, 0.01, 0.01, 0.02, 0.02, 0.05),
+            log=True,
+            shown=_HALF_BAND,
+            declared=_dead_band,
+        ),
+        Quantity(
+            "reversal", "1", 0.2, 10.0, (1.0, 1.0, 2.5, 1.0, 2.5, 1.0), log=True, null=None, shown=_REVERSAL
+        ),
     )
     phrase = (
         "the motor leaves errors of up to {half_width:.2%} of travel uncorrected, "
@@ -56,7 +87,7 @@ class MotorDeadband(PositionerDeadband):
     )
     separated_by = "Small steps of the command (0.25, 0.5, 1, 2, 4 %), up, and then the same down."
 
-    def quantities(self, chain):
+    def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         seen = seen_thresholds(chain.recording)
         if seen is None:
             return self.parameters
@@ -69,12 +100,12 @@ class MotorDeadband(PositionerDeadband):
         middle = 0.5 * (low + high)
         return _between(width, low, high), _between(factor, turning[0] / middle, turning[1] / middle)
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         changed = super().apply(value, p, chain)
         return changed | {"reversal": np.full_like(value["reversal"], p["reversal"])}
 
 
-def _between(quantity, low, high):
+def _between(quantity: Quantity, low: float, high: float) -> Quantity:
     low, high = np.clip([0.99 * low, 1.01 * high], 1.01 * quantity.low, 0.99 * quantity.high)
     return Quantity(
         quantity.name, quantity.unit, float(low), float(1.001 * high), (float(0.5 * (low + high)),), log=True

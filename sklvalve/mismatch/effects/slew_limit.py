@@ -1,12 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stem that travels no faster than a limit."""
 
+from typing import Any
+
 import numpy as np
 
+from sklvalve.mismatch.effects._defects import MOVES
 from sklvalve.mismatch.effects._response import slowest
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.electric import knows_air
 from sklvalve.simulation.stages import limited_rate
+from sklvalve.simulation.tolerance import Tolerance
+
+_SPEED = Shown("largest speed", "%/s", 100.0)
+_CLOSING_RATIO = Shown("speed of closing over that of opening")
+
+
+def _stroke_time(speed: float) -> float:
+    """Time of a whole stroke, as valve.toml has it [s]."""
+    return 1.0 / speed
 
 
 class SlewLimit(Effect):
@@ -19,10 +32,15 @@ class SlewLimit(Effect):
     kind, declared_as = "property", "stroke_time"
     block, stage = "actuator", "signal"
     parameters: tuple = (
-        Quantity("speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True, null=None),
-        Quantity("closing_ratio", "1", 0.25, 4.0, (1.0,), log=True, null=None),
+        Quantity(
+            "speed", "1/s", 0.001, 1.0, (0.1, 0.02), log=True, null=None, shown=_SPEED, declared=_stroke_time
+        ),
+        Quantity("closing_ratio", "1", 0.25, 4.0, (1.0,), log=True, null=None, shown=_CLOSING_RATIO),
     )
     needs = ("command",)
+    hidden_by = MOVES
+    words = "a limited stroking speed"
+    clause = "the stroking speed is limited"
     phrase = (
         "the stem opens at {speed:.1%} of travel a second at most (closing {closing_ratio:.2g} times that)"
     )
@@ -30,20 +48,20 @@ class SlewLimit(Effect):
         "Steps of three sizes: a slew limit takes longer the larger the step, a dead time does not."
     )
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return limited_rate(value, chain.step, p["speed"], p["speed"] * p["closing_ratio"])
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # positioner and actuator each may take their response time for a stroke, or as long as is declared
         slow = 0.5 / slowest(chain, tolerance, late)
         if chain.valve.stroke_time is not None:
             slow = min(slow, 1.0 / ((1.0 + tolerance.declared) * chain.valve.stroke_time))
         return p["speed"] * min(p["closing_ratio"], 1.0) < slow
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return not chain.electric
 
-    def kind_of(self, chain, late):
+    def kind_of(self, chain: Chain, late: bool) -> str:
         # air that fills a chamber slowly may do so by design, or for a clogged filter
         kind = super().kind_of(chain, late)
         return "either" if kind == "property" and knows_air(chain.valve, chain.recording) else kind
@@ -56,21 +74,21 @@ class MotorSpeed(SlewLimit):
     stage = "actuator"
     motor = True
 
-    def quantities(self, chain):
+    def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         speed, ratio = self.parameters
         fastest = _usual_speed(chain)
         starts = speed.starts if fastest is None else (float(np.clip(fastest, 0.0011, 0.99)), *speed.starts)
         return (Quantity("speed", "1/s", speed.low, speed.high, starts, log=True, null=None), ratio)
 
-    def apply(self, value, p, chain):
+    def apply(self, value: Any, p: dict[str, float], chain: Chain) -> Any:
         up = np.full_like(value["up"], p["speed"])
         return value | {"up": up, "down": up * p["closing_ratio"]}
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return chain.electric
 
 
-def _usual_speed(chain):
+def _usual_speed(chain: Chain) -> float | None:
     """Speed at which most of a recorded travel is made [1/s]: where a fit begins; None without travel."""
     if chain.measured is None:
         return None

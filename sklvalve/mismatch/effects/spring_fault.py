@@ -1,8 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An actuator's spring that is not the sheet's."""
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from typing import Any
+
+from sklvalve.mismatch.effects._defects import REACH
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
 from sklvalve.mismatch.effects.friction import most_friction
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.tolerance import Tolerance
+
+_STRENGTH = Shown("force of the spring", "% of the sheet's", 100.0)
 
 
 class SpringFault(Effect):
@@ -18,12 +25,16 @@ class SpringFault(Effect):
     name = key = "spring_fault"
     block, stage = "actuator", "actuator"
     parameters = (
-        Quantity("strength", "1", 0.02, 3.0, (0.6, 1.5, 0.15), log=True, null=1.0),
-        Quantity("hardening", "1", -0.3, 2.0, (0.0,)),
+        Quantity("strength", "1", 0.02, 3.0, (0.6, 1.5, 0.15), log=True, null=1.0, shown=_STRENGTH),
+        Quantity("hardening", "1", -0.3, 2.0, (0.0,), silent=True),
     )
     needs = ("command",)
+    hidden_by = REACH
+    by_drop = "unseen"
     source = "force balance of a spring and diaphragm actuator, IEC 60534-4 bench range"
     requires = "an air supply or a spring range in the data sheet"
+    words = "a faulty actuator spring"
+    clause = "the actuator's spring is faulty"
     phrase = "the actuator's spring has {strength:.0%} of its sheet's force"
     separated_by = (
         "Stroke the valve fully both ways with the actuator's pressure recorded: "
@@ -31,7 +42,7 @@ class SpringFault(Effect):
     )
     damadics = "f11"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         more = p["strength"] - 1.0
         return value | {
             "preload": more * (chain.spring - chain.atmosphere),
@@ -39,7 +50,7 @@ class SpringFault(Effect):
             "hardening": p["hardening"],
         }
 
-    def beyond_tolerance(self, p, chain, tolerance, late):
+    def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # a spring that the air still carries through, and that still brings the stem home, changes the
         # response only
         left = chain.supply - chain.spring
@@ -47,10 +58,10 @@ class SpringFault(Effect):
         home = p["strength"] * (chain.spring - chain.atmosphere)
         return late or left - more < 1.05 or home < most_friction(tolerance)
 
-    def possible(self, chain):
+    def possible(self, chain: Chain) -> bool:
         return knows_air(chain)
 
 
-def knows_air(chain):
+def knows_air(chain: Chain) -> bool:
     """Whether the sheet says what air and spring the actuator has: without them its forces have no scale."""
     return chain.valve.supply_pressure is not None or chain.valve.spring_range is not None

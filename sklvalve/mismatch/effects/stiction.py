@@ -1,10 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stem that sticks and then slips."""
 
+from typing import Any
+
 import numpy as np
 
+from sklvalve.mismatch.effects._defects import STICKS
 from sklvalve.mismatch.effects._events import ByHunting, BySlips
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
+from sklvalve.simulation.chain import Chain
+
+_STATIC_FRICTION = Shown("friction at rest", "% of the spring range", 100.0)
+_SLIDING_SHARE = Shown("sliding friction", "% of that at rest", 100.0)
 
 
 class Stiction(Effect):
@@ -21,10 +28,13 @@ class Stiction(Effect):
     alike = "play"
     block, stage = "actuator", "actuator"
     parameters: tuple = (
-        Quantity("static_friction", "1", 0.02, 0.6, (0.06, 0.2), log=True),
-        Quantity("sliding_share", "1", 0.1, 0.95, (0.4,), null=None),
+        Quantity("static_friction", "1", 0.02, 0.6, (0.06, 0.2), log=True, shown=_STATIC_FRICTION),
+        Quantity("sliding_share", "1", 0.1, 0.95, (0.4,), null=None, shown=_SLIDING_SHARE),
     )
     needs: tuple = ("command",)
+    hidden_by = STICKS
+    words = "stiction"
+    clause = "the stem sticks and jumps (stiction)"
     phrase = "the stem sticks and slips (friction at rest {static_friction:.0%} of the spring's range)"
     separated_by = (
         "Ramp the command slowly through a reversal with the actuator's pressure recorded: "
@@ -32,7 +42,7 @@ class Stiction(Effect):
     )
     damadics = "f4"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
         sliding = p["static_friction"] * p["sliding_share"]
         changed = dict(value)
         changed["coulomb"] = np.maximum(value["coulomb"], sliding)

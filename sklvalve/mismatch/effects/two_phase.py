@@ -3,11 +3,14 @@
 
 import numpy as np
 
-from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.mismatch.effects._defects import END_OF_FLOW, UNSTEADY, hidden
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
+from sklvalve.simulation.chain import Chain
 
 # fine enough that where the mixture chokes moves smoothly with its share of gas
 _OUTLET = np.linspace(0.02, 1.0, 2000)
 _LOG_OUTLET = np.log(_OUTLET)
+_GAS_SHARE = Shown("gas share", "% of the volume", 100.0)
 
 
 class TwoPhase(Effect):
@@ -26,8 +29,11 @@ class TwoPhase(Effect):
     # another fluid is no fault of a valve, whenever it comes
     kind = kind_late = "either"
     block, stage = "line", "capacity"
-    parameters = (Quantity("gas_share", "1", 0.0, 0.6, (0.03, 0.15)),)
+    parameters = (Quantity("gas_share", "1", 0.0, 0.6, (0.03, 0.15), shown=_GAS_SHARE),)
     needs = ("flow", "p1", "p2")
+    hidden_by = hidden(UNSTEADY, END_OF_FLOW)
+    words = "gas carried in the liquid"
+    clause = "the liquid carries gas"
     phrase = "gas enters with the liquid, about {gas_share:.0%} of the volume"
     separated_by = (
         "Bleed the line before the valve, or raise both pressures at a constant drop: what bubbles do "
@@ -35,7 +41,7 @@ class TwoPhase(Effect):
     )
     source = "homogeneous frozen flow, e.g. Brennen, Fundamentals of Multiphase Flow, chapter 9"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         alpha = p["gas_share"]
         with np.errstate(divide="ignore", invalid="ignore"):
             outlet = chain.p2 / chain.p1
@@ -51,7 +57,7 @@ class TwoPhase(Effect):
         return np.where(forward, value * ratio, value)
 
 
-def _mixture(outlet, log_outlet, alpha):
+def _mixture(outlet: np.ndarray, log_outlet: np.ndarray, alpha: float) -> np.ndarray:
     """Flow of the mixture over that of its inlet density and the whole inlet pressure, by p / p1."""
     work = (1.0 - alpha) * (1.0 - outlet) - alpha * log_outlet
     return np.sqrt(work) / (alpha / outlet + 1.0 - alpha)

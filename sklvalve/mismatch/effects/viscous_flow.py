@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A liquid so viscous that the flow is no longer turbulent."""
 
+import numpy as np
+
+from sklvalve.mismatch.effects._defects import hidden
 from sklvalve.mismatch.effects._reynolds import viscous_share
 from sklvalve.mismatch.effects.base import Effect, Quantity
+from sklvalve.simulation.chain import Chain
 
 _ROOM = 293.15
 
@@ -21,8 +25,11 @@ class ViscousFlow(Effect):
     block, stage = "valve", "capacity"
     parameters: tuple = (Quantity("viscosity", "m2/s", 5e-7, 2e-2, (1e-5, 2e-4, 2e-3), log=True, null=None),)
     needs: tuple = ("flow", "p1", "p2")
+    hidden_by = hidden(unmeasured=("temperature",))
     # between laminar and turbulent the standard's law is a fit by pieces, with a jump at either end
     mistaken = 0.3
+    words = "viscous, no longer turbulent flow"
+    clause = "the flow is viscous, no longer turbulent"
     phrase = "the flow is not turbulent (viscosity about {viscosity:.2g} m2/s at 20 degC)"
     separated_by = (
         "Hold a small opening at three pressure drops, cold and warm: viscous flow is nearer to proportional "
@@ -30,10 +37,10 @@ class ViscousFlow(Effect):
     )
     source = "IEC 60534-2-1, annex A"
 
-    def apply(self, value, p, chain):
+    def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return value * viscous_share(value, self._viscosity(p, chain), chain)
 
-    def _viscosity(self, p, chain):
+    def _viscosity(self, p: dict[str, float], chain: Chain) -> float | np.ndarray:
         if not chain.fluid.knows("kinematic_viscosity"):
             return p["viscosity"]
         known = chain.fluid.kinematic_viscosity

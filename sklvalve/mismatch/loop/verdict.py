@@ -5,10 +5,17 @@ from collections.abc import Sequence
 from typing import Any
 
 import sklvalve.mismatch.loop.constants as constants
+from sklvalve.mismatch.effects.base import Quantity, Shown
 from sklvalve.mismatch.loop.classify import StickingClass
 from sklvalve.mismatch.loop.forecasts import Forecasts
 from sklvalve.mismatch.loop.signals import LoopSignals
 from sklvalve.mismatch.loop.stretch import StretchResult
+
+#: Parameters of a stem that sticks in a loop, shares of the command's range.
+STICK_AND_SLIP = (
+    Quantity("stick", "1", 0.0, 1.0, (), shown=Shown("dead band plus stick band", "% of travel", 100.0)),
+    Quantity("slip", "1", 0.0, 1.0, (), shown=Shown("slip jump", "% of travel", 100.0)),
+)
 
 
 def judge_undetected(results: Sequence[StretchResult], result: StretchResult) -> tuple[str, str]:
