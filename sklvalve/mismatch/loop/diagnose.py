@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A loop known by its command and its value only: does its valve stick?"""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -90,13 +90,19 @@ def diagnose_loop(recording: Recording, *, alpha: float = 0.01, random_state: in
     result = min(results, key=lambda each: (each.p_value, -each.evidence))
     p_value = min(1.0, len(results) * result.p_value)
     forecasts = _forecast_errors(result)
+    effects: list[dict[str, Any]] = []
     if p_value <= alpha:
-        stem = _named_stem(result, forecasts)
-        verdict, reason = "named", format_named(stem.band_share, result.loop.span)
+        # of sizes finer than the grid
+        sticking = classify_sticking(result)
+        fit, position, band = sticking.fit, sticking.stem, sticking.stick / result.loop.span
+        effects.append(effect_of(sticking, result.loop, grade_of(result, forecasts.helps)))
+        verdict, reason = "named", format_named(band, result.loop.span)
     else:
-        stem = _best_of_grid(result)
+        fit, band = result.comparison.sticking, result.band_share
+        position = result.candidates.stem[fit.index]
         verdict, reason = judge_undetected(results, result)
     verdict, of_forecasts = check_by_forecasts(verdict, forecasts)
+    noise_floor = float(np.sqrt(np.mean(fit.innovations**2)))
     sampling, of_sampling = sampling_of(loop, results, result)
     oscillation, methods = _published_results(recording)
     return LoopFinding(
@@ -104,46 +110,15 @@ def diagnose_loop(recording: Recording, *, alpha: float = 0.01, random_state: in
         p_value=p_value,
         alpha=alpha,
         evidence=result.evidence,
-        band=stem.band_share,
-        effects=stem.effects,
-        fit={
-            "held_out_rows": forecasts.rows,
-            "noise_floor": float(np.sqrt(np.mean(stem.fit.innovations**2))),
-            "rmse": forecasts.rmse,
-        },
-        predictions=_predictions(result, stem, forecasts.helps),
+        band=band,
+        effects=tuple(effects),
+        fit={"held_out_rows": forecasts.rows, "noise_floor": noise_floor, "rmse": forecasts.rmse},
+        predictions=_predictions(result, position, fit if forecasts.helps else result.comparison.command),
         reasons=(reason, *of_forecasts, *of_sampling),
         sampling=sampling,
         oscillation=oscillation,
         methods=methods,
         details=format_details(results, result),
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Stem:
-    """The likeliest stem that sticks: position [fraction of travel], fit, band, and its effects."""
-
-    position: NDArray
-    fit: LoopFit
-    band_share: float
-    effects: tuple[dict[str, Any], ...] = ()
-
-
-def _best_of_grid(result: StretchResult) -> _Stem:
-    """The stem of the grid that explains the value best."""
-    fit = result.comparison.sticking
-    return _Stem(result.candidates.stem[fit.index], fit, result.band_share)
-
-
-def _named_stem(result: StretchResult, forecasts: Forecasts) -> _Stem:
-    """The stem of a loop that sticks, of sizes finer than the grid."""
-    loop, sticking = result.loop, classify_sticking(result)
-    return _Stem(
-        sticking.stem,
-        sticking.fit,
-        sticking.stick / loop.span,
-        (effect_of(sticking, loop, grade_of(result, forecasts.helps)),),
     )
 
 
@@ -155,17 +130,16 @@ def _forecast_errors(result: StretchResult) -> Forecasts:
     return forecast_errors(command.regression, command.noise_filter, best)
 
 
-def _predictions(result: StretchResult, stem: _Stem, helps: bool) -> dict[str, NDArray]:
+def _predictions(result: StretchResult, position: NDArray, corrected: LoopFit) -> dict[str, NDArray]:
     """Free runs of the value, each at the recorded level in every quarter of the stretch."""
-    nominal = result.comparison.command.response
-    runs = {"nominal": nominal, "corrected": stem.fit.response if helps else nominal}
+    runs = {"nominal": result.comparison.command.response, "corrected": corrected.response}
     value = result.loop.value
     quarters = np.array_split(np.arange(len(value)), 4)
     levelled = {
         kind: np.concatenate([run[rows] + np.mean(value[rows] - run[rows]) for rows in quarters])
         for kind, run in runs.items()
     }
-    return {"time": result.loop.time, "stem": stem.position, **levelled}
+    return {"time": result.loop.time, "stem": position, **levelled}
 
 
 def _published_results(recording: Recording) -> tuple[dict[str, Any], tuple[dict[str, Any], ...]]:
