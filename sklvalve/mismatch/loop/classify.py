@@ -92,12 +92,13 @@ class _Best:
 
 
 def classify_sticking(result: StretchResult) -> StickingClass:
-    """Play or a jump, where the one is told from the other.
+    """Play or a jump, where the two can be distinguished.
 
-    A jump is told from play from a distance of 14 on, as anywhere in this package (`distance`), of the best
-    stem of each kind under either form of friction and the noise that suits it. Play is never told from a
-    jump: between two rows a controller that answers noise turns the command many times, and what is left of a
-    jump then looks smooth (of twelve drawn loops for which play fitted better by that much eight had one).
+    A jump is distinguished from play from a distance of 14 on, as anywhere in this package (`distance`). The
+    distance is that of the best stem of each kind under either form of friction and the noise that suits it.
+    Play is never distinguished from a jump: between two rows a controller that answers noise turns the
+    command many times, and what is left of a jump then looks smooth. Of twelve drawn loops for which play
+    fitted better by that much eight had a jump.
     """
     bests = [_best_of_form(form, result) for form in _FORMS]
     fit = likeliest(best.fit for best in bests)
@@ -111,7 +112,7 @@ def classify_sticking(result: StretchResult) -> StickingClass:
 
 
 def _shares(bests: list[_Best], best: _Best, command: float) -> dict[str, float]:
-    """Share of each name that is not told from the best, by its likelihood."""
+    """Share of each name that is not distinguished from the best, by its likelihood."""
     weights: dict[str, float] = {}
     for each in bests:
         apart = distance(best.fit, each.fit, best.fit.log_likelihood - command, OF_STROKES)
