@@ -5,7 +5,7 @@
 
 One loop a seed, from FIRST up to, not including, LAST: kind, scene and whether it sticks are drawn, and so is
 what is known of it, a set-point in half of them and that the value is a flow in half of the flows. The tail
-of the evidence of the healthy ones is what `sklvalve/mismatch/loop/evidence.py` holds (seeds from 61000 and
+of the evidence of the healthy ones is what `sklvalve/mismatch/loop/constants.py` holds (seeds from 61000 and
 61700 on); rates are measured on other seeds. Sticking loops count where the band is 25 % or more of the
 command's span; a play of that size in a valve drawn as healthy counts as neither.
 """

@@ -27,12 +27,13 @@ import pandas as pd
 from benchmarks.loop_alarms import drawn_at, is_either
 from benchmarks.loop_law import by_rows, law_of, whitened
 from benchmarks.loop_plant import _friction, _sliding
-from sklvalve.mismatch.loop.fit import fit_stems
-from sklvalve.mismatch.loop.look import MATTERS, looked
-from sklvalve.mismatch.loop.operators import candidates, placed, size_grid
-from sklvalve.mismatch.loop.process import foreseen_command, responses
-from sklvalve.mismatch.loop.search import nonnegative
+from sklvalve.mismatch.loop.constants import RELEVANT_BAND
+from sklvalve.mismatch.loop.fit import Regression, fit_stems
+from sklvalve.mismatch.loop.least_squares import nonnegative_weights
+from sklvalve.mismatch.loop.operators import candidate_stems, friction_parameters, size_grid
+from sklvalve.mismatch.loop.process import forecast_command, responses
 from sklvalve.mismatch.loop.signals import loop_signals
+from sklvalve.mismatch.loop.stretch import examine_stretch
 from sklvalve.recording import InputError
 
 #: Of what a step of one row leaves unknown, what straight lines between rows may add to it.
@@ -128,8 +129,8 @@ def _likelihood(left, spreads=None):
 
 
 def _ratio(likelihoods, shares):
-    matters = shares >= MATTERS
-    return float(likelihoods[matters].max() - likelihoods[~matters].max())
+    relevant = shares >= RELEVANT_BAND
+    return float(likelihoods[relevant].max() - likelihoods[~relevant].max())
 
 
 _PROCESS = ("bend", "lag", "integrates", "dead", "middle", "first", "follow")
@@ -143,7 +144,7 @@ def _known(plant):
 def answers_of(plant, sizes):
     """What the sensor would show in every step without noise, for stems of some sizes."""
     friction, process = _known(plant)
-    return _answers(_stems(plant.command, *placed(plant.command, sizes), *friction), *process)
+    return _answers(_stems(plant.command, *friction_parameters(plant.command, sizes), *friction), *process)
 
 
 def limits_of(seed):
@@ -161,37 +162,38 @@ def limits_of(seed):
     law = by_rows(law_of(plant, float(np.std(rows - plant.value[::every]))), every)
     finest = whitened(plant.value - answers_of(plant, sizes), law_of(plant, 0.0))[0]
     friction, process = _known(plant)
-    foreseen = foreseen_command(drawn.command, rows, drawn.setpoint)
-    begins = placed(drawn.command, sizes)
-    answers, ahead = _by_rows(drawn.command, foreseen, every, *begins, *friction, *process)
+    forecast = forecast_command(drawn.command, rows, drawn.setpoint)
+    begins = friction_parameters(drawn.command, sizes)
+    answers, ahead = _by_rows(drawn.command, forecast, every, *begins, *friction, *process)
     tried = [_likelihood(*whitened(rows - answers, law, extra, rows - ahead)) for extra in _BETWEEN]
     out = {
         "seed": seed, "kind": drawn.kind, "scene": drawn.scene, "sticking": sticking,
         "rows_a_period": drawn.rows_a_period, "share": drawn.share,
         "steps": _ratio(_likelihood(finest), shares), "rows": _ratio(np.max(tried, axis=0), shares),
     }  # fmt: skip
-    if loop.every == 1:
-        eligible = shares >= MATTERS, (shares < MATTERS) & (shares > 0.0)
-        out["process"] = _best_of(fit_stems(ahead[:, None] - rows[0], rows - rows[0], loop.used, 1, eligible))
+    if loop.decimation == 1:
+        relevant = shares >= RELEVANT_BAND
+        regression = Regression(ahead[:, None] - rows[0], rows - rows[0], loop.used, 1)
+        out["process"] = _best_of(fit_stems(regression, relevant, ~relevant & (shares > 0.0)))
         out["noise"] = _noise_known(loop, law)
-    looks = [looked(part) for part in loop.stretches()]
-    best = min(looks, key=lambda one: (one.p, -one.evidence))
-    out["p"] = min(1.0, len(looks) * best.p)
-    out["neither"] = max(_best_of(one.compared) for one in looks)
+    results = [examine_stretch(part) for part in loop.stretches()]
+    best = min(results, key=lambda each: (each.p_value, -each.evidence))
+    out["p"] = min(1.0, len(results) * best.p_value)
+    out["neither"] = max(_best_of(each.comparison) for each in results)
     # of equal p-values the one with more evidence comes first
     out["code"] = -np.log(out["p"]) + 1e-6 * best.evidence
     return out
 
 
-def _best_of(compared):
-    simpler = max(compared.command.log_likelihood, compared.small.log_likelihood)
-    return float(compared.stem.log_likelihood - simpler)
+def _best_of(comparison):
+    simpler = max(comparison.command.log_likelihood, comparison.small_band.log_likelihood)
+    return float(comparison.sticking.log_likelihood - simpler)
 
 
 def _noise_known(loop, law):
-    foreseen = foreseen_command(loop.command, loop.value, loop.setpoint)
-    tried = candidates(loop, foreseen)
-    columns = responses(tried.stem, tried.ahead, not loop.is_flow)
+    forecast = forecast_command(loop.command, loop.value, loop.setpoint)
+    tried = candidate_stems(loop, forecast)
+    columns = responses(tried.stem, tried.stem_forecast, not loop.is_flow)
     columns = whitened(columns - columns[..., :1], law)[0]
     value = whitened((loop.value - loop.value[0])[None], law)[0][0]
     level = whitened(np.ones((1, len(value))), law)[0][0]
@@ -202,7 +204,7 @@ def _noise_known(loop, law):
         answers = answers - np.outer(answers @ level, level)
         sizes = np.linalg.norm(answers, axis=1) + 1e-300
         answers = answers / sizes[:, None]
-        gain = nonnegative(answers @ answers.T, answers @ value)[1]
+        gain = nonnegative_weights(answers @ answers.T, answers @ value)[1]
         likelihoods[place] = -0.5 * len(value) * np.log(max(value @ value - gain, 1e-12))
     return _ratio(likelihoods, tried.stick / loop.span)
 

@@ -8,7 +8,7 @@ import pytest
 
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
-from sklvalve.mismatch.loop.sentences import effect_of, grade_of
+from sklvalve.mismatch.loop.verdict import effect_of, grade_of
 from sklvalve.mismatch.verdict import _in_units, _sentence, _unknown_ends
 from sklvalve.recording import Recording, Valve
 
@@ -44,25 +44,31 @@ def test_an_end_at_the_bound_is_not_known(quantity, ends, unknown):
     assert _unknown_ends(quantity, ends) == unknown
 
 
-def _look(turns=12, evidence=40.0):
-    return SimpleNamespace(turns=turns, evidence=evidence, loop=SimpleNamespace(span=0.05))
+def _result(turns=12, evidence=40.0):
+    return SimpleNamespace(turns=turns, evidence=evidence)
 
 
-def _kind(sticks):
-    return SimpleNamespace(
-        shares={"stiction": 1.0}, stick=0.0214, slip=0.01, sticks=sticks, slips=(0.001, sticks[1])
+def _entry(interval):
+    """The effect of a loop whose band lies in an interval, by a command that moves 5 %."""
+    sticking = SimpleNamespace(
+        shares={"stiction": 1.0},
+        stick=0.0214,
+        slip=0.01,
+        stick_interval=interval,
+        slip_interval=(0.001, interval[1]),
     )
+    return effect_of(sticking, SimpleNamespace(span=0.05), {})
 
 
 def test_a_loop_says_which_bound_of_its_band_is_unknown():
-    entry = effect_of(_kind((0.00964, 1.0)), _look(), {})
+    entry = _entry((0.00964, 1.0))
     assert entry["parameters"]["stick"]["unknown_ends"] == ["upper"]
     assert entry["parameters"]["slip"]["unknown_ends"] == ["upper"]
     assert "turned by 2.1 % of its range (95 %: 0.96 % or more), and then jumps by 1 %." in entry["sentence"]
-    entry = effect_of(_kind((0.17 * 0.05, 0.04)), _look(), {})
+    entry = _entry((0.17 * 0.05, 0.04))
     assert entry["parameters"]["stick"]["unknown_ends"] == ["lower"]
     assert "(95 %: 4 % or less)" in entry["sentence"]
-    entry = effect_of(_kind((0.012, 0.04)), _look(), {})
+    entry = _entry((0.012, 0.04))
     assert entry["parameters"]["stick"]["unknown_ends"] == []
     assert "(95 %: 1.2 % to 4 %)" in entry["sentence"]
 
@@ -78,7 +84,7 @@ def test_a_loop_says_which_bound_of_its_band_is_unknown():
     ],
 )
 def test_the_grade_of_a_loop_says_what_holds_it_back(turns, evidence, helps, level, words):
-    grade = grade_of(_look(turns, evidence), helps)
+    grade = grade_of(_result(turns, evidence), helps)
     assert grade["level"] == level
     assert words in grade["reason"]
     assert "nats" not in grade["reason"]

@@ -6,7 +6,7 @@ from functools import cache
 
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
 from sklvalve.mismatch.effects.base import Effect, Quantity
-from sklvalve.mismatch.loop.sentences import STICK_AND_SLIP
+from sklvalve.mismatch.loop.verdict import STICK_AND_SLIP
 
 _CATALOGUE = (*CATALOGUE, *EVENTS, *LATE)
 

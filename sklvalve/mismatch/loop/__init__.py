@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Loops known by command and flow only, or by command and another process value."""
 
-from sklvalve.mismatch.loop.content import loop_content
 from sklvalve.mismatch.loop.diagnose import diagnose_loop
-from sklvalve.mismatch.loop.finding import LoopFinding
+from sklvalve.mismatch.loop.finding import LoopFinding, loop_content, loop_traces
 from sklvalve.mismatch.loop.operators import stick_slip
 from sklvalve.mismatch.loop.signals import loop_signals
-from sklvalve.mismatch.loop.traces import loop_traces
 from sklvalve.recording.diagnosable import is_loop
 
 __all__ = [

@@ -1,16 +1,52 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Every stem of a family, each with the process and the noise that suit it best."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from operator import attrgetter
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
-from sklvalve.mismatch.loop.noise import FILTERS, autoregression, rhythms, whiten, whitened_level
-from sklvalve.mismatch.loop.search import left_over, nonnegative
+from sklvalve.mismatch.loop.least_squares import nonnegative_weights, residual_sums
+from sklvalve.mismatch.loop.noise import (
+    FILTERS,
+    external_oscillations,
+    fit_autoregression,
+    whiten,
+    whitened_level,
+)
 
 _REFINED = 6  # stems whose noise is fitted in full
-_ROUNDS = 3
+_ROUNDS = 3  # of autoregression and weights in turns
+
+NoiseFilter = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Regression:
+    """A value to be explained by the responses to one of several stems.
+
+    Parameters
+    ----------
+    responses : ndarray of shape (m, k, n)
+        To each stem; in a search for sticking the first stem is the command itself [fraction of travel].
+    value : ndarray of shape (n,)
+        [value's unit]
+    used : ndarray of bool, shape (n,)
+        Rows that count.
+    gain_sign : int
+        Sign of the process gain, 1 or -1.
+    oscillation : ndarray of shape (w, n), optional
+        Waves from outside that stand beside the stem [1].
+    """
+
+    responses: NDArray
+    value: NDArray
+    used: NDArray[np.bool_]
+    gain_sign: int
+    oscillation: NDArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,87 +55,94 @@ class LoopFit:
 
     Parameters
     ----------
-    stem : int
-        Place among the candidates; 0 is the command itself.
-    mixture : ndarray of shape (k,)
-        Weights of the responses [value's unit].
-    noise : tuple of float
-        The filter, as in `FILTERS`.
-    order : int
-        Order of the autoregression behind it.
+    regression : Regression
+        That was fitted, with the oscillation from outside that stands beside the stem.
+    index : int
+        Place among the stems; 0 is the command itself.
+    weights : ndarray of shape (k,)
+        Of the responses [value's unit / fraction of travel].
+    noise_filter : tuple of float
+        As in `FILTERS`.
     innovations : ndarray of shape (rows used,)
-        What the past foresees of no row [value's unit].
-    rhythm : bool
-        Whether an oscillation from outside stands beside it.
+        Errors of the forecast one row ahead [value's unit].
     log_likelihood : float
-        Gaussian, with one taken off for each coefficient of the autoregression and of the oscillation.
+        Gaussian, less a complexity penalty of one for each coefficient of the autoregression and of the
+        oscillation [nats].
     """
 
-    stem: int
-    mixture: np.ndarray
-    noise: tuple[float, float]
-    order: int
-    innovations: np.ndarray
-    rhythm: bool
+    regression: Regression
+    index: int
+    weights: NDArray
+    noise_filter: NoiseFilter
+    innovations: NDArray
     log_likelihood: float
 
-
-def simple_fits(columns, value, used, sense):
-    """Log likelihood of each stem under the simpler noise, a wander under white noise.
-
-    Parameters
-    ----------
-    columns : ndarray of shape (m, k, n)
-        Responses to each stem.
-    value : ndarray of shape (n,)
-    used : ndarray of bool, shape (n,)
-        Rows that count.
-    sense : int
-        Sign of the response.
-
-    Returns
-    -------
-    likelihoods : ndarray of shape (m,)
-    noises : list of tuple of float
-        The filter that suits each, as in `FILTERS`.
-    silent : float
-        Log likelihood without any response.
-    """
-    count = int(used.sum())
-    left, free = left_over(
-        np.ascontiguousarray(columns), np.asarray(value, float), used, np.array(FILTERS), float(sense)
-    )
-    best = np.argmin(left, axis=1)
-    likelihoods = -0.5 * count * np.log(left[np.arange(len(left)), best] / count)
-    silent = float(-0.5 * count * np.log(free.min() / count))
-    return likelihoods, [FILTERS[place] for place in best], silent
+    @property
+    def response(self) -> NDArray:
+        """Free run of the value, but for its level, of shape (n,) [value's unit]."""
+        return self.weights @ self.regression.responses[self.index]
 
 
 @dataclass(frozen=True, eq=False)
-class Compared:
+class Screening:
+    """Every stem under the simpler noise, a wander under white noise.
+
+    Parameters
+    ----------
+    log_likelihoods : ndarray of shape (m,)
+        Of each stem [nats].
+    noise_filters : list of tuple of float
+        The filter that suits each, as in `FILTERS`.
+    without_response : float
+        Log likelihood without any response [nats].
+    """
+
+    log_likelihoods: NDArray
+    noise_filters: list[NoiseFilter]
+    without_response: float
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
     """The command itself and the stems, each with the noise that suits it best.
 
     Parameters
     ----------
-    likelihoods : ndarray of shape (m,)
-        Of each stem under the simpler noise, beside the oscillation from outside where there is one.
-    silent : float
-        Without any response.
-    command, stem, small : LoopFit
-        Of the command itself, of the best stem whose band matters, and of the best with a smaller one.
-    waves : ndarray of shape (w, n) or None
-        The oscillation from outside that the command's own model wants.
+    screening : Screening
+        Of each stem, beside the oscillation from outside that the command's own model asks for.
+    command, sticking, small_band : LoopFit
+        Of the command itself, of the best stem with a relevant band, and of the best with a smaller one.
     """
 
-    likelihoods: np.ndarray
-    silent: float
+    screening: Screening
     command: LoopFit
-    stem: LoopFit
-    small: LoopFit
-    waves: np.ndarray | None
+    sticking: LoopFit
+    small_band: LoopFit
 
 
-def fit_stems(columns, value, used, sense, eligible):
+def likeliest(fits: Iterable[LoopFit]) -> LoopFit:
+    """The fit of the largest log likelihood, the first of equal ones."""
+    return max(fits, key=attrgetter("log_likelihood"))
+
+
+def screen(regression: Regression) -> Screening:
+    """Log likelihood of each stem under the simpler noise, a wander under white noise."""
+    used, count = regression.used, int(regression.used.sum())
+    # waves of single frequencies pass every filter as themselves, so that they can be taken out before it
+    responses = np.ascontiguousarray(_without_oscillation(regression.responses, regression))
+    value = _without_oscillation(regression.value, regression)
+    sums, without_response = residual_sums(
+        responses, value, used, np.array(FILTERS), float(regression.gain_sign)
+    )
+    best = np.argmin(sums, axis=1)
+    return Screening(
+        -0.5 * count * np.log(sums[np.arange(len(sums)), best] / count),
+        [FILTERS[place] for place in best],
+        float(-0.5 * count * np.log(without_response.min() / count)),
+    )
+
+
+def fit_stems(regression: Regression, relevant: NDArray[np.bool_], small: NDArray[np.bool_]) -> Comparison:
     """Fits of the command and of the best stem, without and with an oscillation from outside.
 
     An oscillation from outside may stand beside the command *and* beside a stem that sticks: else the stem
@@ -107,165 +150,111 @@ def fit_stems(columns, value, used, sense, eligible):
 
     Parameters
     ----------
-    columns, value, used, sense
-        As in `simple_fits`; the first stem is the command.
-    eligible : (ndarray of bool, ndarray of bool), each of shape (m,)
-        Stems that may be chosen: those with a band that matters, and those with a smaller one.
+    regression : Regression
+        Its first stem is the command; without an oscillation.
+    relevant, small : ndarray of bool, shape (m,)
+        Stems with a relevant band, and those with a smaller one.
 
     Returns
     -------
-    compared : Compared
+    comparison : Comparison
     """
-    plain = _compared(columns, value, used, sense, eligible, None)
-    noises = {plain.command.noise, plain.stem.noise}
-    tried = rhythms(value, used)
-    if not tried:  # too few rows for any wave
+    plain = _compare(regression, relevant, small)
+    filters = {plain.command.noise_filter, plain.sticking.noise_filter}
+    waves = external_oscillations(regression.value, regression.used)
+    beside_waves = [replace(regression, oscillation=each) for each in waves]
+    command = likeliest([plain.command, *(refine(r, 0, each) for r in beside_waves for each in filters)])
+    if command is plain.command:
         return plain
-    fits = [
-        max(
-            (refined(columns, 0, value, used, sense, noise, waves) for noise in noises),
-            key=lambda fit: fit.log_likelihood,
-        )
-        for waves in tried
-    ]
-    best = int(np.argmax([fit.log_likelihood for fit in fits]))
-    if fits[best].log_likelihood <= plain.command.log_likelihood:
-        return plain
-    beside = _compared(columns, value, used, sense, eligible, tried[best])
-    command = max(fits[best], beside.command, key=lambda fit: fit.log_likelihood)
-    stem = max(plain.stem, beside.stem, key=lambda fit: fit.log_likelihood)
-    small = max(plain.small, beside.small, key=lambda fit: fit.log_likelihood)
-    return Compared(beside.likelihoods, beside.silent, command, stem, small, tried[best])
-
-
-def _compared(columns, value, used, sense, eligible, waves):
-    # waves of single frequencies pass every filter as themselves, so that they can be taken out before it
-    likelihoods, noises, silent = simple_fits(
-        without(columns, waves, used), without(value, waves, used), used, sense
+    beside = _compare(command.regression, relevant, small)
+    return Comparison(
+        beside.screening,
+        likeliest([command, beside.command]),
+        likeliest([plain.sticking, beside.sticking]),
+        likeliest([plain.small_band, beside.small_band]),
     )
-    order = np.argsort(-likelihoods, kind="stable")
-    stem, small = (
-        max(
-            (
-                refined(columns, place, value, used, sense, noises[place], waves)
-                for place in order[chosen[order]][:most]
-            ),
-            key=lambda fit: fit.log_likelihood,
-        )
-        for chosen, most in zip(eligible, (_REFINED, _REFINED // 2), strict=True)
+
+
+def _compare(regression: Regression, relevant: NDArray[np.bool_], small: NDArray[np.bool_]) -> Comparison:
+    """The command and the best stems, all with or all without the oscillation."""
+    screening = screen(regression)
+    filters, order = screening.noise_filters, np.argsort(-screening.log_likelihoods, kind="stable")
+    sticking, small_band = (
+        likeliest(refine(regression, int(k), filters[k]) for k in order[eligible[order]][:most])
+        for eligible, most in ((relevant, _REFINED), (small, _REFINED // 2))
     )
-    command = max(
-        (refined(columns, 0, value, used, sense, noise, waves) for noise in {noises[0], stem.noise}),
-        key=lambda fit: fit.log_likelihood,
-    )
-    return Compared(likelihoods, silent, command, stem, small, waves)
+    tried = {filters[0], sticking.noise_filter}
+    command = likeliest(refine(regression, 0, each) for each in tried)
+    return Comparison(screening, command, sticking, small_band)
 
 
-def without(values, waves, used):
-    """Values along the last axis without what waves (and a level) explain of them.
-
-    Parameters
-    ----------
-    values : ndarray of shape (..., n)
-    waves : ndarray of shape (w, n) or None
-    used : ndarray of bool, shape (n,)
-
-    Returns
-    -------
-    left : ndarray of shape (..., n)
-    """
+def _without_oscillation(values: NDArray, regression: Regression) -> NDArray:
+    """Values along the last axis without what the oscillation (and a level) explains of them."""
+    waves, used = regression.oscillation, regression.used
     if waves is None:
         return values
     basis = np.concatenate([np.ones((1, waves.shape[1])), waves])
-    found = np.linalg.pinv(basis[:, used].T) @ np.moveaxis(values[..., used], -1, 0).reshape(used.sum(), -1)
-    return values - (found.T @ basis).reshape(values.shape)
+    sizes = np.linalg.pinv(basis[:, used].T) @ np.moveaxis(values[..., used], -1, 0).reshape(used.sum(), -1)
+    return values - (sizes.T @ basis).reshape(values.shape)
 
 
-def mixture_of(columns, value, rows, sense, noise):
+def fit_weights(
+    responses: NDArray, value: NDArray, rows: NDArray[np.bool_], gain_sign: int, noise_filter: NoiseFilter
+) -> tuple[NDArray, float]:
     """Weights of one stem's responses, from some of the rows.
 
-    Parameters
-    ----------
-    columns : ndarray of shape (k, n)
-    value : ndarray of shape (n,)
-    rows : ndarray of bool, shape (n,)
-    sense : int
-    noise : tuple of float
-
-    Returns
-    -------
-    mixture : ndarray of shape (k,)
-    norm : float
-        Root of the sum of squares that is left over.
+    Returns the weights, of shape (k,) [value's unit / fraction of travel], and the root of the residual sum
+    of squares. `rows` are those fitted, `responses` of shape (k, n).
     """
-    level = whitened_level(len(value), *noise)[None]
-    mixture, left = _solve(whiten(columns, *noise), whiten(value, *noise), level, rows, sense)
-    return mixture, float(np.linalg.norm(left[rows]))
+    level = whitened_level(len(value), *noise_filter)[None]
+    whitened = whiten(responses, *noise_filter), whiten(value, *noise_filter)
+    weights, residual = _solve(*whitened, level, rows, gain_sign)
+    return weights, float(np.linalg.norm(residual[rows]))
 
 
-def _solve(answers, new, free, rows, sense):
-    """Weights of one sign for the answers and of any for the rest; what is left over in every row."""
+def _solve(
+    responses: NDArray, value: NDArray, free: NDArray, rows: NDArray[np.bool_], gain_sign: int
+) -> tuple[NDArray, NDArray]:
+    """Weights of one sign for the responses and of any for the free terms; the residual of every row."""
     free = free[np.any(free[:, rows] != 0.0, axis=1)]
     basis = np.linalg.qr(free[:, rows].T)[0]
-    answered = answers[:, rows] - (answers[:, rows] @ basis) @ basis.T
-    aim = new[rows] - basis @ (basis.T @ new[rows])
-    scale = np.sqrt((answered**2).sum(axis=1).max()) or 1.0
-    sizes = np.sqrt((answered**2).sum(axis=1))
+    projected = responses[:, rows] - (responses[:, rows] @ basis) @ basis.T
+    target = value[rows] - basis @ (basis.T @ value[rows])
+    sizes = np.sqrt((projected**2).sum(axis=1))
+    scale = sizes.max() or 1.0
     sizes = np.where(sizes > 1e-9 * scale, sizes, scale)
-    reduced = sense * answered / sizes[:, None]
-    weights, _ = nonnegative(reduced @ reduced.T, reduced @ aim)
-    mixture = sense * weights / sizes
-    left = new - mixture @ answers
-    return mixture, _levelled(left, free, rows)
+    reduced = gain_sign * projected / sizes[:, None]
+    weights = gain_sign * nonnegative_weights(reduced @ reduced.T, reduced @ target)[0] / sizes
+    return weights, _without_free(value - weights @ responses, free, rows)
 
 
-def refined(columns, place, value, used, sense, noise, waves=None):
-    """The fit of one stem with an autoregression behind its noise, and `waves` from outside if given.
-
-    Parameters
-    ----------
-    columns : ndarray of shape (m, k, n)
-        Responses to each stem.
-    place : int
-        Which stem.
-    value : ndarray of shape (n,)
-    used : ndarray of bool, shape (n,)
-    sense : int
-    noise : tuple of float
-        The filter to begin with, as in `FILTERS`.
-    waves : ndarray of shape (w, n), optional
-
-    Returns
-    -------
-    fit : LoopFit
-    """
-    new, answers = whiten(value, *noise), whiten(columns[place], *noise)
-    free = whitened_level(len(value), *noise)[None]
+def refine(regression: Regression, index: int, noise_filter: NoiseFilter) -> LoopFit:
+    """The fit of the stem at an index, with an autoregression behind the filter of its noise."""
+    used, waves = regression.used, regression.oscillation
+    value = whiten(regression.value, *noise_filter)
+    responses = whiten(regression.responses[index], *noise_filter)
+    free = whitened_level(len(value), *noise_filter)[None]
     if waves is not None:
-        free = np.concatenate([free, whiten(waves, *noise)])
-    extra = len(free) - 1
-    mixture, left = _solve(answers, new, free, used, sense)
-    found = _scored(place, mixture, noise, 0, left[used], extra)
+        free = np.concatenate([free, whiten(waves, *noise_filter)])
+
+    def scored(weights: NDArray, innovations: NDArray, order: int) -> LoopFit:
+        likelihood = -0.5 * len(innovations) * np.log(np.mean(innovations**2)) - order - (len(free) - 1)
+        return LoopFit(regression, index, weights, noise_filter, innovations, float(likelihood))
+
+    weights, residual = _solve(responses, value, free, used, regression.gain_sign)
+    fits = [scored(weights, residual[used], 0)]
     for _ in range(_ROUNDS):
-        coefficients = autoregression(left[used])
+        coefficients = fit_autoregression(residual[used])
         if not len(coefficients):
             break
-        after = np.concatenate([[1.0], -coefficients])
-        mixture, fresh = _solve(
-            *(lfilter(after, [1.0], rows, axis=-1) for rows in (answers, new, free)), used, sense
-        )
-        tried = _scored(place, mixture, noise, len(coefficients), fresh[used], extra)
-        if tried.log_likelihood > found.log_likelihood:
-            found = tried
-        left = _levelled(new - mixture @ answers, free, used)
-    return found
+        inverse = np.concatenate([[1.0], -coefficients])
+        filtered = [lfilter(inverse, [1.0], rows, axis=-1) for rows in (responses, value, free)]
+        weights, innovations = _solve(filtered[0], filtered[1], filtered[2], used, regression.gain_sign)
+        fits.append(scored(weights, innovations[used], len(coefficients)))
+        residual = _without_free(value - weights @ responses, free, used)
+    return likeliest(fits)
 
 
-def _levelled(values, free, used):
+def _without_free(values: NDArray, free: NDArray, used: NDArray[np.bool_]) -> NDArray:
     """Values without what the level and the waves explain of them."""
     return values - np.linalg.lstsq(free[:, used].T, values[used], rcond=None)[0] @ free
-
-
-def _scored(place, mixture, noise, order, left, extra):
-    likelihood = -0.5 * len(left) * np.log(np.mean(left**2)) - order - extra
-    return LoopFit(place, mixture, noise, order, left, extra > 0, float(likelihood))

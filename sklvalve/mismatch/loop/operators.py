@@ -1,33 +1,42 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What friction and play make of a command: positions of a stem, for many sizes at once."""
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numba as nb
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from sklvalve.mismatch.loop.signals import LoopSignals, block_means
 
 #: Shares of the command's span tried for the band in which a turning command moves nothing.
 SHARES = np.geomspace(0.05, 1.0, 13)
 #: Shares of the band tried for the jump that ends it; none of it is play.
 JUMPS = (0.0, 0.3, 0.7, 1.0)
+#: A law of friction: command, stick, slip, start and forecast command -> position and its forecast.
+FrictionLaw = Callable[[NDArray, NDArray, NDArray, NDArray, NDArray], tuple[NDArray, NDArray]]
 
 
 @nb.njit(cache=True)
-def _stems(command, bands, rests, start):
+def _jumping_stems(command: NDArray, bands: NDArray, offsets: NDArray, start: NDArray) -> NDArray:
+    """Stems that stay within a half band of the command, and else jump to an offset behind it."""
     out = np.empty((len(bands), len(command)))
     for g in range(len(bands)):
         stem = start[g]
         for k in range(len(command)):
             gap = command[k] - stem
             if gap > bands[g]:
-                stem = command[k] - rests[g]
+                stem = command[k] - offsets[g]
             elif gap < -bands[g]:
-                stem = command[k] + rests[g]
+                stem = command[k] + offsets[g]
             out[g, k] = stem
     return out
 
 
-def stick_slip(command, stick, slip, start=None):
+def stick_slip(
+    command: ArrayLike, stick: ArrayLike, slip: ArrayLike, start: ArrayLike | None = None
+) -> NDArray:
     """Position of a stem that sticks, and slips when the command has left it far enough behind.
 
     The stem rests while the command is within a band of it and then jumps::
@@ -47,7 +56,7 @@ def stick_slip(command, stick, slip, start=None):
         Band in which a turning command moves nothing, and first jump after it [fraction of travel];
         0 <= slip <= stick.
     start : float or array-like of shape (m,), optional
-        Position before the first row; the first command unless given.
+        Position before the first row; the first command unless given [fraction of travel].
 
     Returns
     -------
@@ -71,34 +80,27 @@ def stick_slip(command, stick, slip, start=None):
     if (slip < 0.0).any() or (slip > stick).any():
         raise ValueError("expected 0 <= slip <= stick, and got another; give the jump as part of the band")
     first = np.full(len(stick), command[0]) if start is None else np.broadcast_to(start, stick.shape)
-    stems = _stems(command, 0.5 * (stick + slip), 0.5 * (stick - slip), np.ascontiguousarray(first, float))
+    first = np.ascontiguousarray(first, float)
+    stems = _jumping_stems(command, 0.5 * (stick + slip), 0.5 * (stick - slip), first)
     return stems[0] if single else stems
 
 
 @nb.njit(cache=True)
-def _one_glide(told, last, stem, way, band, rest):
-    if way * (told - last) < 0.0:
-        way = 0.0
-    if way == 0.0 and abs(told - stem) > band:
-        way = 1.0 if told > stem else -1.0
-    return (told - way * rest if way != 0.0 else stem), way
+def _gliding_step(
+    command: float, last: float, stem: float, direction: float, band: float, offset: float
+) -> tuple[float, float]:
+    """Position and direction after one row of a stem that glides until the command turns."""
+    if direction * (command - last) < 0.0:
+        direction = 0.0
+    if direction == 0.0 and abs(command - stem) > band:
+        direction = 1.0 if command > stem else -1.0
+    return (command - direction * offset if direction != 0.0 else stem), direction
 
 
 @nb.njit(cache=True)
-def _glides(command, foreseen, bands, rests, start):
-    stems = np.empty((len(bands), len(command)))
-    ahead = np.empty((len(bands), len(command)))
-    for g in range(len(bands)):
-        stem, way, last = start[g], 0.0, command[0]
-        for k in range(len(command)):
-            ahead[g, k], _ = _one_glide(foreseen[k], last, stem, way, bands[g], rests[g])
-            stem, way = _one_glide(command[k], last, stem, way, bands[g], rests[g])
-            stems[g, k] = stem
-            last = command[k]
-    return stems, ahead
-
-
-def stick_glide(command, stick, slip, start=None, foreseen=None):
+def stick_glide(
+    command: NDArray, stick: NDArray, slip: NDArray, start: NDArray, forecast: NDArray
+) -> tuple[NDArray, NDArray]:
     """Position of a stem that sticks where the command turns, jumps, and then goes with the command.
 
     As `stick_slip`, but a stem that moves is not caught again before the command turns: it follows
@@ -108,53 +110,48 @@ def stick_glide(command, stick, slip, start=None, foreseen=None):
 
     Parameters
     ----------
-    command : array-like of shape (n,)
-        Command [fraction of travel].
-    stick, slip : array-like of shape (m,)
-        Band in which a turning command moves nothing, and the jump that ends it [fraction of travel].
-    start : array-like of shape (m,), optional
-        Position before the first row; the first command unless given [fraction of travel].
-    foreseen : array-like of shape (n,), optional
-        Command in each row as the rows before foresee it; the command unless given [fraction of travel].
+    command : ndarray of shape (n,)
+        [fraction of travel]
+    stick, slip, start : ndarray of shape (m,)
+        As in `stick_slip` [fraction of travel].
+    forecast : ndarray of shape (n,)
+        Of the command in each row, from the rows before [fraction of travel].
 
     Returns
     -------
-    stem, ahead : ndarray of shape (m, n)
-        Position, and as foreseen from the rows before [fraction of travel].
-
-    Examples
-    --------
-    >>> from sklvalve.mismatch.loop.operators import stick_glide
-    >>> stick_glide([0.0, 0.1, 0.25, 0.3, 0.2, 0.05], [0.2], [0.2])[0].round(2)
-    array([[0.  , 0.  , 0.25, 0.3 , 0.3 , 0.05]])
+    stem, stem_forecast : ndarray of shape (m, n)
+        Position, and its forecast from the rows before [fraction of travel].
     """
-    command = np.ascontiguousarray(command, dtype=float)
-    foreseen = command if foreseen is None else np.ascontiguousarray(foreseen, dtype=float)
-    stick, slip = np.asarray(stick, dtype=float), np.asarray(slip, dtype=float)
-    first = np.full(len(stick), command[0]) if start is None else np.ascontiguousarray(start, float)
-    return _glides(command, foreseen, 0.5 * (stick + slip), 0.5 * (stick - slip), first)
+    stems = np.empty((len(stick), len(command)))
+    ahead = np.empty((len(stick), len(command)))
+    for g in range(len(stick)):
+        band, offset = 0.5 * (stick[g] + slip[g]), 0.5 * (stick[g] - slip[g])
+        stem, direction, last = start[g], 0.0, command[0]
+        for k in range(len(command)):
+            ahead[g, k], _ = _gliding_step(forecast[k], last, stem, direction, band, offset)
+            stem, direction = _gliding_step(command[k], last, stem, direction, band, offset)
+            stems[g, k] = stem
+            last = command[k]
+    return stems, ahead
 
 
-def stick_ahead(command, stick, slip, start, foreseen):
-    """`stick_slip`, and its position as foreseen from the rows before; parameters as in `stick_glide`.
-
-    Returns
-    -------
-    stem, ahead : ndarray of shape (m, n)
-        Position, and as foreseen from the rows before [fraction of travel].
-    """
+def stick_jump(
+    command: NDArray, stick: NDArray, slip: NDArray, start: NDArray, forecast: NDArray
+) -> tuple[NDArray, NDArray]:
+    """`stick_slip`, and its forecast from the rows before; parameters and returns as in `stick_glide`."""
     stem = stick_slip(command, stick, slip, start)
     before = np.hstack([start[:, None], stem[:, :-1]])
-    return stem, _one_ahead(before, stick, slip, foreseen)
+    return stem, _next_position(before, stick, slip, forecast)
 
 
-def _one_ahead(before, stick, slip, foreseen):
-    band, rest = 0.5 * (stick + slip)[:, None], 0.5 * (stick - slip)[:, None]
-    gap = foreseen - before
-    return np.where(gap > band, foreseen - rest, np.where(gap < -band, foreseen + rest, before))
+def _next_position(before: NDArray, stick: NDArray, slip: NDArray, forecast: NDArray) -> NDArray:
+    """Position of a jumping stem after one row, from where it stood before."""
+    band, offset = 0.5 * (stick + slip)[:, None], 0.5 * (stick - slip)[:, None]
+    gap = forecast - before
+    return np.where(gap > band, forecast - offset, np.where(gap < -band, forecast + offset, before))
 
 
-def size_grid(span, jumps=JUMPS):
+def size_grid(span: float, jumps: Sequence[float] = JUMPS) -> NDArray:
     """Sizes to try: band [fraction of travel], its share that is a jump, and side of the band to begin at.
 
     Parameters
@@ -162,6 +159,7 @@ def size_grid(span, jumps=JUMPS):
     span : float
         Span of the command [fraction of travel].
     jumps : sequence of float
+        Shares of the band.
 
     Returns
     -------
@@ -175,8 +173,8 @@ def size_grid(span, jumps=JUMPS):
     ])  # fmt: skip
 
 
-def placed(command, sizes):
-    """Band, jump and first position [fraction of travel] of sizes as `size_grid` has them."""
+def friction_parameters(command: NDArray, sizes: NDArray) -> tuple[NDArray, NDArray, NDArray]:
+    """Stick, slip and first position [fraction of travel] of sizes as `size_grid` has them."""
     stick, slip = sizes[:, 0], sizes[:, 1] * sizes[:, 0]
     return stick, slip, command[0] + sizes[:, 2] * 0.5 * (stick - slip)
 
@@ -187,21 +185,20 @@ class Candidates:
 
     Parameters
     ----------
-    stick, slip : ndarray of shape (m,)
-        Sizes [fraction of travel]; zero for the first.
-    stem : ndarray of shape (m, n)
-        Position in each row [fraction of travel].
-    ahead : ndarray of shape (m, n)
-        Position in each row as foreseen from the rows before it [fraction of travel].
+    stick : ndarray of shape (m,)
+        Band in which a turning command moves nothing [fraction of travel]; zero for the first.
+    stem, stem_forecast : ndarray of shape (m, n)
+        Position in each row, and its forecast from the rows before [fraction of travel].
     """
 
-    stick: np.ndarray
-    slip: np.ndarray
-    stem: np.ndarray
-    ahead: np.ndarray
+    stick: NDArray
+    stem: NDArray
+    stem_forecast: NDArray
 
 
-def moved(law, loop, sizes, foreseen):
+def simulate_stems(
+    law: FrictionLaw, loop: LoopSignals, sizes: NDArray, forecast: NDArray
+) -> tuple[NDArray, NDArray]:
     """Positions of a stem that sticks, in the rows of a loop, by a law of friction.
 
     The stem answers the command of every recorded row; a row of the loop is the mean of some of them.
@@ -209,73 +206,55 @@ def moved(law, loop, sizes, foreseen):
     Parameters
     ----------
     law : callable
-        `stick_ahead` or `stick_glide`.
+        `stick_jump` or `stick_glide`.
     loop : LoopSignals
     sizes : ndarray of shape (m, 3)
         As `size_grid` has them.
-    foreseen : ndarray of shape (n,)
-        Command at the end of each row, as the rows before foresee it [fraction of travel].
+    forecast : ndarray of shape (n,)
+        Of the command at the end of each row, from the rows before [fraction of travel].
 
     Returns
     -------
-    stem, ahead : ndarray of shape (m, n)
-        Position, and as foreseen from the rows before [fraction of travel].
+    stem, stem_forecast : ndarray of shape (m, n)
+        As in `stick_glide` [fraction of travel].
     """
-    stick, slip, start = placed(loop.whole, sizes)
-    if loop.every == 1:
-        return law(loop.command, stick, slip, start, foreseen)
-    stem, _ = law(loop.whole, stick, slip, start, loop.whole)
-    ends = stem[:, loop.every - 1 :: loop.every]
+    stick, slip, start = friction_parameters(loop.recorded_command, sizes)
+    if loop.decimation == 1:
+        return law(loop.command, stick, slip, start, forecast)
+    stem, _ = law(loop.recorded_command, stick, slip, start, loop.recorded_command)
+    ends = stem[:, loop.decimation - 1 :: loop.decimation]
     before = np.hstack([start[:, None], ends[:, :-1]])
-    return loop.means(stem), 0.5 * (before + _one_ahead(before, stick, slip, foreseen))
+    after = _next_position(before, stick, slip, forecast)
+    return block_means(stem, loop.decimation), 0.5 * (before + after)
 
 
 @nb.njit(cache=True)
-def reversals(command, size):
-    """How often a command turns and then goes at least a given way back.
-
-    Parameters
-    ----------
-    command : ndarray of shape (n,)
-    size : float
-
-    Returns
-    -------
-    count : int
-    """
-    count, way, high, low = 0, 0, command[0], command[0]
+def count_reversals(command: NDArray, size: float) -> int:
+    """How often a command turns and then goes at least a given way back [fraction of travel]."""
+    count, direction, high, low = 0, 0, command[0], command[0]
     for now in command:
         high, low = max(high, now), min(low, now)
-        if way >= 0 and now < high - size:
-            count += way > 0
-            way, low = -1, now
-        elif way <= 0 and now > low + size:
-            count += way < 0
-            way, high = 1, now
+        if direction >= 0 and now < high - size:
+            count += direction > 0
+            direction, low = -1, now
+        elif direction <= 0 and now > low + size:
+            count += direction < 0
+            direction, high = 1, now
     return count
 
 
-def candidates(loop, foreseen):
+def candidate_stems(loop: LoopSignals, forecast: NDArray) -> Candidates:
     """Stems of all sizes, each from up to three places in its band at the beginning.
 
     Both forms of friction are tried, `stick_slip` and `stick_glide`: a stem that moves goes in jumps, or with
     the command until it turns. Where the stem stood before the first row is not recorded: behind a command
-    that rose, behind one that fell, or level with it.
-
-    Parameters
-    ----------
-    loop : LoopSignals
-    foreseen : ndarray of shape (n,)
-        Command at the end of each row, as the rows before foresee it [fraction of travel].
-
-    Returns
-    -------
-    tried : Candidates
+    that rose, behind one that fell, or level with it. `forecast` is as in `simulate_stems`.
     """
-    sizes = np.vstack([np.zeros(3), size_grid(loop.span)])
+    jumping = np.vstack([np.zeros(3), size_grid(loop.span)])
     gliding = size_grid(loop.span, JUMPS[1:])
     # where a gliding stem begins is forgotten at the first turn
     gliding = gliding[gliding[:, 2] == 0.0]
-    stems = moved(stick_ahead, loop, sizes, foreseen), moved(stick_glide, loop, gliding, foreseen)
-    stick, slip, _ = placed(loop.whole, np.vstack([sizes, gliding]))
-    return Candidates(stick, slip, *(np.vstack(pair) for pair in zip(*stems, strict=True)))
+    stems = [simulate_stems(stick_jump, loop, jumping, forecast)]
+    stems.append(simulate_stems(stick_glide, loop, gliding, forecast))
+    stick = np.vstack([jumping, gliding])[:, 0]
+    return Candidates(stick, *(np.vstack(pair) for pair in zip(*stems, strict=True)))

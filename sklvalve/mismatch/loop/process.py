@@ -2,63 +2,83 @@
 """Between the stem and what is measured: an unknown process that answers one way, and a controller."""
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.signal import lfilter
 
+from sklvalve.mismatch.loop.constants import INTEGRAL_ACTION
 
-def lagged(values, count):
-    """Values of the rows before, nearest first; the first value stands in before the first row.
+#: Dead time [rows] and time constant [rows] of the responses. Rows are averaged to some 30 a period, so they
+#: span from at once to longer than a period whatever the sampling. Two lags one behind the other begin as
+#: slowly as those behind a dead time, and no sum of single lags does; without them a band stands in for that.
+_QUICK = (
+    *((1, 0.0), (2, 0.0), (4, 0.0), (8, 0.0)),
+    *((1, 1.5), (1, 4.0), (1, 10.0)),
+    *((4, 4.0), (4, 10.0), (8, 10.0)),
+)
+_LONG = ((1, 25.0),)
+#: Beside them, of a value of unknown kind: slow responses, and integrals behind a lag.
+_SLOW = ((1, 60.0), (1, 150.0))
+_INTEGRATED = ((1, 0.0), (1, 4.0), (1, 25.0))
+#: Number of responses, the one at once included, that follow within a fraction of a swing.
+QUICK_RESPONSES = 1 + len(_QUICK)
+_FORECAST_ORDER = 4
 
-    Parameters
-    ----------
-    values : ndarray of shape (n,)
-    count : int
 
-    Returns
-    -------
-    rows : ndarray of shape (n, count)
+def lagged(values: NDArray, count: int) -> NDArray:
+    """Values of the `count` rows before each, nearest first, of shape (n, count).
+
+    The first value stands in before the first row.
     """
     padded = np.concatenate([np.full(count, values[0]), values])
     n = len(values)
     return np.column_stack([padded[count - i : count - i + n] for i in range(1, count + 1)])
 
 
-def foreseen_command(command, value, setpoint=None, order=4):
-    """Command as the rows before foresee it.
+def forecast_command(command: NDArray, value: NDArray, setpoint: NDArray | None = None) -> NDArray:
+    """Forecast of the command in each row from the rows before.
 
     The controller answers the noise of the same row, so the recorded command is correlated with it and a
-    regression on it is biased. What the past foresees of the command is not.
+    regression on it is biased. The forecast is not correlated with it.
 
     Parameters
     ----------
-    command, value : ndarray of shape (n,)
-    setpoint : ndarray of shape (n,) or None
-        Known in its own row, because an operator or another loop sets it.
-    order : int, default=4
+    command : ndarray of shape (n,)
+        [fraction of travel]
+    value : ndarray of shape (n,)
+        [any unit]
+    setpoint : ndarray of shape (n,), optional
+        Known in its own row, because an operator or another loop sets it [any unit].
 
     Returns
     -------
-    foreseen : ndarray of shape (n,)
+    forecast : ndarray of shape (n,)
+        [fraction of travel]
     """
-    columns = [np.ones((len(command), 1)), lagged(_scaled(command), order), lagged(_scaled(value), order)]
+    order = _FORECAST_ORDER
+    columns = [
+        np.ones((len(command), 1)),
+        lagged(_standardised(command), order),
+        lagged(_standardised(value), order),
+    ]
     if setpoint is not None and np.ptp(setpoint) > 1e-9 * np.abs(setpoint).max():
-        columns += [_scaled(setpoint)[:, None], lagged(_scaled(setpoint), 2)]
+        columns += [_standardised(setpoint)[:, None], lagged(_standardised(setpoint), 2)]
     design = np.hstack(columns)
-    foreseen = design @ np.linalg.lstsq(design[order:], command[order:], rcond=None)[0]
-    foreseen[:order] = command[:order]
-    return foreseen
+    forecast = design @ np.linalg.lstsq(design[order:], command[order:], rcond=None)[0]
+    forecast[:order] = command[:order]
+    return forecast
 
 
-def sense_of_process(command, value, setpoint=None):
-    """Sign of the response to the command: that with which this controller can hold the loop.
+def process_gain_sign(command: NDArray, value: NDArray, setpoint: NDArray | None = None) -> tuple[int, float]:
+    """Sign of the process gain: that with which this controller can hold the loop.
 
     Parameters
     ----------
     command, value : ndarray of shape (n,)
-    setpoint : ndarray of shape (n,) or None
+    setpoint : ndarray of shape (n,), optional
 
     Returns
     -------
-    sense : int
+    sign : int
         1 where the controller raises the command when the value is too low, else -1.
     share : float
         Of the variance of the command's moves that a controller explains; 0 without an integral action.
@@ -66,32 +86,17 @@ def sense_of_process(command, value, setpoint=None):
     error = (value.mean() if setpoint is None else setpoint) - value
     design = np.column_stack([np.diff(error), error[1:], np.ones(len(error) - 1)])
     moves = np.diff(command)
-    weights = np.linalg.lstsq(design, moves, rcond=None)[0]
-    left = moves - design @ weights
-    share = 1.0 - np.var(left) / (np.var(moves) or 1.0)
+    gains = np.linalg.lstsq(design, moves, rcond=None)[0]
+    residual = moves - design @ gains
+    share = 1.0 - np.var(residual) / (np.var(moves) or 1.0)
     # a value that follows the command at once explains its moves as well, but has no integral
-    spread = np.sqrt(np.var(left) * np.linalg.pinv(design.T @ design)[1, 1])
-    if weights[1] * np.sign(weights[0]) <= _INTEGRAL * spread:
+    standard_error = np.sqrt(np.var(residual) * np.linalg.pinv(design.T @ design)[1, 1])
+    if gains[1] * np.sign(gains[0]) <= INTEGRAL_ACTION * standard_error:
         share = 0.0
-    return (1 if weights[0] >= 0.0 else -1), float(share)
+    return (1 if gains[0] >= 0.0 else -1), float(share)
 
 
-_INTEGRAL = 3.0  # standard errors of the integral action, below which there may be no controller
-#: Dead times [rows] and time constants [rows] of the responses. Rows are thinned to some 30 a period, so they
-#: span from at once to longer than a period whatever the sampling.
-_DEAD = (2, 4, 8)
-_FAST = (1.5, 4.0, 10.0)
-#: Lags behind a dead time: two lags one behind the other begin as slowly as these, and no sum of single ones
-#: does. Without them a band stands in for the beginning.
-_BEHIND = ((4, 4.0), (4, 10.0), (8, 10.0))
-_LATE = (25.0,)
-_SLOW = (60.0, 150.0)
-#: Of the responses, how many are quick: at once, late, behind a dead time, with the first lags, or both.
-QUICK = 2 + len(_DEAD) + len(_FAST) + len(_BEHIND)
-_SUMMED = (0.0, 4.0, 25.0)
-
-
-def responses(stem, ahead, any_kind):
+def responses(stem: NDArray, stem_forecast: NDArray, any_kind: bool) -> NDArray:
     """Responses that a process may be made of, all of one sign.
 
     A positive mixture of them is any process whose step response does not turn back: a flow follows the stem
@@ -100,36 +105,35 @@ def responses(stem, ahead, any_kind):
 
     Parameters
     ----------
-    stem, ahead : ndarray of shape (..., n)
-        Position [fraction of travel], and as foreseen from the rows before.
+    stem, stem_forecast : ndarray of shape (..., n)
+        Position, and its forecast from the rows before [fraction of travel].
     any_kind : bool
         Whether a slow or integrating process may stand between the stem and the value.
 
     Returns
     -------
-    columns : ndarray of shape (..., k, n)
+    responses : ndarray of shape (..., k, n)
+        [fraction of travel]
     """
     level = stem.mean(axis=-1, keepdims=True) if any_kind else stem[..., :1]
 
-    def dead(rows):
-        return np.concatenate([np.repeat(stem[..., :1], rows, axis=-1), stem[..., :-rows]], axis=-1) - level
-
-    def lag(values, rows):
-        keep = np.exp(-1.0 / rows) if rows else 0.0
+    def response(dead_time: int, lag: float) -> NDArray:
+        before = np.repeat(stem[..., :1], dead_time, axis=-1)
+        late = np.concatenate([before, stem[..., :-dead_time]], axis=-1) - level
+        if not lag:
+            return late
+        keep = np.exp(-1.0 / lag)
         # at rest at the first value, not at zero
-        begin = keep * values[..., :1]
-        return lfilter([1.0 - keep], [1.0, -keep], values, axis=-1, zi=begin)[0]
+        return lfilter([1.0 - keep], [1.0, -keep], late, axis=-1, zi=keep * late[..., :1])[0]
 
-    late = dead(1)
-    columns = [ahead - level, late, *map(dead, _DEAD), *(lag(late, rows) for rows in _FAST)]
-    columns += [lag(dead(after), rows) for after, rows in _BEHIND]
-    columns += [lag(late, rows) for rows in _LATE]
+    columns = [stem_forecast - level, *(response(*each) for each in _QUICK + _LONG)]
     if any_kind:
-        columns += [lag(late, rows) for rows in _SLOW]
-        # the divisor only brings the columns to one size
-        columns += [0.02 * np.cumsum(lag(late, rows), axis=-1) for rows in _SUMMED]
+        columns += [response(*each) for each in _SLOW]
+        # the factor only brings the columns to one size
+        columns += [0.02 * np.cumsum(response(*each), axis=-1) for each in _INTEGRATED]
     return np.stack(columns, axis=-2)
 
 
-def _scaled(values):
+def _standardised(values: NDArray) -> NDArray:
+    """Values of mean zero and unit standard deviation."""
     return (values - values.mean()) / (values.std() or 1.0)

@@ -7,7 +7,7 @@ import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.lssvm.held_out import least_in_error
-from sklvalve.mismatch.loop.process import foreseen_command
+from sklvalve.mismatch.loop.process import forecast_command
 from sklvalve.mismatch.referee.feedback import driver_of, filled
 from sklvalve.mismatch.referee.one_sign import one_sign_prediction
 
@@ -86,7 +86,7 @@ def _of_one_sign(recording, channel, train):
     if channel == "flow" and "p1" in recording and "p2" in recording:
         drop = np.sqrt(np.maximum(filled(recording["p1"] - recording["p2"]), 0.0))
         weight = drop / max(drop.mean(), 1e-12)
-    forecast = foreseen_command(driver, value, recording.get("setpoint"))
+    forecast = forecast_command(driver, value, recording.get("setpoint"))
     return one_sign_prediction(driver, value, train, forecast=forecast, weight=weight)
 
 

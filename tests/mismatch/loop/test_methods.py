@@ -16,9 +16,15 @@ from sklvalve.mismatch.loop.methods import (
     published_methods,
     relay,
 )
-from sklvalve.mismatch.loop.methods.cycles import POINTS, half_periods, left_over, sines, triangles
-from sklvalve.mismatch.loop.methods.ellipse import indices, width_of_ellipse
-from sklvalve.mismatch.loop.methods.relay import relays
+from sklvalve.mismatch.loop.methods.ellipse import nonlinearity_indices, width_of_ellipse
+from sklvalve.mismatch.loop.methods.half_periods import (
+    POINTS,
+    half_periods,
+    relays,
+    residual_squares,
+    sines,
+    triangles,
+)
 from sklvalve.mismatch.loop.oscillation import find_oscillation
 
 _NAMES = [
@@ -129,15 +135,6 @@ def test_gaps_and_a_set_point_are_taken():
     value[500:505] = np.nan
     results = published_methods(command, value, 1.0, setpoint=np.full(len(value), 50.3))
     assert [result.says for result in results] == ["stiction"] * 6
-    assert set(results[0].to_dict()) == {
-        "method",
-        "source",
-        "statistic",
-        "limit",
-        "says",
-        "detail",
-        "band",
-    }
 
 
 def test_a_process_that_may_integrate_is_left_alone_by_two():
@@ -156,9 +153,9 @@ def test_triangles_and_sines_are_told_apart(peak):
     oscillation = find_oscillation(wave, wave, 1.0)
     assert curve_shape(wave, wave, oscillation).says == "stiction"
     assert curve_shape(np.sin(2 * np.pi * phase), wave, oscillation).says == "no stiction"
-    assert relay(wave, wave, oscillation).says == "stiction"
+    assert relay(wave, oscillation).says == "stiction"
     # the filter against noise rounds the peak off and moves it towards the middle
-    ratio, wanted = area(wave, wave, oscillation).statistic, peak / (1.0 - peak)
+    ratio, wanted = area(wave, oscillation).statistic, peak / (1.0 - peak)
     assert min(wanted, 1.0) * 0.9 < ratio < max(wanted, 1.0) * 1.1
     assert (ratio - 1.0) * (wanted - 1.0) >= 0.0 or peak == 0.5
 
@@ -169,14 +166,14 @@ def test_a_relays_answer_leaves_nothing_of_itself():
     assert_allclose(shapes[0][2:-2], 1.0, atol=0.02)
     assert_allclose(shapes[2] / shapes[2].max(), np.minimum(2.0 * at, 2.0 - 2.0 * at), atol=0.05)
     assert_allclose(shapes[:, [0, -1]], 0.0, atol=1e-9)
-    assert left_over(shapes[1:2], relays(np.array([0.3])))[0] == pytest.approx(0.0, abs=1e-12)
+    assert residual_squares(shapes[1:2], relays(np.array([0.3])))[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_half_periods_are_cut_from_zero_to_zero():
     wave = np.sin(2.0 * np.pi * np.arange(1000) / 50.0) + np.linspace(0.0, 20.0, 1000)
     shapes = half_periods(wave, 50.0)
     assert 34 <= len(shapes) <= 40
-    assert (left_over(shapes, sines()) < 0.01 * (shapes**2).sum(axis=1)).mean() > 0.9
+    assert (residual_squares(shapes, sines()) < 0.01 * (shapes**2).sum(axis=1)).mean() > 0.9
     assert triangles().max() <= 1.0
 
 
@@ -193,10 +190,10 @@ def test_coupled_harmonics_are_nonlinear_and_loose_ones_are_not():
     phase = 2.0 * np.pi * np.arange(1000) / 10.4 + np.cumsum(0.1 * rng.standard_normal(1000))
     loose = 2.0 * np.pi * np.arange(1000) / 5.2 + np.cumsum(0.3 * rng.standard_normal(1000))
     noise = 0.1 * rng.standard_normal(1000)
-    gaussian, linear = indices(np.sin(phase) + 0.4 * np.sin(2.0 * phase) + noise)
+    gaussian, linear = nonlinearity_indices(np.sin(phase) + 0.4 * np.sin(2.0 * phase) + noise)
     assert gaussian > 0.1
     assert linear > 0.1
-    assert indices(np.sin(phase) + 0.4 * np.sin(loose) + noise)[0] < 0.001
+    assert nonlinearity_indices(np.sin(phase) + 0.4 * np.sin(loose) + noise)[0] < 0.001
 
 
 def test_few_periods_are_too_few_for_a_bicoherence():

@@ -9,13 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from sklvalve.mismatch.loop.operators import candidates, stick_ahead, stick_glide, stick_slip
+from sklvalve.mismatch.loop.operators import candidate_stems, stick_glide, stick_jump, stick_slip
 from sklvalve.mismatch.loop.signals import loop_signals
 from sklvalve.recording import Recording
 
 
 def _walk(seed, n=300):
     return np.cumsum(np.random.default_rng(seed).standard_normal(n)) * 0.01
+
+
+def _glide(command, stick, slip):
+    return stick_glide(command, np.array([stick]), np.array([slip]), command[:1], command)[0][0]
 
 
 @settings(max_examples=30, deadline=None)
@@ -56,40 +60,44 @@ def test_a_jump_larger_than_the_band_is_refused():
         stick_slip([0.0, 1.0], 0.1, 0.2)
 
 
-def test_the_first_candidate_is_the_command_and_foreseeing_it_well_foresees_the_stems():
+def test_the_first_candidate_is_the_command_and_a_good_forecast_of_it_forecasts_the_stems():
     command = _walk(1)
     value = np.linspace(1.0, 2.0, len(command))
     frame = {"time": np.arange(len(command)), "command": 0.5 + 0.1 * command, "flow": value}
     loop = replace(
-        loop_signals(Recording.from_frame(frame)), command=command, whole=command, every=1, span=0.5
+        loop_signals(Recording.from_frame(frame)),
+        command=command,
+        recorded_command=command,
+        decimation=1,
+        span=0.5,
     )
-    tried = candidates(loop, command)
+    tried = candidate_stems(loop, command)
     assert tried.stick[0] == 0.0
     assert_allclose(tried.stem[0], command)
-    assert_allclose(tried.ahead, tried.stem, rtol=0, atol=1e-12)
+    assert_allclose(tried.stem_forecast, tried.stem, rtol=0, atol=1e-12)
 
 
 @settings(max_examples=30, deadline=None)
 @given(seed=st.integers(0, 10_000), stick=st.floats(0.001, 0.2))
 def test_without_a_jump_both_forms_are_play(seed, stick):
     command = _walk(seed)
-    assert_allclose(stick_glide(command, [stick], [0.0])[0][0], stick_slip(command, stick, 0.0), atol=1e-12)
+    assert_allclose(_glide(command, stick, 0.0), stick_slip(command, stick, 0.0), atol=1e-12)
 
 
 def test_a_gliding_stem_jumps_once_a_turn_and_then_keeps_its_distance():
     rise = np.linspace(0.0, 0.5, 501)
     command = np.concatenate([rise, rise[::-1]])
-    stem = stick_glide(command, [0.1], [0.06])[0][0]
+    stem = _glide(command, 0.1, 0.06)
     steps = np.abs(np.diff(stem))
     assert_allclose(np.flatnonzero(steps > 0.05), [80, 600], rtol=0, atol=1)
     assert_allclose(stem[90:501], command[90:501] - 0.02, rtol=0, atol=1e-12)
     assert_allclose(stem[610:], command[610:] + 0.02, rtol=0, atol=1e-12)
 
 
-@pytest.mark.parametrize("law", [stick_ahead, stick_glide])
-def test_foreseeing_the_command_well_foresees_the_stem(law):
+@pytest.mark.parametrize("law", [stick_jump, stick_glide])
+def test_a_good_forecast_of_the_command_forecasts_the_stem(law):
     command = _walk(3)
     stem, ahead = law(
-        command, np.array([0.05, 0.1]), np.array([0.02, 0.1]), start=np.zeros(2), foreseen=command
+        command, np.array([0.05, 0.1]), np.array([0.02, 0.1]), start=np.zeros(2), forecast=command
     )
     assert_allclose(ahead, stem, rtol=0, atol=1e-12)

@@ -57,7 +57,7 @@ def test_a_set_point_that_swings_is_no_oscillation_of_the_error():
 def test_what_does_not_move_has_no_line(count):
     found = find_oscillation(np.full(count, 40.0), np.full(count, 2.5), 1.0)
     assert (found.period, found.rows, found.regular) == (None, None, False)
-    assert found.to_dict()["share"] == 0.0
+    assert found.share == 0.0
 
 
 def test_rows_that_were_not_recorded_are_bridged():

@@ -7,12 +7,12 @@ from numpy.testing import assert_allclose
 from scipy.optimize import nnls
 
 from benchmarks.loop_plant import draw_loop
-from sklvalve.mismatch.loop.fit import mixture_of
-from sklvalve.mismatch.loop.noise import autoregression, rhythms, whiten
-from sklvalve.mismatch.loop.operators import reversals
-from sklvalve.mismatch.loop.pace import rows_a_swing, thinning
-from sklvalve.mismatch.loop.process import foreseen_command, lagged, responses, sense_of_process
-from sklvalve.mismatch.loop.search import nonnegative
+from sklvalve.mismatch.loop.fit import fit_weights
+from sklvalve.mismatch.loop.least_squares import nonnegative_weights
+from sklvalve.mismatch.loop.noise import external_oscillations, fit_autoregression, whiten
+from sklvalve.mismatch.loop.operators import count_reversals
+from sklvalve.mismatch.loop.process import forecast_command, lagged, process_gain_sign, responses
+from sklvalve.mismatch.loop.signals import decimation_of, swing_rows
 
 
 def test_lagged_rows_start_with_the_first_value():
@@ -37,17 +37,17 @@ def test_no_response_turns_back(integrates):
 @pytest.mark.parametrize("kind", ["flow", "pressure", "level"])
 def test_a_controller_that_raises_the_command_needs_a_positive_process(kind):
     drawn = draw_loop(5, kind, "setpoint")
-    assert sense_of_process(drawn.command, drawn.process_value, drawn.setpoint)[0] == 1
-    assert sense_of_process(-drawn.command, drawn.process_value, drawn.setpoint)[0] == -1
+    assert process_gain_sign(drawn.command, drawn.process_value, drawn.setpoint)[0] == 1
+    assert process_gain_sign(-drawn.command, drawn.process_value, drawn.setpoint)[0] == -1
 
 
 def test_the_future_of_the_command_is_not_used():
     drawn = draw_loop(3, "flow", "quiet")
     changed = drawn.command.copy()
     changed[-1] += 1.0
-    before = foreseen_command(drawn.command, drawn.process_value)
+    before = forecast_command(drawn.command, drawn.process_value)
     # one outlier moves the coefficients, but the row itself is not copied
-    assert abs(foreseen_command(changed, drawn.process_value)[-1] - before[-1]) < 0.2
+    assert abs(forecast_command(changed, drawn.process_value)[-1] - before[-1]) < 0.2
 
 
 def test_weights_of_a_known_process_come_back():
@@ -57,9 +57,9 @@ def test_weights_of_a_known_process_come_back():
     truth = np.zeros(len(columns))
     truth[[0, 6]] = 0.5, 2.0
     wander = 0.002 * np.cumsum(rng.standard_normal(1500))
-    found, _ = mixture_of(columns, 3.0 + truth @ columns + wander, np.ones(1500, bool), 1, (1.0, 0.0))
-    assert found.sum() == pytest.approx(2.5, rel=0.05)
-    assert (found >= 0.0).all()
+    weights, _ = fit_weights(columns, 3.0 + truth @ columns + wander, np.ones(1500, bool), 1, (1.0, 0.0))
+    assert weights.sum() == pytest.approx(2.5, rel=0.05)
+    assert (weights >= 0.0).all()
 
 
 def test_a_random_walk_under_white_noise_is_whitened():
@@ -74,17 +74,17 @@ def test_a_random_walk_under_white_noise_is_whitened():
 def test_an_autoregression_is_found_and_white_noise_has_none():
     rng = np.random.default_rng(2)
     noise = rng.standard_normal(3000)
-    assert len(autoregression(noise)) <= 2
+    assert len(fit_autoregression(noise)) <= 2
     out = np.zeros(3000)
     for k in range(2, 3000):
         out[k] = 1.6 * out[k - 1] - 0.9 * out[k - 2] + noise[k]
-    assert_allclose(autoregression(out)[:2], [1.6, -0.9], atol=0.08)
+    assert_allclose(fit_autoregression(out)[:2], [1.6, -0.9], atol=0.08)
 
 
 def test_an_oscillation_lies_in_its_waves():
     time = np.arange(700)
     wave = np.sign(np.sin(2 * np.pi * time / 50.0))
-    waves = rhythms(wave + 0.001 * time)[1]
+    waves = external_oscillations(wave + 0.001 * time, np.ones(700, bool))[1]
     left = wave - waves.T @ np.linalg.lstsq(waves.T, wave, rcond=None)[0]
     assert left.var() < 0.15 * wave.var()
 
@@ -92,29 +92,29 @@ def test_an_oscillation_lies_in_its_waves():
 def test_white_noise_is_not_taken_for_a_fast_swing():
     rng = np.random.default_rng(0)
     slow = np.sin(2 * np.pi * np.arange(3000) / 300.0)
-    assert rows_a_swing(slow + 0.3 * rng.standard_normal(3000)) == pytest.approx(300.0, rel=0.05)
-    every, period = thinning(slow, slow + 0.3 * rng.standard_normal(3000))
+    assert swing_rows(slow + 0.3 * rng.standard_normal(3000)) == pytest.approx(300.0, rel=0.05)
+    every, period = decimation_of(slow, slow + 0.3 * rng.standard_normal(3000))
     assert every == 5
     assert period / every >= 20.0
 
 
 def test_a_fast_swing_keeps_every_row():
     fast = np.sin(2 * np.pi * np.arange(3000) / 12.0)
-    assert thinning(fast, fast)[0] == 1
+    assert decimation_of(fast, fast)[0] == 1
 
 
 def test_a_command_turns_where_it_comes_back():
-    assert reversals(np.linspace(0.0, 1.0, 50), 0.3) == 0
+    assert count_reversals(np.linspace(0.0, 1.0, 50), 0.3) == 0
     wave = np.sin(2 * np.pi * np.arange(100) / 25.0)
-    assert reversals(wave, 0.6) == 8
-    assert reversals(wave, 2.5) == 0
+    assert count_reversals(wave, 0.6) == 8
+    assert count_reversals(wave, 2.5) == 0
 
 
 def test_weights_of_one_sign_are_those_of_a_reference_solver():
     rng = np.random.default_rng(4)
     for _ in range(20):
         design, aim = rng.standard_normal((40, 7)), rng.standard_normal(40)
-        weights, gain = nonnegative(design.T @ design, design.T @ aim)
+        weights, gain = nonnegative_weights(design.T @ design, design.T @ aim)
         reference, norm = nnls(design, aim)
         assert_allclose(weights, reference, atol=1e-6)
         assert gain == pytest.approx(aim @ aim - norm**2, abs=1e-6)
@@ -125,13 +125,15 @@ def test_few_rows_bear_few_coefficients_and_few_waves():
     slow = np.sin(2 * np.pi * np.arange(2000) / 50.0)
     for rows in (100, 400, 2000):
         residual = np.convolve(rng.standard_normal(rows), np.ones(60), mode="same")
-        assert len(autoregression(residual)) <= rows // 20
-        assert all(len(waves) <= rows // 20 for waves in rhythms(slow[:rows]))
-    assert len(autoregression(residual)) > 14
-    assert max(len(waves) for waves in rhythms(slow)) > 50
+        assert len(fit_autoregression(residual)) <= rows // 20
+        assert all(
+            len(waves) <= rows // 20 for waves in external_oscillations(slow[:rows], np.ones(rows, bool))
+        )
+    assert len(fit_autoregression(residual)) > 14
+    assert max(len(waves) for waves in external_oscillations(slow, np.ones(2000, bool))) > 50
 
 
 def test_only_recorded_rows_bear_waves():
     slow = np.sin(2 * np.pi * np.arange(2000) / 50.0)
     recorded = np.arange(2000) % 4 == 0
-    assert max(len(waves) for waves in rhythms(slow, recorded)) <= recorded.sum() // 20
+    assert max(len(waves) for waves in external_oscillations(slow, recorded)) <= recorded.sum() // 20

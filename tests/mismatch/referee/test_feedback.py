@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from sklvalve.mismatch.loop.process import foreseen_command
+from sklvalve.mismatch.loop.process import forecast_command
 from sklvalve.mismatch.referee.feedback import ANSWERS_FROM, answers, driver_of, filled
 from sklvalve.mismatch.referee.one_sign import one_sign_prediction
 
@@ -63,7 +63,7 @@ def test_in_a_closed_loop_the_black_box_does_not_read_the_controller():
     train, ratios = np.arange(ROWS) < 900, []
     for seed in range(6):
         command, value, wander = _loop(np.random.default_rng(seed))
-        forecast = foreseen_command(command, value)
+        forecast = forecast_command(command, value)
         predicted = one_sign_prediction(command, value, train, forecast=forecast)
         box, sound, constant = (
             float(np.std((value - made)[~train])) for made in (predicted, value - wander, np.zeros(ROWS))

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Published methods for sticking valves, from a loop's command and value alone."""
 
-from sklvalve.mismatch.loop.methods.area import area
+from numpy.typing import ArrayLike
+
 from sklvalve.mismatch.loop.methods.cross_correlation import cross_correlation
-from sklvalve.mismatch.loop.methods.curve_shape import curve_shape
 from sklvalve.mismatch.loop.methods.ellipse import ellipse
+from sklvalve.mismatch.loop.methods.half_periods import area, curve_shape, relay
 from sklvalve.mismatch.loop.methods.hammerstein import hammerstein
-from sklvalve.mismatch.loop.methods.relay import relay
 from sklvalve.mismatch.loop.methods.result import MethodResult
-from sklvalve.mismatch.loop.oscillation import filled, find_oscillation
+from sklvalve.mismatch.loop.oscillation import Oscillation, filled, find_oscillation
 
 __all__ = [
     "MethodResult",
@@ -22,8 +22,16 @@ __all__ = [
 ]
 
 
-def published_methods(command, value, sample_time, *, oscillation=None, setpoint=None, is_flow=None):
-    """Let every published method look at a loop.
+def published_methods(
+    command: ArrayLike,
+    value: ArrayLike,
+    sample_time: float,
+    *,
+    oscillation: Oscillation | None = None,
+    setpoint: ArrayLike | None = None,
+    is_flow: bool | None = None,
+) -> list[MethodResult]:
+    """Apply every published method to a loop.
 
     Parameters
     ----------
@@ -50,8 +58,8 @@ def published_methods(command, value, sample_time, *, oscillation=None, setpoint
         oscillation = find_oscillation(command, value, sample_time, setpoint)
     return [
         cross_correlation(command, value, oscillation, is_flow=is_flow),
-        relay(command, value, oscillation, setpoint=setpoint),
-        area(command, value, oscillation, setpoint=setpoint, is_flow=is_flow),
+        relay(value, oscillation, setpoint=setpoint),
+        area(value, oscillation, setpoint=setpoint, is_flow=is_flow),
         ellipse(command, value, oscillation, setpoint=setpoint),
         curve_shape(command, value, oscillation, is_flow=is_flow),
         hammerstein(command, value, oscillation),

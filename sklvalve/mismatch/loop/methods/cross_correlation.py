@@ -2,26 +2,20 @@
 """Cross-correlation of command and value, odd or even (Horch)."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from sklvalve.mismatch.loop.methods.cycles import low_passed, without_drift
-from sklvalve.mismatch.loop.methods.result import (
-    NOT_APPLICABLE,
-    SOUND,
-    STICTION,
-    UNDECIDED,
-    MethodResult,
-    why_not_applicable,
-)
+from sklvalve.mismatch.loop.constants import HEIGHT_LIMITS, LAG_LIMITS
+from sklvalve.mismatch.loop.methods.filters import low_passed, without_drift
+from sklvalve.mismatch.loop.methods.result import SOUND, STICTION, UNDECIDED, Method, MethodResult
+from sklvalve.mismatch.loop.oscillation import Oscillation, zero_crossings
 
-METHOD = "cross-correlation"
-SOURCE = "Horch 1999, doi 10.1016/S0967-0661(99)00100-8"
-LAG_LIMITS = (1.0 / 3.0, 2.0 / 3.0)  # of the ratio of lags: phase shifts of 30 and 60 degrees off even
-HEIGHT_LIMITS = ((2.0 - 3.0**0.5) / (2.0 + 3.0**0.5), 1.0 / 3.0)  # the same shifts, in the ratio of heights
-_FEWEST_ROWS = 4.0
+_METHOD = Method("cross-correlation", "Horch 1999, doi 10.1016/S0967-0661(99)00100-8", LAG_LIMITS[1], 4.0)
 _ROWS = 40.0  # kept of a period
 
 
-def cross_correlation(command, value, oscillation, *, is_flow=None):
+def cross_correlation(
+    command: ArrayLike, value: ArrayLike, oscillation: Oscillation, *, is_flow: bool | None = None
+) -> MethodResult:
     r"""Tell stiction from an outside oscillation by the phase between command and value.
 
     .. math::
@@ -53,53 +47,46 @@ def cross_correlation(command, value, oscillation, *, is_flow=None):
     A. Horch, A simple method for detection of stiction in control valves, Control Engineering Practice 7
     (1999) 1221-1231. Limits: A. Horch, Condition Monitoring of Control Loops, thesis, KTH Stockholm, 2000.
     """
-    why = why_not_applicable(oscillation, _FEWEST_ROWS)
-    if oscillation.rows is None or oscillation.rows < _FEWEST_ROWS:
-        return MethodResult(METHOD, SOURCE, None, LAG_LIMITS[1], NOT_APPLICABLE, why)
+    obstacle, rows = _METHOD.obstacle(oscillation), oscillation.rows or 0.0
+    if rows < _METHOD.fewest_rows:
+        return _METHOD.not_applicable(obstacle)
     if is_flow is False:
-        why = why or "The process may integrate, and the method is for self-regulating ones."
-    every = max(1, int(oscillation.rows / _ROWS))
-    rows = oscillation.rows / every
-    first, second = (
-        low_passed(without_drift(signal, oscillation.rows), 0.4 / every)[::every]
-        for signal in (command, value)
-    )
-    found = _ratios(first, second, int(np.ceil(rows)))
-    if found is None:
-        why = "Command and value are not correlated within a period."
-        return MethodResult(METHOD, SOURCE, None, LAG_LIMITS[1], UNDECIDED, why)
-    lags, heights = found
-    says = UNDECIDED
-    if lags > LAG_LIMITS[1] and heights > HEIGHT_LIMITS[1]:
-        says = STICTION
-    elif lags <= LAG_LIMITS[0] and heights <= HEIGHT_LIMITS[0]:
-        says = SOUND
-    detail = why or (
+        obstacle = obstacle or "The process may integrate, and the method is for self-regulating ones."
+    every = max(1, int(rows / _ROWS))
+    first, second = (low_passed(without_drift(each, rows), 0.4 / every)[::every] for each in (command, value))
+    ratios = _ratios(first, second, int(np.ceil(rows / every)))
+    if ratios is None:
+        return _METHOD.result(None, UNDECIDED, "Command and value are not correlated within a period.")
+    lags, heights = ratios
+    detail = (
         f"The ratio of lags is {lags:.2f} (stiction above {LAG_LIMITS[1]:.2f}) and the ratio of heights "
         f"{heights:.2f} (stiction above {HEIGHT_LIMITS[1]:.2f})."
     )
-    return MethodResult(METHOD, SOURCE, lags, LAG_LIMITS[1], NOT_APPLICABLE if why else says, detail)
+    return _METHOD.result(lags, _says(lags, heights), detail, obstacle)
 
 
-def _ratios(first, second, most):
+def _says(lags: float, heights: float) -> str:
+    """Stiction or none where both ratios agree."""
+    if lags > LAG_LIMITS[1] and heights > HEIGHT_LIMITS[1]:
+        return STICTION
+    return SOUND if lags <= LAG_LIMITS[0] and heights <= HEIGHT_LIMITS[0] else UNDECIDED
+
+
+def _ratios(first: NDArray, second: NDArray, most: int) -> tuple[float, float] | None:
     """Ratios of lags and of heights, or None without a zero crossing on either side."""
-    count = len(first)
-    most = min(most, count - 2)
+    most = min(most, len(first) - 2)
     padded = np.concatenate([np.zeros(most), second, np.zeros(most)])
-    alike = np.correlate(padded, first, mode="valid")  # lags -most to most
+    correlation = np.correlate(padded, first, mode="valid")  # lags -most to most
     scale = np.sqrt((first @ first) * (second @ second))
     if scale <= 0.0:
         return None
-    alike = alike / scale
-    signs = alike > 0.0
-    before = np.flatnonzero(signs[1:] != signs[:-1])
-    crossings = before + alike[before] / (alike[before] - alike[before + 1]) - most
-    left, right = crossings[crossings <= 0.0], crossings[crossings > 0.0]
-    if not len(left) or not len(right):
+    correlation = correlation / scale
+    crossings = zero_crossings(correlation) - most
+    before, after = crossings[crossings <= 0.0], crossings[crossings > 0.0]
+    if not len(before) or not len(after):
         return None
-    left, right = -left[-1], right[0]
+    left, right = -before[-1], after[0]
     lags = np.arange(-most, most + 1)
-    between = np.abs(alike[(lags >= -left) & (lags <= right)])
-    here = abs(alike[most])
-    best = max(here, float(between.max()))
+    here = abs(correlation[most])
+    best = max(here, float(np.abs(correlation[(lags >= -left) & (lags <= right)]).max()))
     return float(abs(left - right) / max(left + right, 1e-12)), float((best - here) / max(best + here, 1e-12))

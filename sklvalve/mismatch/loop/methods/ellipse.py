@@ -2,36 +2,34 @@
 """Bicoherence of the error, and an ellipse around the filtered command and value (Choudhury et al.)."""
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 from scipy.fft import irfft, rfft
 from scipy.linalg import eig
 from scipy.signal.windows import hann
 
-from sklvalve.mismatch.loop.methods.cycles import low_passed, without_drift
-from sklvalve.mismatch.loop.methods.result import (
-    NOT_APPLICABLE,
-    SOUND,
-    STICTION,
-    UNDECIDED,
-    MethodResult,
-    why_not_applicable,
-)
-from sklvalve.mismatch.loop.oscillation import without_trend
+from sklvalve.mismatch.loop.constants import BICOHERENCE_LEVEL, NGI_LIMIT, NLI_LIMIT
+from sklvalve.mismatch.loop.methods.filters import control_error, low_passed, without_drift
+from sklvalve.mismatch.loop.methods.result import SOUND, STICTION, UNDECIDED, Method, MethodResult
+from sklvalve.mismatch.loop.oscillation import Oscillation, without_trend
 
-METHOD = "bicoherence and ellipse"
-SOURCE = "Choudhury, Shah, Thornhill and Shook 2006, doi 10.1016/j.conengprac.2005.10.003"
-NGI_LIMIT, NLI_LIMIT = 0.001, 0.01  # published
+_METHOD = Method(
+    "bicoherence and ellipse",
+    "Choudhury, Shah, Thornhill and Shook 2006, doi 10.1016/j.conengprac.2005.10.003",
+    NGI_LIMIT,
+    6.0,
+)
 _SEGMENT = 32  # rows of a segment: three periods
 # rows of a period after resampling: five harmonics below half the rate, and segments that begin at all phases
 # of the wave (half a segment is 1.54 periods), else a pure sine's leakage looks coupled
 _ROWS = 10.4
-_FEWEST_ROWS = 6.0
 _FEWEST_SEGMENTS = 12  # fewer, and no squared bicoherence below 1 is significant
 _BAND = (0.5, 3.4)  # of the oscillation's frequency, kept of command and value for the ellipse
-_LEVEL = 0.01  # of any squared bicoherence in the plane; a segment overlapped by half counts as a whole one
 _LEAST = 1e-3  # of its mean, of the spectra that a bicoherence is divided by
 
 
-def ellipse(command, value, oscillation, *, setpoint=None):
+def ellipse(
+    command: ArrayLike, value: ArrayLike, oscillation: Oscillation, *, setpoint: ArrayLike | None = None
+) -> MethodResult:
     r"""Test the error for a nonlinearity, and measure how wide command against value is.
 
     .. math::
@@ -56,7 +54,7 @@ def ellipse(command, value, oscillation, *, setpoint=None):
         As recorded, any unit.
     oscillation : Oscillation
     setpoint : array-like of shape (n,), optional
-        The error is looked at where it is given.
+        Of the value's unit; where it is given, the error takes the place of the value.
 
     Returns
     -------
@@ -69,31 +67,34 @@ def ellipse(command, value, oscillation, *, setpoint=None):
     M. A. A. S. Choudhury, S. L. Shah, N. F. Thornhill, D. S. Shook, Automatic detection and quantification of
     stiction in control valves, Control Engineering Practice 14 (2006) 1395-1412.
     """
-    why = why_not_applicable(oscillation, _FEWEST_ROWS)
-    if oscillation.rows is None or oscillation.rows < _FEWEST_ROWS:
-        return MethodResult(METHOD, SOURCE, None, NGI_LIMIT, NOT_APPLICABLE, why)
-    signal = value if setpoint is None else np.asarray(value, float) - np.asarray(setpoint, float)
-    step = oscillation.rows / _ROWS
-    centred = low_passed(without_drift(signal, oscillation.rows), 0.45 / step)
-    thinned = np.interp(np.arange(0.0, len(centred) - 1.0, step), np.arange(len(centred)), centred)
-    if len(thinned) < _SEGMENT * (_FEWEST_SEGMENTS + 1) // 2:
-        why = f"The record holds {oscillation.cycles:.0f} periods, too few for a bicoherence."
-        return MethodResult(METHOD, SOURCE, None, NGI_LIMIT, NOT_APPLICABLE, why)
-    gaussian, linear = indices(thinned)
-    statistic = gaussian if linear > NLI_LIMIT else min(gaussian, 0.0)
-    if gaussian <= NGI_LIMIT or linear <= NLI_LIMIT:
-        detail = why or f"The error is that of a linear loop (NGI {gaussian:.3f}, NLI {linear:.3f})."
-        return MethodResult(METHOD, SOURCE, statistic, NGI_LIMIT, NOT_APPLICABLE if why else SOUND, detail)
-    width = width_of_ellipse(*(_passed(each, oscillation.rows) for each in (command, value)))
-    says = NOT_APPLICABLE if why else UNDECIDED if width is None else STICTION
-    told = (
-        "no ellipse fits" if width is None else f"the apparent stiction is {width:.3g} of the command's unit"
-    )
-    detail = why or f"The loop is nonlinear (NGI {gaussian:.3f}, NLI {linear:.3f}) and {told}."
-    return MethodResult(METHOD, SOURCE, statistic, NGI_LIMIT, says, detail, None if why else width)
+    obstacle, rows = _METHOD.obstacle(oscillation), oscillation.rows or 0.0
+    if rows < _METHOD.fewest_rows:
+        return _METHOD.not_applicable(obstacle)
+    resampled = _resampled(control_error(value, setpoint), rows)
+    if len(resampled) < _SEGMENT * (_FEWEST_SEGMENTS + 1) // 2:
+        few = f"The record holds {oscillation.cycles:.0f} periods, too few for a bicoherence."
+        return _METHOD.not_applicable(few)
+    ngi, nli = nonlinearity_indices(resampled)
+    statistic, figures = ngi if nli > NLI_LIMIT else min(ngi, 0.0), f"(NGI {ngi:.3f}, NLI {nli:.3f})"
+    if ngi <= NGI_LIMIT or nli <= NLI_LIMIT:
+        return _METHOD.result(statistic, SOUND, f"The error is that of a linear loop {figures}.", obstacle)
+    width = width_of_ellipse(*(_band_passed(each, rows) for each in (command, value)))
+    if width is None:
+        detail = f"The loop is nonlinear {figures} and no ellipse fits."
+        return _METHOD.result(statistic, UNDECIDED, detail, obstacle)
+    size = f"{width:.3g} of the command's unit"
+    detail = f"The loop is nonlinear {figures} and the apparent stiction is {size}."
+    return _METHOD.result(statistic, STICTION, detail, obstacle, width)
 
 
-def indices(signal):
+def _resampled(error: NDArray, rows: float) -> NDArray:
+    """The error without drift, with as many rows to a period as a bicoherence asks for."""
+    step = rows / _ROWS
+    centred = low_passed(without_drift(error, rows), 0.45 / step)
+    return np.interp(np.arange(0.0, len(centred) - 1.0, step), np.arange(len(centred)), centred)
+
+
+def nonlinearity_indices(signal: NDArray) -> tuple[float, float]:
     """Non-Gaussianity and nonlinearity index of a signal.
 
     Parameters
@@ -119,14 +120,16 @@ def indices(signal):
     squared = np.abs(np.mean(pairs * both.conj(), axis=0)) ** 2 / (
         (left + _LEAST * left.mean()) * (right + _LEAST * right.mean())
     )
-    limit = np.log(len(low) / _LEVEL) / len(segments)  # chi-square with two degrees of freedom, over 2 K
+    limit = np.log(len(low) / BICOHERENCE_LEVEL) / len(
+        segments
+    )  # chi-square with two degrees of freedom, over 2 K
     significant = squared[squared > limit]
-    gaussian = float(significant.mean() - limit) if len(significant) else float(squared.max() - limit)
+    ngi = float((significant.mean() if len(significant) else squared.max()) - limit)
     trimmed = squared[squared <= np.quantile(squared, 0.9)]
-    return gaussian, float(squared.max() - (trimmed.mean() + 2.0 * trimmed.std()))
+    return ngi, float(squared.max() - (trimmed.mean() + 2.0 * trimmed.std()))
 
 
-def width_of_ellipse(command, value):
+def width_of_ellipse(command: NDArray, value: NDArray) -> float | None:
     """Width along the command, through its centre, of the ellipse that fits a cloud of points best.
 
     Parameters
@@ -145,8 +148,8 @@ def width_of_ellipse(command, value):
     design = np.column_stack([x * x, x * y, y * y, x, y, np.ones(len(x))])
     # the direct fit of Fitzgibbon, Pilu and Fisher, in the stable form of Halir and Flusser
     quadratic, linear = design[:, :3], design[:, 3:]
-    scatter, mixed, rest = quadratic.T @ quadratic, quadratic.T @ linear, linear.T @ linear
-    back = -np.linalg.solve(rest, mixed.T)
+    scatter, mixed, linear_part = quadratic.T @ quadratic, quadratic.T @ linear, linear.T @ linear
+    back = -np.linalg.solve(linear_part, mixed.T)
     reduced = scatter + mixed @ back
     reduced = np.array([reduced[2] / 2.0, -reduced[1], reduced[0] / 2.0])
     vectors = np.real(eig(reduced)[1])
@@ -162,7 +165,7 @@ def width_of_ellipse(command, value):
     return float(2.0 * np.sqrt(size / a) * scales[0])
 
 
-def _passed(signal, rows):
+def _band_passed(signal: ArrayLike, rows: float) -> NDArray:
     """Signal in the band of the oscillation and its first harmonics, mirrored at its ends."""
     centred = without_trend(np.asarray(signal, dtype=float))
     both = np.concatenate([centred, centred[::-1]])

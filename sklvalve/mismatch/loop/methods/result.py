@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What one published method says of a loop."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
+
+from sklvalve.mismatch.loop.constants import ROWS_OF_A_SHAPE
+from sklvalve.mismatch.loop.oscillation import Oscillation
 
 STICTION, SOUND, UNDECIDED, NOT_APPLICABLE = "stiction", "no stiction", "undecided", "not applicable"
 
@@ -17,7 +20,7 @@ class MethodResult:
     source : str
         Authors, year and doi.
     statistic : float or None
-        None where it could not be computed; given, if it could, even where the method does not apply.
+        None where it could not be computed; where it could, it stands here even if the method does not apply.
     limit : float
         Published limit above which the method says stiction.
     says : {"stiction", "no stiction", "undecided", "not applicable"}
@@ -35,27 +38,49 @@ class MethodResult:
     detail: str
     band: float | None = None
 
-    def to_dict(self):
-        """Plain dict."""
-        return asdict(self)
+
+@dataclass(frozen=True)
+class Method:
+    """A published method: its name, source and limit, and the rows in a period that it needs."""
+
+    name: str
+    source: str
+    limit: float
+    fewest_rows: float = ROWS_OF_A_SHAPE
+
+    def obstacle(self, oscillation: Oscillation) -> str | None:
+        """The sentence that says why the method does not apply to an oscillation; None where it does."""
+        if oscillation.rows is None:
+            return "No line stands in the spectrum, and the method needs an oscillation."
+        if oscillation.rows < self.fewest_rows:
+            return (
+                f"A period has {oscillation.rows:.1f} rows, and the method needs {self.fewest_rows:.0f} or "
+                "more to see its shape."
+            )
+        if not oscillation.regular:
+            return "The loop does not oscillate regularly, and the method needs a regular oscillation."
+        return None
+
+    def not_applicable(self, reason: str | None) -> MethodResult:
+        """The result where there is no statistic."""
+        return self.result(None, NOT_APPLICABLE, "", reason)
+
+    def result(
+        self,
+        statistic: float | None,
+        says: str,
+        detail: str,
+        obstacle: str | None = None,
+        band: float | None = None,
+    ) -> MethodResult:
+        """A result; where there is an obstacle the statistic alone is kept."""
+        if obstacle:
+            says, detail, band = NOT_APPLICABLE, obstacle, None
+        return MethodResult(self.name, self.source, statistic, self.limit, says, detail, band)
 
 
-def by_limits(statistic, low, high):
+def by_limits(statistic: float, low: float, high: float) -> str:
     """Stiction above the upper limit, none below the lower, undecided between."""
     if statistic > high:
         return STICTION
     return SOUND if statistic < low else UNDECIDED
-
-
-def why_not_applicable(oscillation, fewest_rows=0.0):
-    """The sentence that says why a method for regular oscillations does not apply, or None where it does."""
-    if oscillation.rows is None:
-        return "No line stands in the spectrum, and the method needs an oscillation."
-    if oscillation.rows < fewest_rows:
-        return (
-            f"A period has {oscillation.rows:.1f} rows, and the method needs {fewest_rows:.0f} or more to "
-            "see its shape."
-        )
-    if not oscillation.regular:
-        return "The loop does not oscillate regularly, and the method needs a regular oscillation."
-    return None

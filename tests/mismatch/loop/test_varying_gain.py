@@ -4,11 +4,11 @@
 import numpy as np
 import pytest
 
-from sklvalve.mismatch.loop.alternatives import beside_a_bend
-from sklvalve.mismatch.loop.fit import refined
+from sklvalve.mismatch.loop.fit import Regression, refine
 from sklvalve.mismatch.loop.operators import stick_slip
 from sklvalve.mismatch.loop.process import responses
 from sklvalve.mismatch.loop.signals import loop_signals
+from sklvalve.mismatch.loop.varying_gain import likelihood_with_varying_gain
 from sklvalve.recording import Recording
 
 ROWS = 800
@@ -20,16 +20,16 @@ def wander():
     return 0.5 + 0.05 * swings + 0.001 * rng.standard_normal(ROWS)
 
 
-def gains(value, stem, ahead=None):
-    """Log likelihood of a stem without and with the bends, for a value [1] that it moves."""
+def likelihoods(value, stem, forecast=None):
+    """Log likelihood of a stem without and with a gain that may change, for a value [1] that it moves."""
     command = wander()
     noisy = value + 0.001 * np.random.default_rng(4).standard_normal(ROWS)
     loop = loop_signals(Recording.from_frame({"time": np.arange(ROWS), "command": command, "flow": noisy}))
-    assert loop.every == 1
-    ahead = stem if ahead is None else ahead
-    columns = responses(stem, ahead, False)[None]
-    fit = refined(columns, 0, loop.value, loop.used, 1, (0.9, 0.0))
-    return fit.log_likelihood, beside_a_bend(columns, fit, stem, ahead, loop, 1)
+    assert loop.decimation == 1
+    forecast = stem if forecast is None else forecast
+    regression = Regression(responses(stem, forecast, False)[None], loop.value, loop.used, 1)
+    fit = refine(regression, 0, (0.9, 0.0))
+    return fit.log_likelihood, likelihood_with_varying_gain(fit, stem, forecast, False)
 
 
 def after(stem):
@@ -40,38 +40,38 @@ def test_a_curve_and_a_drift_of_the_gain_are_given_their_part():
     command = wander()
     moved = command - command.mean()
     for value in (3.0 * moved**2, 0.5 * moved * np.linspace(-1.0, 1.0, ROWS)):
-        plain, bent = gains(1.0 + after(moved + value), command)
-        assert bent > plain + 20.0
+        plain, varying = likelihoods(1.0 + after(moved + value), command)
+        assert varying > plain + 20.0
 
 
 def test_a_linear_process_gains_nothing():
     command = wander()
-    plain, bent = gains(1.0 + after(command), command)
-    assert plain <= bent < plain + 5.0
+    plain, varying = likelihoods(1.0 + after(command), command)
+    assert plain <= varying < plain + 5.0
 
 
-def test_a_band_is_not_taken_for_a_bend():
+def test_a_band_is_not_taken_for_a_varying_gain():
     command = wander()
     sticking = stick_slip(command, 0.06, 0.0)
     value = 1.0 + after(sticking)
-    of_command, of_stem = gains(value, command)[1], gains(value, sticking)[1]
+    of_command, of_stem = likelihoods(value, command)[1], likelihoods(value, sticking)[1]
     assert of_stem > of_command + 100.0
 
 
 def test_a_reversed_gain_is_not_allowed():
     command = wander()
     falling = 1.0 - after(command)
-    plain, bent = gains(falling, command)
-    assert bent == pytest.approx(plain)
+    plain, varying = likelihoods(falling, command)
+    assert varying == pytest.approx(plain)
 
 
-def test_a_bend_reads_no_answer_of_the_same_row():
+def test_a_varying_gain_reads_no_answer_of_the_same_row():
     command = wander()
-    # what a controller of high gain makes of the value in the same row, and the rows before do not foresee
+    # what a controller of high gain makes of the value in the same row, which no forecast holds
     answers = 0.02 * np.random.default_rng(6).standard_normal(ROWS)
     gain = np.linspace(0.0, 2.0, ROWS)
     value = 1.0 + after(command) + gain * answers
-    fooled = np.subtract(*gains(value, command + answers)[::-1])
-    foreseen = np.subtract(*gains(value, command + answers, command)[::-1])
+    fooled = np.subtract(*likelihoods(value, command + answers)[::-1])
+    forecast = np.subtract(*likelihoods(value, command + answers, command)[::-1])
     assert fooled > 100.0
-    assert foreseen < 10.0
+    assert forecast < 10.0

@@ -8,7 +8,7 @@ import pytest
 
 from sklvalve.mismatch import Diagnosis
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, stick_slip
-from sklvalve.mismatch.loop.content import _not_testable
+from sklvalve.mismatch.loop.finding import _not_testable
 from sklvalve.recording import Recording, Valve
 
 TIME = 10.0 * np.arange(300)
