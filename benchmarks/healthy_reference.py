@@ -31,12 +31,12 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.gate import with_seized_stems
-from sklvalve.mismatch.healthy import EDGED, EFFECTS, Circumstances, relative_to
-from sklvalve.mismatch.preparation import candidates, prepared_workbench
-from sklvalve.mismatch.sifting import sifted
-from sklvalve.mismatch.withholding import withheld
+from sklvalve.mismatch.masking import sifted
+from sklvalve.mismatch.null_reference import EDGED, EFFECTS, Covariates, relative_to
+from sklvalve.mismatch.preparation import candidates, prepared_problem
+from sklvalve.mismatch.suppression import withheld
 from sklvalve.recording import Recording, Valve, screen_recording
-from sklvalve.simulation.side_by_side import with_threads
+from sklvalve.simulation.parallel_map import with_threads
 
 KINDS = ("wander", "heavy tails", "noise that grows with the flow", "noisy pressures")
 # what half of the recordings lack, and up to which draw of 0 to 1
@@ -116,17 +116,17 @@ def searched(recording):
     data = with_seized_stems(screen_recording(recording), recording)
     _, recording = sifted(recording, recording, data)
     with threadpool_limits(1, user_api="blas"), with_threads(1):
-        workbench = prepared_workbench(recording, None, None)
-        effects, _ = candidates(workbench, "all", data)
-        judged, _ = withheld(finder._judged(workbench, None, effects, data, 0), data, recording)
+        problem = prepared_problem(recording, None, None)
+        effects, _ = candidates(problem, "all", data)
+        judged, _ = withheld(finder._judged(problem, None, effects, data, 0), data, recording)
     told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
-    told |= {name: getattr(judged.evidence.circumstances, name) for name in CIRCUMSTANCES}
+    told |= {name: getattr(judged.evidence.covariates, name) for name in CIRCUMSTANCES}
     told["strengths"] = {key: round(found, 3) for key, found in judged.evidence.strengths.items()}
     return told | {"verdict": judged.verdict, "p_value": judged.p_value}
 
 
 def table_of(rows, name):
-    """The table of one strength, as `sklvalve.mismatch.healthy.Table` takes it."""
+    """The table of one strength, as `sklvalve.mismatch.null_reference.Table` takes it."""
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
     usual = {}
@@ -154,11 +154,11 @@ def table_of(rows, name):
 
 
 def ranged(rows):
-    """Circumstances beyond whose range the edge is taken, with their values in the reference."""
+    """Covariates beyond whose range the edge is taken, with their values in the reference."""
     found = {c: [row[c] for row in rows] for c in EDGED}
     found |= {"noise": [], **{c: [] for c in LINE[-2:]}}
     for row in rows:
-        found[circumstances_of(row).noise_among].append(row["noise"])
+        found[covariates_of(row).noise_among].append(row["noise"])
     return found
 
 
@@ -167,14 +167,14 @@ def short(value):
     return float(f"{value:.4g}")
 
 
-def circumstances_of(row):
-    """Circumstances of a recording, as a line of the file tells them."""
-    return Circumstances(*(row[c] for c in CIRCUMSTANCES))
+def covariates_of(row):
+    """Covariates of a recording, as a line of the file tells them."""
+    return Covariates(*(row[c] for c in CIRCUMSTANCES))
 
 
 def typical_of(rows, found):
-    """Typical strength of each recording in its circumstances, and the line that gives its logarithm."""
-    known = np.array([[getattr(circumstances_of(row), c) for c in LINE] for row in rows])
+    """Typical strength of each recording in its covariates, and the line that gives its logarithm."""
+    known = np.array([[getattr(covariates_of(row), c) for c in LINE] for row in rows])
     columns = np.column_stack([np.ones(len(rows)), known])
     line, *_ = np.linalg.lstsq(columns, np.log(np.maximum(found, WEAKEST)), rcond=None)
     return np.exp(columns @ line), line[0], line[1:]
@@ -237,7 +237,7 @@ def check(rows):
 
     def again(row):
         strongest = EFFECTS.relative(row["strengths"])
-        return mismatch_p_value(Evidence(strongest, row["rest"], circumstances_of(row)))
+        return mismatch_p_value(Evidence(strongest, row["rest"], covariates_of(row)))
 
     p_values = np.array([again(row) for row in rows])
     uniform = kstest(p_values, "uniform").pvalue

@@ -27,7 +27,7 @@ from sklvalve.mismatch.bands import simultaneous_bands
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.cells import cells_of, cells_of_signals, rate_of_travel
 from sklvalve.mismatch.noise import fit_noise
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.preparation import prepared_problem
 
 IN_NO_CATALOGUE = ("trim_rotation", "thermal_bow", "hydrate_pulses")
 NAMED = tuple(name for name in CONCEALABLE if name not in IN_NO_CATALOGUE)
@@ -123,14 +123,14 @@ def healthy(many, rows, rng, alpha=0.01):
         made = make_valve_recording(
             n_samples=rows, n_later=0, random_state=int(rng.integers(2**31)), **settings
         )
-        workbench = prepared_workbench(recording_of(made))
-        model = calibrated(workbench)
-        workbench.learn_noise(model)
-        model = workbench.fit((), start=model)
-        left, parts = workbench.residuals(model), []
-        for c in workbench.channels:
+        problem = prepared_problem(recording_of(made))
+        model = calibrated(problem)
+        problem.learn_noise(model)
+        model = problem.fit((), start=model)
+        left, parts = problem.residuals(model), []
+        for c in problem.channels:
             cells = cells_of(model.chain, model.values, c, model.predictions[c])
-            parts.append((workbench.noise[c], left[c], [left[c]], cells))
+            parts.append((problem.noise[c], left[c], [left[c]], cells))
         bands = simultaneous_bands(parts, alpha=alpha)
         out += any(b.beyond.any() for channel in bands for several in channel for b in several)
     print(f"healthy recordings, a region at alpha {alpha}: {out} of {many}", flush=True)

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from sklvalve.mismatch.calibrating import calibrated
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.mismatch.referee.comparison import compare
 from sklvalve.mismatch.referee.forward import forward_in_time
 from sklvalve.recording import InputError, read_recording, read_valve
@@ -34,9 +34,9 @@ def compared(record, dropped):
     """Comparison of the calibrated nominal simulation of a record with the black box."""
     recording = read_recording(record / "recording.csv.gz", read_valve(record / "valve.toml"))
     kept = {role: values for role, values in recording.signals.items() if role not in dropped}
-    workbench = prepared_workbench(replace(recording, signals=kept))
-    nominal = workbench.least_squares(calibrated(workbench))
-    return compare(workbench, forward_in_time(workbench, nominal, nominal))
+    problem = prepared_problem(replace(recording, signals=kept))
+    nominal = problem.least_squares(calibrated(problem))
+    return compare(problem, forward_in_time(problem, nominal, nominal))
 
 
 def main(folder):

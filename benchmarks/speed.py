@@ -36,9 +36,9 @@ PARTS = {
     ("robust.py", "least_within"): "bounded least squares",
     ("noise.py", "fit_noise"): "noise",
     ("black_box.py", "black_box_prediction"): "black box",
-    ("unknown.py", "look_for_rest"): "rest that no effect explains",
+    ("unknown.py", "look_for_residual"): "rest that no effect explains",
     ("change.py", "find_change"): "dating of a change",
-    ("on_and_off.py", "in_spells"): "spells",
+    ("intermittent.py", "intermittent"): "episodes",
 }
 
 

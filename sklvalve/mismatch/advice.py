@@ -8,10 +8,10 @@ from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.gate import with_seized_stems
 from sklvalve.mismatch.gathering import gathered
 from sklvalve.mismatch.hypothesis import begun, is_in
+from sklvalve.mismatch.masking import masked
 from sklvalve.mismatch.planning import planned
-from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
+from sklvalve.mismatch.preparation import candidates, prepared_problem, rows_to_use
 from sklvalve.mismatch.rivals import find_rivals
-from sklvalve.mismatch.sifting import sifted
 from sklvalve.recording import InputError, screen_recording
 from sklvalve.simulation import ValveSimulation
 
@@ -77,12 +77,12 @@ def plan_next_test(finder, X, *, limits=None, until=None):
             "command and value only: record the opening, or the pressures and the flow"
         )
     with threadpool_limits(1, user_api="blas"):
-        workbench, findings = reopened(finder, X, until=until)
-        return planned(workbench, findings, limits)
+        problem, findings = reopened(finder, X, until=until)
+        return planned(problem, findings, limits)
 
 
 def reopened(finder, X, *, names=(), until=None):
-    """The workbench of a fitted finder and its findings, fitted once more.
+    """The problem of a fitted finder and its findings, fitted once more.
 
     Parameters
     ----------
@@ -94,7 +94,7 @@ def reopened(finder, X, *, names=(), until=None):
 
     Returns
     -------
-    workbench : Workbench
+    problem : Problem
     findings : list of Finding
         Empty where nothing was found.
     """
@@ -102,21 +102,21 @@ def reopened(finder, X, *, names=(), until=None):
     whole = gathered(X, simulation=ours, given=finder.simulation if ours is None else None)
     recording = whole.slice(0, rows_to_use(whole, until))
     data = with_seized_stems(screen_recording(recording), recording)
-    _, recording = sifted(recording, recording, data)
-    workbench = prepared_workbench(recording, ours, finder.tolerance)
+    _, recording = masked(recording, recording, data)
+    problem = prepared_problem(recording, ours, finder.tolerance)
     found = finder.corrected_simulation_
     onsets = found.onsets or {}
     # what was told by events is not simulated
-    simulated = [e for e in found.effects if e not in EVENTS and not is_in(e, workbench.held)]
+    simulated = [e for e in found.effects if e not in EVENTS and not is_in(e, problem.held)]
     members = tuple(begun(e, onsets.get(e.key)) for e in simulated)
     if not members:
-        return workbench, []
-    model = workbench.simulate(members, found.values_)
+        return problem, []
+    model = problem.simulate(members, found.values_)
     for _ in range(2):
-        workbench.learn_noise(model, anew=True)
-        model = workbench.fit(members, start=model)
+        problem.learn_noise(model, anew=True)
+        model = problem.fit(members, start=model)
     told = {m["name"] for entry in finder.diagnosis_.content["effects"] for m in entry["members"]}
     own = [] if isinstance(finder.effects, str) else [e for e in finder.effects if not isinstance(e, str)]
-    effects, _ = candidates(workbench, [*sorted(told | set(names)), *own], data)
+    effects, _ = candidates(problem, [*sorted(told | set(names)), *own], data)
     effects = [e for e in effects if e.name in told | set(names)]
-    return workbench, find_rivals(workbench, model, effects, None)
+    return problem, find_rivals(problem, model, effects, None)

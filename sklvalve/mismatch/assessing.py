@@ -10,7 +10,7 @@ from sklvalve.mismatch.probability import Grounds, is_coarse, probability_of
 _AT_FIRST = 0.02
 
 
-def assessed(entries, verdict, p_value, skills, data, workbench):
+def assessed(entries, verdict, p_value, skills, data, problem):
     """Entries of diagnosis.json with how sure they are, and the verdict that this leaves.
 
     Parameters
@@ -24,7 +24,7 @@ def assessed(entries, verdict, p_value, skills, data, workbench):
         time; None where not known.
     data : list of dict
         Findings of `screen_recording`.
-    workbench : Workbench
+    problem : Problem
 
     Returns
     -------
@@ -39,15 +39,15 @@ def assessed(entries, verdict, p_value, skills, data, workbench):
     """
     if not entries:
         return entries, verdict, []
-    kind, few, coarse = unchecked(workbench), few_signals(workbench.recording), is_coarse(data)
+    kind, few, coarse = unchecked(problem), few_signals(problem.recording), is_coarse(data)
     made = []
     for k, entry in enumerate(entries):
-        late = _is_late(entry, workbench.recording)
+        late = _is_late(entry, problem.recording)
         evidence = {
             **entry["evidence"],
             "skill": None if late else _skill(entry, skills),
             "late": late,
-            "at_first": _is_at_first(entry, workbench.recording),
+            "at_first": _is_at_first(entry, problem.recording),
         }
         grounds = Grounds(
             entry["members"][0]["name"],
@@ -108,5 +108,5 @@ def _is_late(entry, recording):
 
 def _is_at_first(entry, recording):
     """Whether a finding acts in the first rows alone, where what was before the recording still shows."""
-    spells = entry.get("spells") or []
-    return bool(spells and spells[-1][1] <= _AT_FIRST * (recording.time[-1] - recording.time[0]))
+    episodes = entry.get("spells") or []
+    return bool(episodes and episodes[-1][1] <= _AT_FIRST * (recording.time[-1] - recording.time[0]))

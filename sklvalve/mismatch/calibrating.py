@@ -4,32 +4,32 @@
 from sklvalve.mismatch.first_guess import first_guess
 
 
-def calibrated(workbench):
+def calibrated(problem):
     """The simulation without any further effect, calibrated from several starts; the noise is learnt from it.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
         Afterwards it knows the noise, and the values of a sound actuator.
 
     Returns
     -------
     nominal : Model
     """
-    guess, workbench.sound_values = first_guess(workbench)
-    hold = "actuator_" if guess.values and not workbench.coupled else None
-    model = workbench.fit((), start=guess, hold=hold)
+    guess, problem.sound_values = first_guess(problem)
+    hold = "actuator_" if guess.values and not problem.coupled else None
+    model = problem.fit((), start=guess, hold=hold)
     for _ in range(2):
-        workbench.learn_noise(model, cautious=True, anew=True)
-        other = _from_sound(workbench, model)
-        model = workbench.fit((), start=model)
+        problem.learn_noise(model, cautious=True, anew=True)
+        other = _from_sound(problem, model)
+        model = problem.fit((), start=model)
         if other is not None and other.log_likelihood > model.log_likelihood:
             model = other
     return model
 
 
-def _from_sound(workbench, model):
+def _from_sound(problem, model):
     """The calibration begun anew from a sound actuator, which may lie in another valley."""
-    if not workbench.sound_values:
+    if not problem.sound_values:
         return None
-    return workbench.fit((), start=workbench.sound(model))
+    return problem.fit((), start=problem.sound(model))

@@ -64,12 +64,12 @@ class Change:
     spread: float = 1.0
 
 
-def find_change(workbench, model):
+def find_change(problem, model):
     """The clearest change that a simulation leaves over, of all its channels.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         Calibrated; what is looked for is what it leaves over.
 
@@ -79,33 +79,33 @@ def find_change(workbench, model):
         None where no time could be tried. Whether it counts is the caller's matter.
     """
     # what an unrecorded drop does to a flow is no change of the valve
-    unseen = ("flow",) if drop_is_unknown(workbench.recording) else ()
-    found = [change_in(workbench, model, c) for c in workbench.channels if c not in unseen]
+    unseen = ("flow",) if drop_is_unknown(problem.recording) else ()
+    found = [change_in(problem, model, c) for c in problem.channels if c not in unseen]
     found = [each for each in found if each is not None]
     if not found:
         return None
     best = min(found, key=lambda each: each.p_value)
-    return replace(best, p_value=min(len(workbench.channels) * best.p_value, 1.0))
+    return replace(best, p_value=min(len(problem.channels) * best.p_value, 1.0))
 
 
-def change_in(workbench, model, channel):
+def change_in(problem, model, channel):
     """The clearest change of one channel; None where it has too few rows."""
-    left = workbench.residuals(model)[channel]
-    shown, n = model.predictions[channel], len(workbench.recording)
+    left = problem.residuals(model)[channel]
+    shown, n = model.predictions[channel], len(problem.recording)
     if np.isfinite(left).sum() < 8 * _FEWEST:
         return None
-    steady = _steady_columns(workbench, model, channel)
-    settings = workbench.noise_settings(channel)
+    steady = _steady_columns(problem, model, channel)
+    settings = problem.noise_settings(channel)
     about = shown - np.nanmean(shown)
     about /= max(float(np.nanstd(about)), 1e-12)
-    places = _places(workbench.recording.spans, n)
+    places = _places(problem.recording.spans, n)
     places = places[_comparable(left, shown, places)]
     if not len(places):
         return None
     rest, search = left, None
     for cautious in (True, False, False):
         noise = noise_of(
-            workbench.recording, rest, shown, model.chain.step, channel, cautious=cautious, **settings
+            problem.recording, rest, shown, model.chain.step, channel, cautious=cautious, **settings
         )
         search = StepSearch(noise, left, steady, about)
         row, gain, response_too = search.best(places)
@@ -171,9 +171,9 @@ def _places(spans, n):
     return np.unique(rows[rows >= _FEWEST])
 
 
-def _steady_columns(workbench, model, channel):
+def _steady_columns(problem, model, channel):
     """What a simulation gets wrong of a valve that stays as it is, as columns over the rows."""
-    recording, n = workbench.recording, len(workbench.recording)
+    recording, n = problem.recording, len(problem.recording)
     shown = _filled(model.predictions[channel])
     columns = [np.linspace(-1.0, 1.0, n)]
     for driver in _drivers(recording, channel, shown):
@@ -185,7 +185,7 @@ def _steady_columns(workbench, model, channel):
         columns.append(shown - late)
     columns.append(_last_way(shown))
     for role in ("p1", "p2", "temperature", "supply_pressure"):
-        if role in recording and role not in workbench.channels:
+        if role in recording and role not in problem.channels:
             columns.append(_filled(recording[role]))
     made = [c - (c.mean() if np.ptp(c) > 0.0 else 0.0) for c in columns]
     scaled = [c / max(float(np.std(c)), 1e-30) if np.std(c) > 0.0 else c for c in made]

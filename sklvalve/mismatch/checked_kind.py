@@ -19,19 +19,19 @@ def few_signals(recording):
     return any(role not in recording for role in _MAY_LACK)
 
 
-def unchecked(workbench):
+def unchecked(problem):
     """Why it was not checked how often names hold on recordings such as this one.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
 
     Returns
     -------
     reason : str
         Words that follow "for"; empty where it was checked.
     """
-    recording, chain, valve = workbench.recording, workbench.plain, workbench.valve
+    recording, chain, valve = problem.recording, problem.plain, problem.valve
     low, high = SAMPLE_TIME
     answers = (
         (_is_given(recording), "simulations other than the package's own"),

@@ -103,7 +103,7 @@ class Judgement:
     @property
     def names_event(self):
         """Whether what happened in the last rows has a name."""
-        onsets = [f.member.onset for f in self.findings if f.member.onset is not None]
+        onsets = [f.term.onset for f in self.findings if f.term.onset is not None]
         clock = self.model.chain.clock
         return self.event is not None and any(t >= clock[self.event.within[0]] for t in onsets)
 
@@ -121,7 +121,7 @@ class Judgement:
 def onset_of(judgement):
     """Time from the first sample at which all that was found begins [s]; None if it was there before."""
     aside = aside_of(judgement.findings)
-    onsets = [f.member.onset for f in judgement.findings if f.member.effect.key not in aside]
+    onsets = [f.term.onset for f in judgement.findings if f.term.effect.key not in aside]
     if not onsets or None in onsets:
         return None
     return float(min(onsets) - judgement.model.chain.clock[0])
@@ -130,23 +130,23 @@ def onset_of(judgement):
 def aside_of(findings):
     """Keys of a sound valve's properties where something else was found: a report is about when that acts."""
     properties = [f for f in findings if kind_of_class(f) == "property"]
-    return {f.member.effect.key for f in properties} if len(properties) < len(findings) else set()
+    return {f.term.effect.key for f in properties} if len(properties) < len(findings) else set()
 
 
-def flagged_rows(workbench, judgement):
+def flagged_rows(problem, judgement):
     """Rows in which what was found acts."""
     unknown, model = judgement.unknown, judgement.model
     # switched off in the same simulation, not calibrated away: so it shows where it acts itself
-    flagged = acting_rows(workbench, model, workbench.simulate((), model.values))
+    flagged = acting_rows(problem, model, problem.simulate((), model.values))
     if unknown is not None and not judgement.findings:
         rest = np.abs(learnt_rest(unknown.correction, model.chain, model.values))
         flagged = rest > 0.25 * np.quantile(rest, 0.99)
     if judgement.suspected is not None and judgement.found:
         near = judgement.suspected
-        flagged = flagged | acting_rows(workbench, near, workbench.simulate((), near.values))
+        flagged = flagged | acting_rows(problem, near, problem.simulate((), near.values))
     for seen in (judgement.strays, judgement.pulses):
         flagged = flagged if seen is None else flagged | seen.rows
-    events = events_of(workbench.recording) if told_by_events(judgement.findings) else None
+    events = events_of(problem.recording) if told_by_events(judgement.findings) else None
     if events is not None:
         flagged = flagged | events.flagged
     onset = onset_of(judgement)
@@ -156,18 +156,18 @@ def flagged_rows(workbench, judgement):
 
 
 def content_of(
-    whole, workbench, judgement, flagged, fit, *, data, not_testable, alpha, random_state, mend, plan
+    whole, problem, judgement, flagged, fit, *, data, not_testable, alpha, random_state, mend, plan
 ):
     """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``.
 
     `mend` is what to do to the data, and `plan` the next test, where there is one.
     """
     unknown, found = judgement.unknown, judgement.found
-    entries = [with_kinds(effect_entry(f, whole, workbench), f) for f in judgement.findings]
+    entries = [with_kinds(effect_entry(f, whole, problem), f) for f in judgement.findings]
     # forecasts of the rows used: those kept for the final figures must decide nothing
     seen = () if judgement.referee is None else judgement.referee.compared
-    ahead = skills_ahead(workbench, seen)
-    entries, verdict, doubts = assessed(entries, judgement.verdict, judgement.p_value, ahead, data, workbench)
+    ahead = skills_ahead(problem, seen)
+    entries, verdict, doubts = assessed(entries, judgement.verdict, judgement.p_value, ahead, data, problem)
     asked = _asked(judgement, entries, verdict, alpha)
     judgement = replace(judgement, verdict=verdict)
     blocks = sorted({b for e in entries for b in e["blocks"]})
@@ -185,7 +185,7 @@ def content_of(
     elif found:
         more = {"alpha": alpha, "random_state": random_state, "aside": aside_of(judgement.findings)}
         seen = judgement.suspected or judgement.model
-        location = location_of(workbench, seen, unknown, blocks, **more)
+        location = location_of(problem, seen, unknown, blocks, **more)
     location["change"] = change_entry(whole, judgement, location)
     joined = _recordings(whole)
     if joined:
@@ -200,31 +200,31 @@ def content_of(
         "effects": entries,
         "comparison": judgement.comparison.to_records(),
         "fit": fit,
-        "proof": "later_rows" if len(whole) > len(workbench.recording) else "forward",
+        "proof": "later_rows" if len(whole) > len(problem.recording) else "forward",
         "not_testable": not_testable,
-        "next_test": mend or next_test(classes, judgement.verdict, rest, workbench, plan),
+        "next_test": mend or next_test(classes, judgement.verdict, rest, problem, plan),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
         "provenance": {
             "sklvalve": sklvalve.__version__,
             "recording_sha256": whole.sha256,
-            "rows": len(workbench.recording),
+            "rows": len(problem.recording),
             "random_state": random_state,
             **({"recordings": joined} if joined else {}),
             **begins_of(whole),
         },
         "units": {role: whole.unit(role) for role in whole},
         # by these a size that is a share of its signal's span becomes one in the recording's own unit
-        "spans": {c: float(f"{workbench.spans[c] * abs(whole.per_si(c)):.4g}") for c in workbench.channels},
+        "spans": {c: float(f"{problem.spans[c] * abs(whole.per_si(c)):.4g}") for c in problem.channels},
     }
     content["rules"] = rules.to_records(asked)
-    content["reasons"] = reasons_of(judgement, mend, workbench, doubts)
+    content["reasons"] = reasons_of(judgement, mend, problem, doubts)
     content["details"] = [plan.details] if plan is not None and plan.details and not mend else []
     if judgement.referee is not None:
         content["referee"] = referee_entry(judgement.referee, whole)
     if rest is not None:
         content["unknown"] = _unknown_entry(whole, judgement) if unknown is not None else _unlearnt(rest)
     if judgement.left is not None:
-        content["unknown"] |= _beyond_noise(whole, workbench, judgement)
+        content["unknown"] |= _beyond_noise(whole, problem, judgement)
     if judgement.pulses is not None:
         content["unknown"] |= _in_moments(judgement.pulses)
     return content
@@ -278,10 +278,10 @@ def _unlearnt(left):
     }
 
 
-def _beyond_noise(whole, workbench, judgement):
+def _beyond_noise(whole, problem, judgement):
     """How far a rest is beyond noise, and what comes closest of the known effects and is not named for it."""
     left, leaves = judgement.left, judgement.closest_leaves
-    closest = [effect_entry(f, whole, workbench) for f in judgement.closest]
+    closest = [effect_entry(f, whole, problem) for f in judgement.closest]
     for entry in closest:
         # they are refuted: none of their names has a probability
         entry["members"] = [member | {"probability": None} for member in entry["members"]]

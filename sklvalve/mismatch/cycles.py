@@ -40,12 +40,12 @@ class Cycle:
     p_value: float
 
 
-def find_cycle(workbench, model, channel):
+def find_cycle(problem, model, channel):
     """Look for a cycle in what a model leaves over of a channel.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
     channel : str
 
@@ -53,21 +53,21 @@ def find_cycle(workbench, model, channel):
     -------
     cycle : Cycle or None
     """
-    clock, left = model.chain.clock - model.chain.clock[0], workbench.residuals(model)[channel]
-    simulated, noise = model.predictions[channel], workbench.noise[channel]
-    shortest = max(_SHORTEST, _FEWEST_ROWS * workbench.recording.sample_time)
+    clock, left = model.chain.clock - model.chain.clock[0], problem.residuals(model)[channel]
+    simulated, noise = model.predictions[channel], problem.noise[channel]
+    shortest = max(_SHORTEST, _FEWEST_ROWS * problem.recording.sample_time)
     # of the time that was recorded: years between two recordings tell nothing of a cycle
-    length = min(clock[-1], len(clock) * workbench.recording.sample_time)
+    length = min(clock[-1], len(clock) * problem.recording.sample_time)
     frequencies = np.arange(_FEWEST_CYCLES, int(length / shortest) + 1) / max(length, 1e-12)
     if not len(frequencies):
         return None
     learn = partial(
         noise_of,
-        workbench.recording,
+        problem.recording,
         simulated=simulated,
         step=model.chain.step,
         role=channel,
-        **workbench.noise_settings(channel),
+        **problem.noise_settings(channel),
     )
     filtered, best = _Filtered(noise, left), (0.0, None)
     # as high everywhere, or growing with the signal

@@ -9,7 +9,7 @@ from sklvalve.mismatch.change import Change, find_change, size_of
 from sklvalve.mismatch.late import stands_out
 
 
-def dated(workbench, judged, alpha):
+def dated(problem, judged, alpha):
     """A judgement with its change, where there is one that stands out.
 
     Where all that was found is there from the start, what changes is looked for in what is left beside it;
@@ -17,7 +17,7 @@ def dated(workbench, judged, alpha):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     judged : Judgement
     alpha : float
 
@@ -28,13 +28,13 @@ def dated(workbench, judged, alpha):
     """
     if judged.change is not None:
         return judged
-    onsets = [f.member.onset for f in judged.findings]
-    begun = [f for f in judged.findings if f.member.onset is not None and not f.member.effect.grows]
+    onsets = [f.term.onset for f in judged.findings]
+    begun = [f for f in judged.findings if f.term.onset is not None and not f.term.effect.grows]
     if begun and judged.verdict == "named":
-        return replace(judged, change=_of(workbench, judged, begun[0]))
+        return replace(judged, change=_of(problem, judged, begun[0]))
     seen = judged.model if onsets and all(onset is None for onset in onsets) else judged.nominal
-    found = find_change(workbench, seen)
-    if found is None or not stands_out(workbench, found, alpha):
+    found = find_change(problem, seen)
+    if found is None or not stands_out(problem, found, alpha):
         return judged
     if judged.verdict == "no_mismatch":
         # what changes by more than counts is no agreement, though nothing was found that explains it
@@ -44,11 +44,11 @@ def dated(workbench, judged, alpha):
     return replace(judged, change=found)
 
 
-def _of(workbench, judged, finding):
+def _of(problem, judged, finding):
     """The change that a named effect made which began within the recording, in the signal it moves most."""
     channel = max(finding.sizes, key=lambda c: finding.sizes[c])
-    left, shown = workbench.residuals(judged.nominal)[channel], judged.nominal.predictions[channel]
-    row = int(np.searchsorted(judged.model.chain.clock, finding.member.onset))
+    left, shown = problem.residuals(judged.nominal)[channel], judged.nominal.predictions[channel]
+    row = int(np.searchsorted(judged.model.chain.clock, finding.term.onset))
     size = size_of(left, shown, row)
     if size is None:
         parts = [part[np.isfinite(part)] for part in (left[row:], left[:row])]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.healthy import EFFECTS, REST, Circumstances, exceeded
+from sklvalve.mismatch.null_reference import EFFECTS, REST, Covariates, survival
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
 
@@ -34,20 +34,20 @@ class Evidence:
         recordings; zero where none was tried.
     rest : float or None
         What the learnt rest makes of it; None where no rest could be learnt.
-    circumstances : Circumstances
+    covariates : Covariates
         What chance depends on.
     strengths : dict, default={}
-        Effect key -> standard deviations as `strength` has them, of the effects tried beyond their tolerance
-        and of those found.
+        Effect key -> standard deviations as `effect_strength` has them, of the effects tried beyond
+        their tolerance and of those found.
     """
 
     effects: float
     rest: float | None
-    circumstances: Circumstances
-    strengths: dict = field(default_factory=dict, compare=False, repr=False)
+    covariates: Covariates
+    effect_strengths: dict = field(default_factory=dict, compare=False, repr=False)
 
 
-def strength(deviations, size):
+def effect_strength(deviations, size):
     r"""Size of a change in its standard deviations, noise and what a healthy simulation gets wrong together.
 
     .. math:: t = \left(\frac{1}{z^2} + \frac{w^2}{s^2}\right)^{-1/2}
@@ -79,20 +79,20 @@ def strength(deviations, size):
     return float(1.0 / np.hypot(1.0 / deviations, _WRONG / size))
 
 
-def strengths_of_effects(explanation, workbench):
+def effect_strengths(explanation, problem):
     """Strength of each effect beyond tolerance, of those found and those tried at the first step, by key.
 
     The deviations of an effect are the root of twice the log likelihood that it gains.
     """
     seen = [(key, *tried) for key, tried in explanation.tried.items()]
-    seen += [(f.member.effect.key, f.gain, f.sizes) for f in explanation.findings]
-    strengths = {}
+    seen += [(f.term.effect.key, f.gain, f.sizes) for f in explanation.findings]
+    effect_strengths = {}
     for key, gain, sizes in seen:
-        strengths[key] = max(strengths.get(key, 0.0), _strength_of(gain, sizes, workbench))
-    return strengths
+        effect_strengths[key] = max(effect_strengths.get(key, 0.0), _effect_strength(gain, sizes, problem))
+    return effect_strengths
 
 
-def p_value_of_one(finding, workbench, circumstances):
+def p_value_of_one(finding, problem, covariates):
     """Share of healthy recordings in which the strongest effect is as strong as this one, or stronger.
 
     Each effect relative to what is usual for it.
@@ -100,80 +100,78 @@ def p_value_of_one(finding, workbench, circumstances):
     Parameters
     ----------
     finding : Finding
-    workbench : Workbench
-    circumstances : Circumstances
+    problem : Problem
+    covariates : Covariates
 
     Returns
     -------
     p_value : float
     """
-    alone = {finding.member.effect.key: _strength_of(finding.gain, finding.sizes, workbench)}
-    return mismatch_p_value(Evidence(EFFECTS.relative(alone), None, circumstances))
+    alone = {finding.term.effect.key: _effect_strength(finding.gain, finding.sizes, problem)}
+    return mismatch_p_value(Evidence(EFFECTS.relative(alone), None, covariates))
 
 
-def _strength_of(gain, sizes, workbench):
-    return strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(sizes, workbench))
+def _effect_strength(gain, sizes, problem):
+    return effect_strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(sizes, problem))
 
 
-def in_counts(sizes, workbench):
+def in_counts(sizes, problem):
     """Sizes of a change by channel as one: the largest, in multiples of what counts in its channel [1]."""
-    return max((size / workbench.least(c) for c, size in sizes.items()), default=0.0)
+    return max((size / problem.least(c) for c, size in sizes.items()), default=0.0)
 
 
-def circumstances_of(workbench, data=()):
+def covariates_of(problem, data=()):
     """What chance depends on, known before the search: its noise and how the valve moved.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
         With the noise that the calibrated simulation leaves.
     data : list of dict, default=()
         Findings of `screen_recording` of its recording.
     """
-    recording = workbench.recording
+    recording = problem.recording
     # without a flow nothing waits for its drop
-    no_drop = "flow" in workbench.channels and drop_is_unknown(recording)
+    no_drop = "flow" in problem.channels and drop_is_unknown(recording)
     moved = next(recording[r] for r in ("opening", "command", "flow") if r in recording)
     low, high = np.nanquantile(moved, [0.05, 0.95])
     span = 1.0 if "opening" in recording or "command" in recording else np.nanmax(np.abs(moved))
-    noise = max(
-        workbench.noise[c].floor / (workbench.least(c) * workbench.spans[c]) for c in workbench.channels
-    )
-    return Circumstances(
+    noise = max(problem.noise[c].floor / (problem.least(c) * problem.spans[c]) for c in problem.channels)
+    return Covariates(
         noise=float(np.log(noise)),
         travel=float((high - low) / span),
         no_opening=float("opening" not in recording),
         no_drop=float(no_drop),
         one_pressure=float(no_drop and ("p1" in recording or "p2" in recording)),
-        held_opening=_held(workbench, data, ("opening",)),
-        held_flow=_held(workbench, data, ("flow", "p1", "p2")),
+        held_opening=_held(problem, data, ("opening",)),
+        held_flow=_held(problem, data, ("flow", "p1", "p2")),
     )
 
 
-def _held(workbench, data, roles):
+def _held(problem, data, roles):
     """Logarithm of one plus the widest dead band of some signals, in multiples of what counts."""
-    bands = [_left_out(workbench, each) for each in data if each["role"] in roles]
+    bands = [_left_out(problem, each) for each in data if each["role"] in roles]
     return float(np.log1p(max(bands, default=0.0)))
 
 
-def _left_out(workbench, finding):
+def _left_out(problem, finding):
     """Dead band of a historian, in multiples of what counts in the channel that it changes most [1]."""
-    role, band, recording = finding["role"], finding.get("size"), workbench.recording
+    role, band, recording = finding["role"], finding.get("size"), problem.recording
     # of lines and slower scans, which have no size, no healthy recording of the reference tells
     if finding["finding"] != "compressed" or not band:
         return 0.0
-    if role in workbench.channels:
-        return band / (workbench.spans[role] * workbench.tolerated(role))
+    if role in problem.channels:
+        return band / (problem.spans[role] * problem.tolerated(role))
     # where nothing tells the drop no flow is simulated from a pressure
-    moved = flow_moved_by(recording, band) if role in ("p1", "p2") and "flow" in workbench.channels else 0.0
-    return moved / workbench.tolerated("flow") if np.isfinite(moved) else 0.0
+    moved = flow_moved_by(recording, band) if role in ("p1", "p2") and "flow" in problem.channels else 0.0
+    return moved / problem.tolerated("flow") if np.isfinite(moved) else 0.0
 
 
 def mismatch_p_value(evidence):
     """Share of healthy recordings that look as far from their simulation as this one, or further.
 
     The strength of the effects and that of the learnt rest are each held against their own among healthy
-    recordings in the same circumstances. Of two looks at one recording either may raise the alarm: three
+    recordings in the same covariates. Of two looks at one recording either may raise the alarm: three
     quarters of the level go to the effects, a quarter to the rest (Sidak, with weights).
 
     Parameters
@@ -191,13 +189,13 @@ def mismatch_p_value(evidence):
         looks = [(EFFECTS, evidence.effects, 1.0)]
     # 1 - (1 - p)^(1 / weight), exact for a small p as well
     p_values = [
-        -np.expm1(np.log1p(-min(exceeded(table, found, evidence.circumstances), 1.0 - 1e-16)) / weight)
+        -np.expm1(np.log1p(-min(survival(table, found, evidence.covariates), 1.0 - 1e-16)) / weight)
         for table, found, weight in looks
     ]
     return float(np.clip(min(p_values), _LEAST_P_VALUE, 1.0))
 
 
-def p_value_of_what_counts(findings, tried, workbench):
+def p_value_of_what_counts(findings, tried, problem):
     """Probability that chance lifts an effect that does not count as far above what counts.
 
     The hypothesis is that no effect is larger than what counts in practice: the likelihood ratio of each
@@ -209,15 +207,15 @@ def p_value_of_what_counts(findings, tried, workbench):
     findings : list of Finding
     tried : dict
         Effect key -> (gain of its best single fit, sizes), where nothing was found.
-    workbench : Workbench
+    problem : Problem
 
     Returns
     -------
     p_value : float
         Never below 1e-12: no noise model is that good.
     """
-    least = workbench.least
-    seen = [(f.gain, f.sizes, len(f.member.effect.parameters)) for f in findings]
+    least = problem.least
+    seen = [(f.gain, f.sizes, len(f.term.effect.parameters)) for f in findings]
     if not seen:
         seen = [(gain, sizes, 2) for gain, sizes in tried.values()]
     p_values = [1.0]

@@ -8,7 +8,7 @@ import numpy as np
 from sklvalve.mismatch.decide.constants import IN_CLASS
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.hunting import find_hunting
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.rivals import Finding, Rival
 from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.simulation.given import ACTUATOR_STAGES
@@ -92,12 +92,12 @@ def events_of(recording):
     return None
 
 
-def evident_events(workbench, effects, alpha):
+def evident_events(problem, effects, alpha):
     """Events of the stem, where they may be told.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     effects : sequence of Effect
         Candidates: without those that make the events these tell nothing.
     alpha : float
@@ -107,7 +107,7 @@ def evident_events(workbench, effects, alpha):
     -------
     events : Events or None
     """
-    found = None if alpha < P_VALUE else events_of(workbench.recording)
+    found = None if alpha < P_VALUE else events_of(problem.recording)
     if found is None:
         return None
     found = replace(found, names_wanted=frozenset(e.name for e in effects))
@@ -129,7 +129,7 @@ def worth_searching(effects, events):
     return [e for e in effects if events is None or not _moves_the_stem(e) or e.alike == _ALIKE]
 
 
-def with_events(model, events, workbench, random_state=0):
+def with_events(model, events, problem, random_state=0):
     """A fitted hypothesis with what its events tell, and the finding of it: every effect that makes them.
 
     What the hypothesis simulates stays as it is, because the moments of the events are not simulated.
@@ -138,7 +138,7 @@ def with_events(model, events, workbench, random_state=0):
     ----------
     model : Model
     events : Events
-    workbench : Workbench
+    problem : Problem
     random_state : int
         Of the bootstrap of the median size.
 
@@ -153,22 +153,22 @@ def with_events(model, events, workbench, random_state=0):
     size, spread = float(np.median(events.sizes)), float(np.std(drawn))
     rivals = []
     for effect in events.forms:
-        member, key = Member(effect), f"{effect.key}.{effect.parameters[0].name}"
-        members = (member, *model.members)
+        term, key = Term(effect), f"{effect.key}.{effect.parameters[0].name}"
+        terms = (term, *model.terms)
         made = replace(
             model,
-            members=members,
-            chain=workbench.chain(members),
+            terms=terms,
+            chain=problem.chain(terms),
             values=model.values | {key: size},
             spreads=model.spreads | {key: spread},
         )
-        rivals.append(Rival(member, made, (1.0 - P_VALUE) * _SHARES[events.kind][effect.key], 0.0))
-    return Finding(rivals[0].member, rivals, 0.0, {"opening": size}), rivals[0].model
+        rivals.append(Rival(term, made, (1.0 - P_VALUE) * _SHARES[events.kind][effect.key], 0.0))
+    return Finding(rivals[0].term, rivals, 0.0, {"opening": size}), rivals[0].model
 
 
 def beside_events(findings):
     """Findings that events do not explain: those that do not move the stem, and are no play."""
-    return [f for f in findings if not (_moves_the_stem(f.member.effect) or f.member.effect.alike == _ALIKE)]
+    return [f for f in findings if not (_moves_the_stem(f.term.effect) or f.term.effect.alike == _ALIKE)]
 
 
 def _moves_the_stem(effect):
@@ -177,9 +177,9 @@ def _moves_the_stem(effect):
 
 def simulated(model):
     """A hypothesis without what is told by its events and not simulated."""
-    return replace(model, members=tuple(m for m in model.members if m.effect not in EVENTS))
+    return replace(model, terms=tuple(m for m in model.terms if m.effect not in EVENTS))
 
 
 def told_by_events(findings):
     """Whether any of some findings is told by events."""
-    return any(f.member.effect in EVENTS for f in findings)
+    return any(f.term.effect in EVENTS for f in findings)

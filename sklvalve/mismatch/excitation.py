@@ -11,8 +11,8 @@ from functools import cached_property
 
 import numpy as np
 
-from sklvalve.mismatch.foreseen import Foreseen, Present
-from sklvalve.mismatch.hypothesis import Member, Model
+from sklvalve.mismatch.forecast import ForecastRecord, Present
+from sklvalve.mismatch.hypothesis import Model, Term
 from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
@@ -40,11 +40,11 @@ class Explanation:
     misfits: list
 
     @property
-    def members(self):
+    def terms(self):
         """Effects that go on: what grows from the recording's first row on does so in the test too."""
         first = float(self.model.chain.clock[0])
         return tuple(
-            Member(m.effect, first) if m.effect.grows and m.onset is None else m for m in self.model.members
+            Term(m.effect, first) if m.effect.grows and m.onset is None else m for m in self.model.terms
         )
 
     @cached_property
@@ -66,7 +66,7 @@ class Advisor:
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     explanations : list of Explanation
     without : Explanation or None
         What remains of the hypothesis without the effect in question.
@@ -74,16 +74,16 @@ class Advisor:
         Log likelihood that the first explanation adds to `without`.
     """
 
-    def __init__(self, workbench, explanations, without, gain):
-        self.workbench, self.explanations, self.without, self.gain = workbench, explanations, without, gain
+    def __init__(self, problem, explanations, without, gain):
+        self.problem, self.explanations, self.without, self.gain = problem, explanations, without, gain
 
     @cached_property
     def _present_record(self):
-        return Present(self.workbench)
+        return Present(self.problem)
 
     def records(self, program, sensor=None):
         """The record that a program would give, for each explanation taken for true."""
-        return [Foreseen(self._present_record, program, e, sensor) for e in self.explanations]
+        return [ForecastRecord(self._present_record, program, e, sensor) for e in self.explanations]
 
     def distances(self, program, sensor=None, rounds=1):
         """Distance D of every explanation from every other after a test.
@@ -152,7 +152,7 @@ class Advisor:
             ``effect.parameter``.
         """
         best = self.explanations[0]
-        answer = Answer(Foreseen(self._present_record, program, best, None), best)
+        answer = Answer(ForecastRecord(self._present_record, program, best, None), best)
         for misfit, (_, curvature), slopes in zip(best.misfits, best.groups, answer.slopes(), strict=True):
             if name in misfit.vector.names:
                 k, scale = misfit.vector.names.index(name), misfit.vector.scale

@@ -18,7 +18,7 @@ from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
 from sklvalve.mismatch.dated import dated
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.compare import compared
-from sklvalve.mismatch.detect import circumstances_of
+from sklvalve.mismatch.detect import covariates_of
 from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.events import evident_events, worth_searching
 from sklvalve.mismatch.explain import explain
@@ -28,8 +28,9 @@ from sklvalve.mismatch.gathering import gathered
 from sklvalve.mismatch.judging import blocked, judge
 from sklvalve.mismatch.late import before, late_event, with_late_event
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
+from sklvalve.mismatch.masking import masked
 from sklvalve.mismatch.next_test import plan_of
-from sklvalve.mismatch.preparation import candidates, prepared_workbench, rows_to_use
+from sklvalve.mismatch.preparation import candidates, prepared_problem, rows_to_use
 from sklvalve.mismatch.prove import (
     errors,
     held_out_predictions,
@@ -37,12 +38,11 @@ from sklvalve.mismatch.prove import (
     interleaved_predictions,
 )
 from sklvalve.mismatch.referee import forward_in_time, refereed
-from sklvalve.mismatch.sifting import sifted
 from sklvalve.mismatch.stretches import over_the_whole, stretches_of
-from sklvalve.mismatch.withholding import withheld
+from sklvalve.mismatch.suppression import suppressed
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
-from sklvalve.simulation.side_by_side import with_threads
+from sklvalve.simulation.parallel_map import with_threads
 
 
 class MissingPhysicsFinder(BaseEstimator):
@@ -228,29 +228,29 @@ class MissingPhysicsFinder(BaseEstimator):
         require_diagnosable(recording)
         data = with_seized_stems(screen_recording(recording), recording)
         mend = blocking(data)
-        whole, recording = sifted(whole, recording, data)
-        workbench = prepared_workbench(recording, ours, self.tolerance)
-        effects, not_testable = candidates(workbench, self.effects, data)
+        whole, recording = masked(whole, recording, data)
+        problem = prepared_problem(recording, ours, self.tolerance)
+        effects, not_testable = candidates(problem, self.effects, data)
         self._say("calibrating", 0.05)
-        judged = blocked(workbench) if mend else self._judged(workbench, ours, effects, data, seed)
-        judged, spoilt = withheld(judged, data, recording)
+        judged = blocked(problem) if mend else self._judged(problem, ours, effects, data, seed)
+        judged, spoilt = suppressed(judged, data, recording)
         asked = [rules.data(mend)] + ([rules.data_quality(spoilt)] if judged.found or spoilt else [])
         judged = replace(judged, rules=(*judged.rules, *asked))
         self._say("forecasting rows ahead", 0.82)
-        judged, forward = (judged, None) if mend or spoilt else refereed(workbench, judged)
-        judged = judged if mend else dated(workbench, judged, float(self.alpha))
+        judged, forward = (judged, None) if mend or spoilt else refereed(problem, judged)
+        judged = judged if mend else dated(problem, judged, float(self.alpha))
         self.evidence_ = judged.evidence
-        self.nominal_simulation_ = _simulation_of(workbench, judged.nominal, None, given)
-        self.corrected_simulation_ = _simulation_of(workbench, judged.model, judged.correction, given)
+        self.nominal_simulation_ = _simulation_of(problem, judged.nominal, None, given)
+        self.corrected_simulation_ = _simulation_of(problem, judged.model, judged.correction, given)
         self._say("proving on held-out rows", 0.85)
-        flagged = flagged_rows(workbench, judged)
-        self.next_test_ = None if mend or spoilt else plan_of(workbench, judged.findings)
+        flagged = flagged_rows(problem, judged)
+        self.next_test_ = None if mend or spoilt else plan_of(problem, judged.findings)
         content = content_of(
             whole,
-            workbench,
+            problem,
             judged,
             flagged,
-            {} if mend else _proof(workbench, whole, judged, forward, flagged, seed),
+            {} if mend else _proof(problem, whole, judged, forward, flagged, seed),
             data=data,
             not_testable=not_testable,
             alpha=float(self.alpha),
@@ -277,35 +277,35 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("done", 1.0)
         return self
 
-    def _judged(self, workbench, ours, effects, data, seed):
+    def _judged(self, problem, ours, effects, data, seed):
         """The judgement on a recording; of a long one stretches are searched."""
-        events = evident_events(workbench, effects, float(self.alpha)) if self.max_effects else None
-        stretches = stretches_of(workbench.recording, self.search_rows)
-        if stretches is workbench.recording:
-            return self._judge_with_its_end(workbench, ours, effects, events, data, seed)
-        bench = prepared_workbench(stretches, ours, self.tolerance, trim=workbench.trim)
+        events = evident_events(problem, effects, float(self.alpha)) if self.max_effects else None
+        stretches = stretches_of(problem.recording, self.search_rows)
+        if stretches is problem.recording:
+            return self._judge_with_its_end(problem, ours, effects, events, data, seed)
+        bench = prepared_problem(stretches, ours, self.tolerance, trim=problem.trim)
         judged = self._judge(bench, effects, events, data, seed)
-        return over_the_whole(workbench, judged, float(self.alpha))
+        return over_the_whole(problem, judged, float(self.alpha))
 
-    def _judge_with_its_end(self, workbench, ours, effects, events, data, seed):
+    def _judge_with_its_end(self, problem, ours, effects, events, data, seed):
         """The judgement on a recording, what happens in its last rows judged by itself."""
-        nominal = calibrated(workbench)
-        event = late_event(workbench, nominal, float(self.alpha)) if self.max_effects else None
+        nominal = calibrated(problem)
+        event = late_event(problem, nominal, float(self.alpha)) if self.max_effects else None
         if event is None:
-            return self._judge(workbench, effects, events, data, seed, nominal)
-        rows = before(workbench.recording, event)
-        bench = prepared_workbench(rows, ours, self.tolerance, trim=workbench.trim)
+            return self._judge(problem, effects, events, data, seed, nominal)
+        rows = before(problem.recording, event)
+        bench = prepared_problem(rows, ours, self.tolerance, trim=problem.trim)
         judged = self._judge(bench, effects, events, data, seed)
-        found = with_late_event(workbench, bench, judged, event, effects, float(self.alpha))
-        return found or self._judge(workbench, effects, events, data, seed)
+        found = with_late_event(problem, bench, judged, event, effects, float(self.alpha))
+        return found or self._judge(problem, effects, events, data, seed)
 
-    def _judge(self, workbench, effects, events, data, seed, nominal=None):
+    def _judge(self, problem, effects, events, data, seed, nominal=None):
         """Search among the effects, and the judgement on what it finds."""
         alpha, considered = float(self.alpha), worth_searching(effects, events)
 
         def judge_on(bench, candidates):
-            first = nominal if bench is workbench and nominal is not None else calibrated(bench)
-            circumstances = circumstances_of(bench, data)
+            first = nominal if bench is problem and nominal is not None else calibrated(bench)
+            covariates = covariates_of(bench, data)
             explanation = explain(
                 bench,
                 first,
@@ -317,13 +317,13 @@ class MissingPhysicsFinder(BaseEstimator):
             comparison = compared(bench, explanation)
             self._say("looking for the unknown", 0.8)
             more = {"alpha": alpha, "random_state": seed, "events": events}
-            judged = judge(bench, explanation, circumstances, **more)
-            return explanation, circumstances, replace(judged, comparison=comparison)
+            judged = judge(bench, explanation, covariates, **more)
+            return explanation, covariates, replace(judged, comparison=comparison)
 
         # slips and hunting name what makes them, whatever the rest of the stem does
         if events is not None:
-            return judge_on(workbench, considered)[-1]
-        return judged_behind(workbench, considered, judge_on, alpha)
+            return judge_on(problem, considered)[-1]
+        return judged_behind(problem, considered, judge_on, alpha)
 
     def _say(self, stage, done):
         if self.callback is not None:
@@ -335,28 +335,28 @@ class MissingPhysicsFinder(BaseEstimator):
         return int(check_random_state(self.random_state).randint(2**31 - 1))
 
 
-def _proof(workbench, whole, judged, forward, flagged, seed):
+def _proof(problem, whole, judged, forward, flagged, seed):
     """The ``fit`` entries of diagnosis.json, from rows that no fit has seen."""
     nominal, model = judged.nominal, judged.model
     if forward is None:
-        forward = forward_in_time(workbench, nominal, model)
-    made, held = held_out_predictions(workbench, whole, nominal, model, forward, judged.correction)
-    interleaved = interleaved_predictions(workbench, judged)
+        forward = forward_in_time(problem, nominal, model)
+    made, held = held_out_predictions(problem, whole, nominal, model, forward, judged.correction)
+    interleaved = interleaved_predictions(problem, judged)
     fit = {}
-    for c in workbench.channels:
-        fit[c] = errors(whole, made, held, c, workbench.noise[c].floor, random_state=seed)
-        fit[c]["interleaved"] = {"rmse": interleaved_errors(workbench.recording, interleaved, c)}
+    for c in problem.channels:
+        fit[c] = errors(whole, made, held, c, problem.noise[c].floor, random_state=seed)
+        fit[c]["interleaved"] = {"rmse": interleaved_errors(problem.recording, interleaved, c)}
     if judged.found:
-        more = further_proof(workbench, whole, judged, made, held, flagged, forward.spans)
+        more = further_proof(problem, whole, judged, made, held, flagged, forward.spans)
         fit = {c: entry | more[c] for c, entry in fit.items()}
     return fit
 
 
-def _simulation_of(workbench, fitted, correction, given):
-    effects, onsets = workbench.physics_of(fitted.members)
+def _simulation_of(problem, fitted, correction, given):
+    effects, onsets = problem.physics_of(fitted.terms)
     return ValveSimulation.from_parts(
-        workbench.valve,
-        workbench.trim,
+        problem.valve,
+        problem.trim,
         fitted.values,
         choking=fitted.chain.choking,
         effects=effects,

@@ -14,12 +14,12 @@ _DRAWS = 64
 _CLOSE = 0.003
 
 
-def first_guess(workbench):
+def first_guess(problem):
     """Values to begin with: the actuator's landscape has side valleys, so several are tried.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
 
     Returns
     -------
@@ -30,26 +30,26 @@ def first_guess(workbench):
         from the simulation, the best fit to all rows bends the actuator to make up for it. Empty where no
         position is recorded.
     """
-    recording, first, sound = workbench.recording, dict(workbench.held_values), {}
-    if "flow" in workbench.channels and not workbench.trim.known:
+    recording, first, sound = problem.recording, dict(problem.held_values), {}
+    if "flow" in problem.channels and not problem.trim.known:
         opening = recording.get("opening")
         opening = recording["command"] if opening is None else opening
-        first |= workbench.trim.first_values(opening, apparent_kv(recording))
-    if "command" in recording and not workbench.coupled:
-        best, sound = _actuator(workbench)
+        first |= problem.trim.first_values(opening, apparent_kv(recording))
+    if "command" in recording and not problem.coupled:
+        best, sound = _actuator(problem)
         first |= best
-    return Model((), workbench.plain, first, {}, np.nan, {}), sound
+    return Model((), problem.plain, first, {}, np.nan, {}), sound
 
 
-def _actuator(workbench):
-    parameters = workbench.calibration(("opening",))
+def _actuator(problem):
+    parameters = problem.calibration(("opening",))
     vector = ParameterVector(parameters)
     low, high = vector.low, vector.high
     draws = low + (high - low) * qmc.Sobol(len(vector), seed=0).random(_DRAWS)
-    losses = [_opening_loss(workbench, vector.values(z)) for z in draws]
+    losses = [_opening_loss(problem, vector.values(z)) for z in draws]
     # whether there is a scan between command and stem decides which valley is the right one
-    scan = workbench.recording.sample_time
-    begin = workbench.held_values
+    scan = problem.recording.sample_time
+    begin = problem.held_values
     starts = [begin | {"actuator_delay": share * scan} for share in (0.02, 0.5, 1.0)]
     starts.append(vector.values(draws[int(np.argmin(losses))]))
 
@@ -57,12 +57,12 @@ def _actuator(workbench):
         noise = {"opening": PlainNoise(scale)}
         made = [
             fit_chain(
-                workbench.plain,
+                problem.plain,
                 parameters,
                 ("opening",),
                 noise,
                 start=start,
-                rows=workbench.rows,
+                rows=problem.rows,
                 max_steps=8,
                 loss=loss,
             )
@@ -75,6 +75,6 @@ def _actuator(workbench):
     return coarse[0], fits(_CLOSE, (coarse[0], *starts[:2]), MAJORITY)[0]
 
 
-def _opening_loss(workbench, values):
-    gap = np.abs(workbench.recording["opening"] - workbench.plain.opening(values))
+def _opening_loss(problem, values):
+    gap = np.abs(problem.recording["opening"] - problem.plain.opening(values))
     return float(np.nanmean(np.minimum(gap, 0.1)))

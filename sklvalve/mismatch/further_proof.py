@@ -4,10 +4,10 @@
 import numpy as np
 
 from sklvalve.mismatch.events import simulated
+from sklvalve.mismatch.low_pass_residual import learn_residual
 from sklvalve.mismatch.prove import run
 from sklvalve.mismatch.referee import black_box_prediction, forecast
 from sklvalve.mismatch.refitting import lines_of, refitted
-from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -16,12 +16,12 @@ _END = 0.15
 _FEWEST_INSIDE, _FEWEST_OUTSIDE = 120, 40
 
 
-def further_proof(workbench, whole, judged, made, held, flagged, spans):
+def further_proof(problem, whole, judged, made, held, flagged, spans):
     """Entries beside the errors of held-out rows, for each channel.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     whole : Recording
     judged : Judgement
         In which something was found.
@@ -29,7 +29,7 @@ def further_proof(workbench, whole, judged, made, held, flagged, spans):
         Kind -> channel -> prediction of held-out rows.
     held : ndarray of bool
     flagged : ndarray of bool
-        Rows of the workbench in which what was found acts.
+        Rows of the problem in which what was found acts.
     spans : tuple of slice
         Stretches that are forecast where no later rows are held out.
 
@@ -43,17 +43,17 @@ def further_proof(workbench, whole, judged, made, held, flagged, spans):
     rival = _best_ruled_out(judged)
     others = None
     if rival is not None:
-        ahead = len(whole) > len(workbench.recording)
-        others = run(workbench, rival.model, whole) if ahead else forecast(workbench, rival.model, spans)
-    inside, outside = _ranges(workbench.recording)
-    beyond = None if inside is None else _beyond(workbench, judged, inside)
+        ahead = len(whole) > len(problem.recording)
+        others = run(problem, rival.model, whole) if ahead else forecast(problem, rival.model, spans)
+    inside, outside = _ranges(problem.recording)
+    beyond = None if inside is None else _beyond(problem, judged, inside)
     entries = {}
-    for c in workbench.channels:
+    for c in problem.channels:
         unit = whole.per_si(c)
         entry = {}
         if beyond is not None:
-            low, high, driver = _limits(workbench.recording)
-            rmse = {kind: _rmse(workbench.recording[c] - v[c], outside, unit) for kind, v in beyond.items()}
+            low, high, driver = _limits(problem.recording)
+            rmse = {kind: _rmse(problem.recording[c] - v[c], outside, unit) for kind, v in beyond.items()}
             if None not in rmse.values():
                 entry["extrapolation"] = {"signal": driver, "fitted_from": low, "to": high, "rmse": rmse}
         if len(whole) == len(flagged) and (held & ~flagged).sum() >= _FEWEST_OUTSIDE:
@@ -62,10 +62,10 @@ def further_proof(workbench, whole, judged, made, held, flagged, spans):
             rmse = {kind: _rmse(whole[c] - made[kind][c], rows, unit) for kind in kinds}
             if None not in rmse.values():
                 entry["elsewhere"] = {"rows": int(rows.sum()), "rmse": rmse}
-        if others is not None and c in workbench.channels_touched(rival.member.effect):
+        if others is not None and c in problem.channels_touched(rival.term.effect):
             error = _rmse(whole[c] - others[c], held, unit)
             if error is not None:
-                entry["ruled_out"] = {"name": rival.member.effect.name, "rmse": error}
+                entry["ruled_out"] = {"name": rival.term.effect.name, "rmse": error}
         entries[c] = entry
     return entries
 
@@ -76,7 +76,7 @@ def _best_ruled_out(judged):
         return None
     finding = judged.findings[0]
     inside = class_of(finding)
-    ruled = [r for r in finding.rivals if r.member.effect.name not in inside]
+    ruled = [r for r in finding.rivals if r.term.effect.name not in inside]
     return min(ruled, key=lambda r: r.distance, default=None)
 
 
@@ -101,23 +101,23 @@ def _ranges(recording):
     return (inside, outside) if enough and high - low > 0.05 else (None, None)
 
 
-def _beyond(workbench, judged, inside):
+def _beyond(problem, judged, inside):
     """Predictions by nominal, corrected and black box, each fitted to the rows inside only."""
     model = simulated(judged.model)
     made = {}
     for kind, fitted in (("nominal", judged.nominal), ("corrected", model)):
-        with workbench.every_row_alike(fitted):
-            lines = lines_of(workbench, fitted)
-        again = workbench.simulate(fitted.members, refitted(workbench, fitted, lines, inside))
+        with problem.homoscedastic(fitted):
+            lines = lines_of(problem, fitted)
+        again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, inside))
         made[kind] = dict(again.predictions)
     if judged.correction is not None:
         channel = judged.correction["channel"]
-        part = learn_rest(workbench, again, judged.unknown, inside)
+        part = learn_residual(problem, again, judged.unknown, inside)
         if part is not None:
             made["corrected"][channel] = made["corrected"][channel] + learnt_rest(
                 part, again.chain, again.values
             )
-    box = {c: black_box_prediction(workbench.recording, c, inside) for c in workbench.channels}
+    box = {c: black_box_prediction(problem.recording, c, inside) for c in problem.channels}
     return made | {"black_box": box}
 
 

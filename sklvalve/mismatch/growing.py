@@ -3,13 +3,13 @@
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Member
+from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Term
 
 # shares of the record: an onset is looked for in steps of a fifth first, then finer
 _COARSE, _FINE = 0.2, 0.01
 
 
-def fit_growing(workbench, model, effect, *, onset, **options):
+def fit_growing(problem, model, effect, *, onset, **options):
     """Fit of an effect that grows from a moment within the recording.
 
     The likelihood over the onset has one broad top, for a ramp that begins too early or too late answers with
@@ -17,21 +17,21 @@ def fit_growing(workbench, model, effect, *, onset, **options):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         The hypothesis so far.
     effect : Effect
     onset : float
         Where to begin the search [s, absolute].
     **options
-        Of `Workbench.fit`.
+        Of `Problem.fit`.
 
     Returns
     -------
     fitted : Model
     """
     # in rows, not in time: that between recordings that were joined would be the most of it
-    clock = workbench.plain.clock
+    clock = problem.plain.clock
     rows = np.arange(len(clock))
     first, last = (int(share * (len(clock) - 1)) for share in (FIRST_ONSET, LAST_ONSET))
     fits = {}
@@ -39,9 +39,9 @@ def fit_growing(workbench, model, effect, *, onset, **options):
     def fitted_at(row):
         row = float(np.clip(row, first, last))
         if row not in fits:
-            member = Member(effect, float(np.interp(row, rows, clock)))
+            term = Term(effect, float(np.interp(row, rows, clock)))
             start = max(fits.values(), key=lambda m: m.log_likelihood, default=model)
-            fits[row] = workbench.fit((*model.members, member), start=start, **options)
+            fits[row] = problem.fit((*model.terms, term), start=start, **options)
         return row
 
     best, reach = fitted_at(np.interp(onset, clock, rows)), _COARSE * (last - first)

@@ -9,14 +9,14 @@ from sklvalve.mismatch.effects.base import Effect
 from sklvalve.simulation.chain import Chain
 
 # what an onset must gain, and every other switch: it is one of as many as there are rows
-SWITCH_PRICE = 10.0
+SWITCH_PENALTY = 10.0
 
 # an onset is looked for between these shares of the record: before and after there is too little to compare
 FIRST_ONSET, LAST_ONSET = 0.04, 0.96
 
 
 @dataclass(frozen=True, eq=False)
-class Member:
+class Term:
     """An effect in a hypothesis.
 
     Parameters
@@ -54,9 +54,9 @@ def may_come_and_go(effect):
 def begun(effect, times):
     """Member of an effect that acts as `Member.times` of another one says, as far as it can."""
     if not effect.may_begin:
-        return Member(effect)
+        return Term(effect)
     first, *later = np.atleast_1d(times).tolist() if times is not None else (None,)
-    return Member(effect, first, tuple(later) if may_come_and_go(effect) else ())
+    return Term(effect, first, tuple(later) if may_come_and_go(effect) else ())
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class Model:
 
     Attributes
     ----------
-    members : tuple of Member
+    terms : tuple of Term
     chain : Chain
     values : dict
         Every parameter's value.
@@ -76,7 +76,7 @@ class Model:
         Parameter name -> standard deviation, of the logarithm where the parameter moves by that.
     """
 
-    members: tuple
+    terms: tuple
     chain: Chain
     values: dict
     predictions: dict
@@ -86,33 +86,33 @@ class Model:
     @property
     def keys(self):
         """Keys of its effects."""
-        return tuple(m.effect.key for m in self.members)
+        return tuple(m.effect.key for m in self.terms)
 
 
-def is_in(effect, members):
+def is_in(effect, terms):
     """Whether an effect, or one of the same equation, is among the members of a hypothesis."""
     return any(
-        effect.name == m.effect.name or (effect.family and effect.family == m.effect.family) for m in members
+        effect.name == m.effect.name or (effect.family and effect.family == m.effect.family) for m in terms
     )
 
 
-def own_values(member, model):
+def own_values(term, model):
     """Parameters of one effect in a fitted model, by their short names."""
-    return {q.name: model.values[f"{member.effect.key}.{q.name}"] for q in member.effect.parameters}
+    return {q.name: model.values[f"{term.effect.key}.{q.name}"] for q in term.effect.parameters}
 
 
-def price(workbench, member):
+def complexity_penalty(problem, term):
     """Log likelihood that the parameters of an effect must earn (half a log of the rows for each)."""
-    rows = max(len(workbench.recording), 50)
-    cost = 0.5 * len(member.effect.parameters) * np.log(rows)
-    return cost + SWITCH_PRICE * switches_of(member)
+    rows = max(len(problem.recording), 50)
+    cost = 0.5 * len(term.effect.parameters) * np.log(rows)
+    return cost + SWITCH_PENALTY * switches_of(term)
 
 
-def switches_of(member):
+def switches_of(term):
     """Number of times at which an effect begins or stops within the recording."""
-    return 0 if member.onset is None else 1 + len(member.switches)
+    return 0 if term.onset is None else 1 + len(term.switches)
 
 
-def worth(workbench, model):
+def penalised_likelihood(problem, model):
     """Log likelihood of a hypothesis less the price of its effects."""
-    return model.log_likelihood - sum(price(workbench, m) for m in model.members)
+    return model.log_likelihood - sum(complexity_penalty(problem, m) for m in model.terms)

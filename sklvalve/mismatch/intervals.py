@@ -15,7 +15,7 @@ _WITHIN_95 = 1.96
 SHARE_OFF = 0.09
 
 
-def interval_of(workbench, member, fitted, quantity):
+def interval_of(problem, term, fitted, quantity):
     r"""Interval that holds a parameter of an effect with 95 %.
 
     .. math:: h = \sqrt{(1.96\, s)^2 + (1.96\, m)^2} + t
@@ -39,8 +39,8 @@ def interval_of(workbench, member, fitted, quantity):
 
     Parameters
     ----------
-    workbench : Workbench
-    member : Member
+    problem : Problem
+    term : Term
     fitted : Model
         That holds it.
     quantity : Quantity
@@ -50,34 +50,34 @@ def interval_of(workbench, member, fitted, quantity):
     low, high : float
         Within what is physically possible; None where the fit knows no deviation.
     """
-    key = f"{member.effect.key}.{quantity.name}"
+    key = f"{term.effect.key}.{quantity.name}"
     value, spread = fitted.values[key], fitted.spreads.get(key, np.nan)
     if not np.isfinite(spread):
         return None
-    half = np.hypot(_WITHIN_95 * spread, _mistaken(workbench, member, fitted, key))
+    half = np.hypot(_WITHIN_95 * spread, _mistaken(problem, term, fitted, key))
     if quantity.log:
         # what nothing bounds but physics would leave the range of a number
         half = min(half, np.log(quantity.high / quantity.low))
         ends = value * np.exp(-half), value * np.exp(half)
     else:
         ends = value - half, value + half
-    below, above = _open(workbench, member, fitted, quantity, value)
+    below, above = _open(problem, term, fitted, quantity, value)
     ends = ends[0] - below, ends[1] + above
     return tuple(float(np.clip(e, quantity.low, quantity.high)) for e in ends)
 
 
-def _mistaken(workbench, member, fitted, key):
+def _mistaken(problem, term, fitted, key):
     """How far a parameter may be off to make up for what the simulation gets wrong of its effect."""
-    rest = tuple(m for m in fitted.members if m.effect.key != member.effect.key)
-    own = workbench.simulate(fitted.members, fitted.values)
-    without = workbench.simulate(rest, fitted.values)
+    rest = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
+    own = problem.simulate(fitted.terms, fitted.values)
+    without = problem.simulate(rest, fitted.values)
     wrong = SHARE_OFF * float(
-        np.linalg.norm(_scaled(workbench, own.predictions, without.predictions, workbench.channels))
+        np.linalg.norm(_scaled(problem, own.predictions, without.predictions, problem.channels))
     )
-    for misfit in workbench.misfits(fitted, workbench.channels):
+    for misfit in problem.misfits(fitted, problem.channels):
         if key not in misfit.vector.names or wrong <= 0.0:
             continue
-        slopes, priors, free = _slopes(workbench, misfit, member, fitted, key)
+        slopes, priors, free = _slopes(problem, misfit, term, fitted, key)
         curvature = slopes.T @ slopes * (_WITHIN_95 / wrong) ** 2 + priors.T @ priors
         if curvature[0, 0] <= 0.0:
             return 0.0
@@ -87,52 +87,52 @@ def _mistaken(workbench, member, fitted, key):
     return 0.0
 
 
-def _slopes(workbench, misfit, member, fitted, key):
+def _slopes(problem, misfit, term, fitted, key):
     """Derivatives of simulated signals and of priors; of the parameter first, then of the calibration's."""
     z, names = misfit.vector.pack(fitted.values), misfit.vector.names
     base, prior = misfit.predictions(z), misfit.vector.prior_residuals(z)
     moved, reach = misfit.neighbours(z)
-    own = f"{member.effect.key}."
+    own = f"{term.effect.key}."
     places = [names.index(key), *(i for i, name in enumerate(names) if not name.startswith(own))]
     slopes = [
-        _scaled(workbench, misfit.predictions(moved[i]), base, misfit.channels) / reach[i] for i in places
+        _scaled(problem, misfit.predictions(moved[i]), base, misfit.channels) / reach[i] for i in places
     ]
     pulls = [(misfit.vector.prior_residuals(moved[i]) - prior) / reach[i] for i in places]
     return np.stack(slopes, axis=1), np.stack(pulls, axis=1), len(places)
 
 
-def _scaled(workbench, one, other, channels):
+def _scaled(problem, one, other, channels):
     """Difference of two simulations, channel after channel, in spans and so that its norm is its rms [1]."""
     parts = []
     for c in channels:
-        gap = (one[c] - other[c]) / workbench.spans[c]
+        gap = (one[c] - other[c]) / problem.spans[c]
         seen = np.isfinite(gap)
         parts.append(np.where(seen, gap, 0.0) / np.sqrt(max(seen.sum(), 1)))
     return np.concatenate(parts)
 
 
-def _open(workbench, member, fitted, quantity, value):
+def _open(problem, term, fitted, quantity, value):
     """How far below and above its value the data sheet, or the onset, leaves the size of an effect open."""
-    if quantity.name != member.effect.parameters[0].name:
+    if quantity.name != term.effect.parameters[0].name:
         return 0.0, 0.0
-    if member.effect.grows:
-        for cause in causes_of(workbench, fitted):
-            if cause.member.effect.key == member.effect.key:
-                ends = np.multiply(course_of_cause(workbench, fitted, cause).sizes, value)
+    if term.effect.grows:
+        for cause in causes_of(problem, fitted):
+            if cause.term.effect.key == term.effect.key:
+                ends = np.multiply(course_of_cause(problem, fitted, cause).sizes, value)
                 return max(value - ends.min(), 0.0), max(ends.max() - value, 0.0)
-    if quantity.name == "delay" and member.onset is None:
-        return 2 * (float(workbench.recording.sample_time),)
-    return 2 * (_of_sound_valves(workbench, member, fitted, quantity),)
+    if quantity.name == "delay" and term.onset is None:
+        return 2 * (float(problem.recording.sample_time),)
+    return 2 * (_of_sound_valves(problem, term, fitted, quantity),)
 
 
-def _of_sound_valves(workbench, member, fitted, quantity):
+def _of_sound_valves(problem, term, fitted, quantity):
     """Size up to which an effect is a static error within the tolerance; zero where its size is another."""
-    chain, values = fitted.chain, own_values(member, fitted)
+    chain, values = fitted.chain, own_values(term, fitted)
 
     def beyond(size, tolerance):
-        return member.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)
+        return term.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)
 
-    given, none = workbench.tolerance, replace(workbench.tolerance, static_error=0.0)
+    given, none = problem.tolerance, replace(problem.tolerance, static_error=0.0)
     if beyond(quantity.low, given) or not beyond(quantity.high, given) or not beyond(quantity.low, none):
         return 0.0
     low, high = quantity.low, quantity.high

@@ -12,10 +12,10 @@ import numpy as np
 
 from sklvalve.mismatch.change import find_change
 from sklvalve.mismatch.effects import CATALOGUE, LATE
-from sklvalve.mismatch.hypothesis import is_in, worth
-from sklvalve.mismatch.matters import may_be_instead
+from sklvalve.mismatch.hypothesis import is_in, penalised_likelihood
 from sklvalve.mismatch.noise import NoiseModel
-from sklvalve.mismatch.prove import correction_holds_out, folded
+from sklvalve.mismatch.prove import correction_holds_out, cross_validated
+from sklvalve.mismatch.relevance import may_be_instead
 from sklvalve.mismatch.rivals import Finding, weighed
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.stretches import with_every_row
@@ -37,12 +37,12 @@ _LAGS = 4.0
 _EXPLAINS = 0.5
 
 
-def late_event(workbench, model, alpha):
+def late_event(problem, model, alpha):
     """A change in the last rows of a recording; None where nothing clear changes there.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         Calibrated to all rows, or to those before.
     alpha : float
@@ -52,17 +52,17 @@ def late_event(workbench, model, alpha):
     -------
     event : Change or None
     """
-    if len(workbench.recording.spans) > 1:
+    if len(problem.recording.spans) > 1:
         return None
-    found = find_change(workbench, model)
-    if found is None or found.row < _LATE * len(workbench.recording):
+    found = find_change(problem, model)
+    if found is None or found.row < _LATE * len(problem.recording):
         return None
-    return found if stands_out(workbench, found, alpha, _ENDS) else None
+    return found if stands_out(problem, found, alpha, _ENDS) else None
 
 
-def stands_out(workbench, change, alpha, counts=COUNTS):
+def stands_out(problem, change, alpha, counts=COUNTS):
     """Whether a change is rare enough, and large enough to count."""
-    least = counts * workbench.least(change.channel) * workbench.spans[change.channel]
+    least = counts * problem.least(change.channel) * problem.spans[change.channel]
     return change.p_value <= _OF_ALPHA * alpha and abs(change.size) >= least
 
 
@@ -76,14 +76,14 @@ def before(recording, event):
     return replace(recording, signals=signals)
 
 
-def with_late_event(workbench, bench, judged, event, effects, alpha):
+def with_late_event(problem, bench, judged, event, effects, alpha):
     """A judgement on the rows before an event, with the event.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
         Of the whole recording, with the same trim.
-    bench, judged : Workbench, Judgement
+    bench, judged : Problem, Judgement
         Of the rows before.
     event : Change
         As the calibrated simulation tells it.
@@ -98,33 +98,33 @@ def with_late_event(workbench, bench, judged, event, effects, alpha):
         Of the whole recording; named where the event is, else cannot_tell where nothing was found before.
         None where what was found before makes up for the event.
     """
-    workbench.use_noise({c: _throughout(bench.noise[c], event.within[0]) for c in workbench.channels})
-    workbench.sound_values = bench.sound_values
-    nominal = workbench.simulate((), judged.nominal.values)
-    model = workbench.simulate(judged.model.members, judged.model.values)
+    problem.use_noise({c: _throughout(bench.noise[c], event.within[0]) for c in problem.channels})
+    problem.sound_values = bench.sound_values
+    nominal = problem.simulate((), judged.nominal.values)
+    model = problem.simulate(judged.model.terms, judged.model.values)
     # of a simulation with all that was found before an event has its date and its size
-    told = late_event(workbench, model, alpha)
+    told = late_event(problem, model, alpha)
     if told is None:
         return None
     event = told
-    settled = _settled(workbench, model, event)
-    others = [with_every_row(workbench, f) for f in judged.findings]
+    settled = _settled(problem, model, event)
+    others = [with_every_row(problem, f) for f in judged.findings]
     p_value = min(judged.p_value, event.p_value)
-    noise = workbench.noise
-    workbench.use_noise({c: _without(noise[c], event.within[0], settled) for c in workbench.channels})
-    finding = _named(workbench, model, event, settled, effects)
-    workbench.use_noise(noise)
+    noise = problem.noise
+    problem.use_noise({c: _without(noise[c], event.within[0], settled) for c in problem.channels})
+    finding = _named(problem, model, event, settled, effects)
+    problem.use_noise(noise)
     judged = replace(judged, p_value=p_value, nominal=nominal, change=event, event=event, findings=others)
     if finding is None:
         verdict = "cannot_tell" if judged.verdict == "no_mismatch" else judged.verdict
         judged = replace(judged, verdict=verdict, model=model if others else nominal)
     else:
-        model = workbench.least_squares(finding.rivals[0].model)
+        model = problem.least_squares(finding.rivals[0].model)
         judged = replace(judged, verdict="named", model=model, findings=[finding, *others])
     if judged.unknown is None:
         return replace(judged, tried=None)
-    tried = folded(workbench, judged.model, judged.unknown)
-    kept, told = correction_holds_out(workbench, tried, judged.unknown.channel)
+    tried = cross_validated(problem, judged.model, judged.unknown)
+    kept, told = correction_holds_out(problem, tried, judged.unknown.channel)
     return replace(judged, tried=tried, kept=kept, errors=told)
 
 
@@ -147,62 +147,60 @@ def _of(noise, white):
     return NoiseModel(white, noise.step, noise.fast_time, noise.fast_size, *slow)
 
 
-def _settled(workbench, model, event):
+def _settled(problem, model, event):
     """First row in which an event has come about: how it does so no effect knows, and nothing hangs on it."""
-    left = workbench.residuals(model)[event.channel][event.row :]
+    left = problem.residuals(model)[event.channel][event.row :]
     end = np.nanmedian(left[len(left) // 2 :])
     near = np.flatnonzero(np.abs(left - end) <= _SETTLED * abs(event.size))
     # what comes about behind the meter's lag shows behind it, and a lag may stand for a slow stem
-    lag = _LAGS * model.values.get("meter_lag", 0.0) / workbench.recording.sample_time
+    lag = _LAGS * model.values.get("meter_lag", 0.0) / problem.recording.sample_time
     most = len(left) // 3
     first = int(near[0]) if len(near) else most
     return event.row + min(max(first, int(np.ceil(lag))), most)
 
 
-def _named(workbench, model, event, settled, effects):
+def _named(problem, model, event, settled, effects):
     """The finding of what explains the last rows; None where nothing that was tried does."""
     onset = float(model.chain.clock[event.row])
     stuck = [e for e in CATALOGUE if e.standstill and e.possible(model.chain)]
-    ends = [e for e in (*stuck, *LATE) if event.channel in workbench.channels_touched(e)]
+    ends = [e for e in (*stuck, *LATE) if event.channel in problem.channels_touched(e)]
     began = [e for e in effects if e.may_begin and not e.grows and e.key not in {s.key for s in ends}]
-    began = [e for e in began if event.channel in workbench.channels_touched(e)]
-    usable = [e for e in (*ends, *began) if not is_in(e, model.members)]
-    base = workbench.judged(model)
-    rough = screened(workbench, base, usable, onset=onset, always=ends)
+    began = [e for e in began if event.channel in problem.channels_touched(e)]
+    usable = [e for e in (*ends, *began) if not is_in(e, model.terms)]
+    base = problem.judged(model)
+    rough = screened(problem, base, usable, onset=onset, always=ends)
     own = {e.key for e in ends}
-    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.members[-1].effect.key in own]
-    fits = [workbench.fit(m.members, start=m, max_steps=_STEPS) for m in chosen]
-    without = workbench.fit(model.members, start=model, max_steps=_STEPS)
+    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.terms[-1].effect.key in own]
+    fits = [problem.fit(m.terms, start=m, max_steps=_STEPS) for m in chosen]
+    without = problem.fit(model.terms, start=model, max_steps=_STEPS)
     places = [
-        (m.members[-1], m)
-        for m in fits
-        if m.members[-1].effect.key in own or may_be_instead(workbench, m, without)
+        (m.terms[-1], m) for m in fits if m.terms[-1].effect.key in own or may_be_instead(problem, m, without)
     ]
     if not places:
         return None
-    places = _no_coincidence(workbench, places, own, event.channel, settled)
-    rivals = weighed(workbench, places, without)
+    places = _no_coincidence(problem, places, own, event.channel, settled)
+    rivals = weighed(problem, places, without)
     best = rivals[0].model
     finding = Finding(
-        rivals[0].member, rivals, best.log_likelihood - without.log_likelihood, workbench.change(best, base)
+        rivals[0].term, rivals, best.log_likelihood - without.log_likelihood, problem.change(best, base)
     )
-    left = [_left(workbench, m, event.channel, settled) for m in (best, base)]
-    counts = worth(workbench, best) > worth(workbench, without)
+    left = [_left(problem, m, event.channel, settled) for m in (best, base)]
+    counts = penalised_likelihood(problem, best) > penalised_likelihood(problem, without)
     return finding if counts and left[0] <= _EXPLAINS * left[1] else None
 
 
-def _no_coincidence(workbench, places, own, channel, first):
+def _no_coincidence(problem, places, own, channel, first):
     """Places where a flow ends at zero: what ends it explains that, any other size meets it by chance.
 
     By a chance of twice what counts: no more than one in a hundred, so that such explanations are left out.
     """
-    ends_at = np.nanmedian(workbench.recording[channel][first:])
-    if channel != "flow" or abs(ends_at) > workbench.least(channel) * workbench.spans[channel]:
+    ends_at = np.nanmedian(problem.recording[channel][first:])
+    if channel != "flow" or abs(ends_at) > problem.least(channel) * problem.spans[channel]:
         return places
     return [place for place in places if place[0].effect.key in own] or places
 
 
-def _left(workbench, model, channel, first):
+def _left(problem, model, channel, first):
     """Rms of what a hypothesis leaves over from a row on [SI]."""
-    rest = workbench.residuals(model)[channel][first:]
+    rest = problem.residuals(model)[channel][first:]
     return float(np.sqrt(np.nanmean(rest**2)))

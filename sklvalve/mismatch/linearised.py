@@ -12,7 +12,7 @@ class Linearised:
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
     touched : sequence of str
         Channels that change.
@@ -27,8 +27,8 @@ class Linearised:
         Robust cost of the errors.
     """
 
-    def __init__(self, workbench, model, touched):
-        misfits = workbench.misfits(model, touched)
+    def __init__(self, problem, model, touched):
+        misfits = problem.misfits(model, touched)
         self.channels = tuple(c for m in misfits for c in m.channels)
         self.clock, self.n = model.chain.clock, len(model.chain.clock)
         self._names, parts = [], []

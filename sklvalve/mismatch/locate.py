@@ -8,8 +8,8 @@ import numpy as np
 from sklvalve.mismatch.bands import simultaneous_bands
 from sklvalve.mismatch.boxes import boxes_of, covered, rows_in
 from sklvalve.mismatch.cells import cells_of
-from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.spells import Course, Evidence, course_of, growing_course
+from sklvalve.mismatch.episodes import Evidence, TimeProfile, course_of, growing_course
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.simulation.fitting import left_of
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -28,7 +28,7 @@ class Cause:
 
     Attributes
     ----------
-    member : Member or None
+    term : Term or None
         None for what no effect explains.
     before, after, settled : dict
         Channel -> residual without it, with it throughout, and of all that was found as it was fitted; of the
@@ -37,20 +37,20 @@ class Cause:
         Channel -> the simulation without it.
     """
 
-    member: object
+    term: object
     before: dict
     after: dict
     settled: dict
     simulated: dict
 
 
-def acting_rows(workbench, model, without):
+def acting_rows(problem, model, without):
     """Rows in which a model differs from the one without its effect by a good part of the most it does."""
-    flagged = np.zeros(len(workbench.recording), dtype=bool)
-    for channel in workbench.channels:
+    flagged = np.zeros(len(problem.recording), dtype=bool)
+    for channel in problem.channels:
         gap = np.abs(np.nan_to_num(model.predictions[channel] - without.predictions[channel]))
-        for rows, size in workbench.by_recording(channel, model, without):
-            if workbench.counts({channel: size}):
+        for rows, size in problem.by_recording(channel, model, without):
+            if problem.counts({channel: size}):
                 flagged[rows] |= _acting(gap[rows])
     return flagged
 
@@ -60,12 +60,12 @@ def _acting(gap):
     return gap > max(_ACTS * np.quantile(gap, 0.99), 1e-12)
 
 
-def causes_of(workbench, model, unknown=None):
+def causes_of(problem, model, unknown=None):
     """What was found, thing by thing, each switched off and on in the same simulation.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         With all effects found.
     unknown : Unknown, default=None
@@ -76,57 +76,57 @@ def causes_of(workbench, model, unknown=None):
     causes : list of Cause
         Without those that the simulation does not hold.
     """
-    left, causes = workbench.residuals(model), []
+    left, causes = problem.residuals(model), []
     if unknown is not None:
         c = unknown.channel
         left = left | {c: left[c] - learnt_rest(unknown.correction, model.chain, model.values)}
-        own = {c: workbench.residuals(model)[c]}
+        own = {c: problem.residuals(model)[c]}
         causes.append(Cause(None, own, {c: left[c]}, {c: left[c]}, {c: model.predictions[c]}))
-    for member in model.members:
-        others = tuple(m for m in model.members if m is not member)
-        without = workbench.simulate(others, model.values)
-        acting = workbench.simulate((*others, Member(member.effect)), model.values)
+    for term in model.terms:
+        others = tuple(m for m in model.terms if m is not term)
+        without = problem.simulate(others, model.values)
+        acting = problem.simulate((*others, Term(term.effect)), model.values)
         before, after, settled, simulated = {}, {}, {}, {}
-        for c in workbench.channels_touched(member.effect):
+        for c in problem.channels_touched(term.effect):
             gap = acting.predictions[c] - without.predictions[c]
-            if np.nanmax(np.abs(gap), initial=0.0) <= 1e-12 * workbench.spans[c]:
+            if np.nanmax(np.abs(gap), initial=0.0) <= 1e-12 * problem.spans[c]:
                 continue
             settled[c] = left[c]
             before[c] = left[c] + model.predictions[c] - without.predictions[c]
             after[c] = before[c] - gap
             simulated[c] = without.predictions[c]
         if before:
-            causes.append(Cause(member, before, after, settled, simulated))
+            causes.append(Cause(term, before, after, settled, simulated))
     return causes
 
 
-def course_of_cause(workbench, model, cause):
-    """When one of the things found acts: a `Course`."""
+def course_of_cause(problem, model, cause):
+    """When one of the things found acts: a `TimeProfile`."""
     clock = model.chain.clock
-    if cause.member is None:
+    if cause.term is None:
         # learnt from all rows alike: nothing tells when it began
-        return Course("throughout", [(0, len(clock))], [(None, None)])
-    acts = model.chain.active(cause.member.effect)
+        return TimeProfile("throughout", [(0, len(clock))], [(None, None)])
+    acts = model.chain.active(cause.term.effect)
     acts = np.ones(len(clock), dtype=bool) if acts is None else acts
-    noise = {c: workbench.noise[c] for c in cause.before}
-    slopes = _slopes_of_calibration(workbench, model, cause)
+    noise = {c: problem.noise[c] for c in cause.before}
+    slopes = _slopes_of_calibration(problem, model, cause)
     evidence = Evidence(noise, cause.before, cause.after, cause.settled, slopes)
-    if not cause.member.effect.grows:
+    if not cause.term.effect.grows:
         # what begins inside an instrument shows behind its response
-        response = int(np.ceil(workbench.tolerance.response / workbench.recording.sample_time))
+        response = int(np.ceil(problem.tolerance.response / problem.recording.sample_time))
         return course_of(evidence, acts, late=response)
     return growing_course(evidence, clock, acts, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
 
 
-def _slopes_of_calibration(workbench, model, cause):
+def _slopes_of_calibration(problem, model, cause):
     """Derivatives of the whitened residuals of a cause's channels with regard to all but its own size."""
     own, channels, columns = f"{cause.member.effect.key}.", list(cause.before), []
-    misfits = workbench.misfits(model, channels)
+    misfits = problem.misfits(model, channels)
     still, priors = np.zeros(len(model.chain.clock)), [0] * len(misfits)
     for i, misfit in enumerate(misfits):
         z, here = misfit.vector.pack(model.values), [c for c in channels if c in misfit.channels]
         base = misfit.predictions(z)
-        white = {c: workbench.noise[c].whiten(left_of(workbench.recording, base, c)) for c in here}
+        white = {c: problem.noise[c].whiten(left_of(problem.recording, base, c)) for c in here}
         prior = misfit.vector.prior_residuals(z)
         priors[i] = len(prior)
         moved, reach = misfit.neighbours(z)
@@ -135,7 +135,7 @@ def _slopes_of_calibration(workbench, model, cause):
                 continue
             beside = misfit.predictions(at)
             parts = {
-                c: (workbench.noise[c].whiten(left_of(workbench.recording, beside, c)) - white[c]) / r
+                c: (problem.noise[c].whiten(left_of(problem.recording, beside, c)) - white[c]) / r
                 for c in here
             }
             columns.append((i, parts, (misfit.vector.prior_residuals(at) - prior) / r))
@@ -150,12 +150,12 @@ def _slopes_of_calibration(workbench, model, cause):
     return np.stack(stacked, axis=1) if stacked else None
 
 
-def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):
+def regions_of(problem, model, causes, time_profiles, *, alpha, random_state=0):
     """Boxes of the operating range in which what was found leaves its simultaneous band.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
     causes : list of Cause
     courses : list of Course
@@ -172,19 +172,19 @@ def regions_of(workbench, model, causes, courses, *, alpha, random_state=0):
         describe better than all rows of the recording do (a lag acts after every stroke).
     """
     parts, places = [], []
-    for cause, course in zip(causes, courses, strict=True):
-        acts = course.acts(len(workbench.recording))
+    for cause, time_profile in zip(causes, time_profiles, strict=True):
+        acts = time_profile.acts(len(problem.recording))
         for c in cause.before:
             cells = cells_of(model.chain, model.values, c, cause.simulated[c])
             rest, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))
-            parts.append((workbench.noise[c], rest, [before], cells))
+            parts.append((problem.noise[c], rest, [before], cells))
             gap = np.where(acts, np.abs(np.nan_to_num(cause.before[c] - cause.after[c])), 0.0)
-            places.append((c, None if cause.member is None else (_acting(gap), acts)))
+            places.append((c, None if cause.term is None else (_acting(gap), acts)))
     found = []
     bands = simultaneous_bands(parts, alpha=alpha, random_state=random_state)
     for (channel, rows), (several,) in zip(places, bands, strict=True):
-        boxes = boxes_in(several, len(workbench.recording), rows)
-        shown = workbench.recording.get(channel)
+        boxes = boxes_in(several, len(problem.recording), rows)
+        shown = problem.recording.get(channel)
         if covered(boxes) > _EVERYWHERE:
             continue
         found += [box.region(shown if channel == box.cells.signals[0] else None) for box in boxes]
@@ -227,12 +227,12 @@ def boxes_in(bands, n, rows=None):
     return boxes_of(max(bands, key=tells))
 
 
-def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0, aside=()):
+def location_of(problem, model, unknown, blocks, *, alpha, random_state=0, aside=()):
     """The location that diagnosis.json tells of what was found.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         With all effects found.
     unknown : Unknown or None
@@ -251,23 +251,21 @@ def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0, asi
     """
     clock = model.chain.clock - model.chain.clock[0]
     causes = [
-        c
-        for c in causes_of(workbench, model, unknown)
-        if c.member is None or c.member.effect.key not in aside
+        c for c in causes_of(problem, model, unknown) if c.term is None or c.term.effect.key not in aside
     ]
-    courses = [course_of_cause(workbench, model, cause) for cause in causes]
-    regions = regions_of(workbench, model, causes, courses, alpha=alpha, random_state=random_state)
+    time_profiles = [course_of_cause(problem, model, cause) for cause in causes]
+    regions = regions_of(problem, model, causes, time_profiles, alpha=alpha, random_state=random_state)
     location = {"blocks": blocks, "regions": regions}
-    if not courses:
+    if not time_profiles:
         return location | {"onset": None, "intervals": [[0.0, float(clock[-1])]]}
-    spells = _joined(courses)
-    marks = [(float(clock[a]), float(clock[min(b, len(clock) - 1)])) for a, b, _ in spells]
-    first = spells[0][0]
+    episodes = _joined(time_profiles)
+    marks = [(float(clock[a]), float(clock[min(b, len(clock) - 1)])) for a, b, _ in episodes]
+    first = episodes[0][0]
     location["onset"] = float(clock[first]) if first > 0 else None
     location["intervals"] = [list(pair) for pair in marks]
-    kinds = {course.kind for course in courses}
+    kinds = {time_profile.kind for time_profile in time_profiles}
     location["course"] = kinds.pop() if len(kinds) == 1 else "in several ways"
-    told = [[_seconds(clock, r) for r in ranges] for _, _, ranges in spells]
+    told = [[_seconds(clock, r) for r in ranges] for _, _, ranges in episodes]
     if told[0][0] is not None:
         location["onset_ci95"] = told[0][0]
     if any(r is not None for pair in told for r in pair):
@@ -275,12 +273,12 @@ def location_of(workbench, model, unknown, blocks, *, alpha, random_state=0, asi
     return location
 
 
-def _joined(courses):
+def _joined(time_profiles):
     """Spells of all courses, those that overlap as one: (first row, row behind the last, both ranges)."""
     every = [
         (*spell, *ranges)
-        for course in courses
-        for spell, ranges in zip(course.spells, course.ranges, strict=True)
+        for time_profile in time_profiles
+        for spell, ranges in zip(time_profile.episodes, time_profile.ranges, strict=True)
     ]
     found: list = []
     for begin, end, early, late in sorted(every, key=lambda e: e[:2]):

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What to do at the valve to learn more."""
 
-from sklvalve.mismatch.adequacy import LeftOver
+from sklvalve.mismatch.goodness_of_fit import LeftOver
 from sklvalve.mismatch.planning import planned
 from sklvalve.mismatch.pulses import Pulses
 
 
-def next_test(classes, verdict, unknown, workbench, plan=None):
+def next_test(classes, verdict, unknown, problem, plan=None):
     """The test that separates what is left open, or that confirms what was found, as plain text.
 
     Parameters
@@ -15,7 +15,7 @@ def next_test(classes, verdict, unknown, workbench, plan=None):
         Classes as `class_of` gives them.
     verdict : str
     unknown : Unknown, LeftOver, Pulses or None
-    workbench : Workbench
+    problem : Problem
     plan : TestPlan or None, default=None
         The one that simulations have shown to tell most (`plan_of`); its words go before the catalogue's.
 
@@ -42,7 +42,7 @@ def next_test(classes, verdict, unknown, workbench, plan=None):
     if unknown is not None:
         inputs = " and ".join(f"the {name.replace('_', ' ')}" for name in unknown.inputs)
         return f"Sweep {inputs} slowly up and down, at three levels of the other signals."
-    if verdict == "no_mismatch" and "opening" not in workbench.recording:
+    if verdict == "no_mismatch" and "opening" not in problem.recording:
         return (
             "Record the stem position too: without it a fault of the actuator cannot be distinguished from "
             "one of the trim."
@@ -50,12 +50,12 @@ def next_test(classes, verdict, unknown, workbench, plan=None):
     return None
 
 
-def plan_of(workbench, findings):
+def plan_of(problem, findings):
     """The test that is expected to tell most of what these findings leave open.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     findings : sequence of Finding
 
     Returns
@@ -64,6 +64,6 @@ def plan_of(workbench, findings):
         None where none can be planned.
     """
     try:
-        return planned(workbench, findings)
+        return planned(problem, findings)
     except Exception:  # advice on the next recording must not cost the diagnosis of this one
         return None

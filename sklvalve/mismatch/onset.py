@@ -4,15 +4,15 @@
 import numpy as np
 
 from sklvalve.mismatch.growing import fit_growing
-from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Member
+from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Term
 from sklvalve.simulation.robust import ROBUST_FROM
 
 
-def row_losses(workbench, model, channels):
+def row_losses(problem, model, channels):
     """What each row costs a model: robust loss of its whitened residuals in some channels together."""
-    total, left = np.zeros(len(workbench.recording)), workbench.residuals(model)
+    total, left = np.zeros(len(problem.recording)), problem.residuals(model)
     for channel in channels:
-        total += losses_of(workbench.noise[channel], left[channel])
+        total += losses_of(problem.noise[channel], left[channel])
     return total
 
 
@@ -22,12 +22,12 @@ def losses_of(noise, residual):
     return ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)
 
 
-def best_onset(workbench, without, acting):
+def best_onset(problem, without, acting):
     """Time at which to pass from a model without an effect to one with it, at the least cost.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     without, acting : Model
         The effect is the last member of `acting`.
 
@@ -37,8 +37,8 @@ def best_onset(workbench, without, acting):
         Absolute time [s].
     """
     # a channel that the effect leaves alone says nothing of when it began, only how often it was fitted
-    touched = workbench.channels_touched(acting.members[-1].effect)
-    before, after = (row_losses(workbench, m, touched) for m in (without, acting))
+    touched = problem.channels_touched(acting.terms[-1].effect)
+    before, after = (row_losses(problem, m, touched) for m in (without, acting))
     cost = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
     cost -= np.concatenate([[0.0], np.cumsum(after)])
     n = len(before)
@@ -46,7 +46,7 @@ def best_onset(workbench, without, acting):
     return float(acting.chain.clock[first + int(np.argmin(cost[first:last]))])
 
 
-def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None, max_steps=5):
+def fit_with_onset(problem, model, effect, *, hold=None, attempt=0, onset=None, max_steps=5):
     """Fit of an effect that begins within the recording.
 
     Begins with the effect switched on after a half of the record, moves the onset to where the losses of the
@@ -54,12 +54,12 @@ def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         The hypothesis so far.
     effect : Effect
     hold, attempt, max_steps
-        As in `Workbench.fit`.
+        As in `Problem.fit`.
     onset : float, default=None
         Where to begin the search [s, absolute]; the middle of the record unless given.
 
@@ -67,18 +67,18 @@ def fit_with_onset(workbench, model, effect, *, hold=None, attempt=0, onset=None
     -------
     fitted : Model
     """
-    clock = workbench.plain.clock
+    clock = problem.plain.clock
     onset = float(clock[len(clock) // 2]) if onset is None else onset
     options = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
     if effect.grows:
-        return fit_growing(workbench, model, effect, onset=onset, **options)
-    fitted = workbench.fit((*model.members, Member(effect, onset)), start=model, **options)
+        return fit_growing(problem, model, effect, onset=onset, **options)
+    fitted = problem.fit((*model.terms, Term(effect, onset)), start=model, **options)
     for _ in range(4):
-        throughout = workbench.simulate((*model.members, Member(effect)), fitted.values)
-        moved = best_onset(workbench, model, throughout)
-        if abs(moved - onset) < 1.5 * workbench.recording.sample_time:
+        throughout = problem.simulate((*model.terms, Term(effect)), fitted.values)
+        moved = best_onset(problem, model, throughout)
+        if abs(moved - onset) < 1.5 * problem.recording.sample_time:
             break
-        again = workbench.fit((*model.members, Member(effect, moved)), start=fitted, **options)
+        again = problem.fit((*model.terms, Term(effect, moved)), start=fitted, **options)
         # what the losses of two fits suggest need not be better when it is fitted itself
         if again.log_likelihood <= fitted.log_likelihood:
             break

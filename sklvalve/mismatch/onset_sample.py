@@ -8,7 +8,7 @@ import numpy as np
 from sklvalve.simulation.robust import robust_cost
 
 
-def to_the_sample(workbench, model, *, reach=3):
+def to_the_sample(problem, model, *, reach=3):
     """A hypothesis whose last effect begins at the likeliest of the samples around its onset.
 
     An onset that is one sample off costs a row as many standard deviations as the effect is large. A rival
@@ -16,7 +16,7 @@ def to_the_sample(workbench, model, *, reach=3):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
     reach : int, default=3
         Samples to each side.
@@ -26,20 +26,20 @@ def to_the_sample(workbench, model, *, reach=3):
     model : Model
         Fitted again where another sample is likelier, else as given.
     """
-    *rest, last = model.members
+    *rest, last = model.terms
     if last.onset is None:
         return model
-    clock, touched = model.chain.clock, workbench.channels_touched(last.effect)
+    clock, touched = model.chain.clock, problem.channels_touched(last.effect)
     k = int(np.searchsorted(clock, last.onset))
 
     def cost(onset):
-        trial = workbench.simulate((*rest, replace(last, onset=onset)), model.values)
-        left = workbench.residuals(trial)
-        return sum(robust_cost(workbench.noise[c].whiten(left[c])) for c in touched)
+        trial = problem.simulate((*rest, replace(last, onset=onset)), model.values)
+        left = problem.residuals(trial)
+        return sum(robust_cost(problem.noise[c].whiten(left[c])) for c in touched)
 
     around = [float(moment) for moment in clock[max(k - reach, 1) : k + reach + 1]]
     best = min([last.onset, *around], key=cost)
     if best == last.onset:
         return model
-    again = workbench.fit((*rest, replace(last, onset=best)), start=model)
+    again = problem.fit((*rest, replace(last, onset=best)), start=model)
     return again if again.log_likelihood > model.log_likelihood else model

@@ -7,7 +7,7 @@ import numpy as np
 
 from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
-from sklvalve.mismatch.foreseen import Surroundings
+from sklvalve.mismatch.forecast import Surroundings
 from sklvalve.mismatch.plan import (
     SURE,
     Pair,
@@ -35,12 +35,12 @@ _ENOUGH = 2.0 * SURE
 _NARROWS = 0.7
 
 
-def planned(workbench, findings, limits=None):
+def planned(problem, findings, limits=None):
     """The test that is expected to tell most.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     findings : sequence of Finding
         The strongest first; the first one with more than one explanation counts, else the first.
     limits : TestLimits, default=None
@@ -50,11 +50,11 @@ def planned(workbench, findings, limits=None):
     plan : TestPlan or None
         None where no test that can be simulated tells more.
     """
-    if not findings or set(GIVEN) & set(workbench.recording):
+    if not findings or set(GIVEN) & set(problem.recording):
         return None
     finding = next((f for f in findings if len(class_of(f)) > 1), findings[0])
-    advisor = _advisor(workbench, finding)
-    if limits is not None and not {"p1", "p2"} <= set(workbench.recording):
+    advisor = _advisor(problem, finding)
+    if limits is not None and not {"p1", "p2"} <= set(problem.recording):
         # what a move of pressures does that nobody records cannot be simulated
         limits = replace(limits, pressures=())
     if len(advisor.explanations) == 1:
@@ -62,28 +62,28 @@ def planned(workbench, findings, limits=None):
     return _Choice(advisor, finding, limits).plan()
 
 
-def _advisor(workbench, finding):
+def _advisor(problem, finding):
     members = list(class_of(finding).items())[:_MOST]
-    touched = {c for _, (_, who, _) in members for c in workbench.channels_touched(who.effect)}
+    touched = {c for _, (_, who, _) in members for c in problem.channels_touched(who.effect)}
 
     def explanation(name, probability, model):
-        return Explanation(name, probability, model, workbench.misfits(model, touched))
+        return Explanation(name, probability, model, problem.misfits(model, touched))
 
     found = [explanation(name, p, model) for name, (p, _, model) in members]
     if len(found) == 1:
-        return Advisor(workbench, found, None, finding.gain)
-    own = next(r for r in finding.rivals if r.member is finding.member)
-    rest = tuple(m for m in own.model.members if m is not finding.member)
-    bare = workbench.fit(rest, start=own.model)
+        return Advisor(problem, found, None, finding.gain)
+    own = next(r for r in finding.rivals if r.term is finding.term)
+    rest = tuple(m for m in own.model.terms if m is not finding.term)
+    bare = problem.fit(rest, start=own.model)
     gain = found[0].model.log_likelihood - bare.log_likelihood
-    return Advisor(workbench, found, explanation("without", 0.0, bare), gain)
+    return Advisor(problem, found, explanation("without", 0.0, bare), gain)
 
 
 class _Ranges:
     """Where and how long the command may move, by a recording and limits."""
 
-    def __init__(self, workbench, limits):
-        recording = workbench.recording
+    def __init__(self, problem, limits):
+        recording = problem.recording
         role = "command" if "command" in recording else "opening"
         command = np.clip(recording[role], 0.0, 1.0)
         self.step = recording.sample_time
@@ -99,7 +99,7 @@ class _Ranges:
         low, high = (float(v) for v in np.nanquantile(command, (0.005, 0.995)))
         self.visited = max(np.floor(100.0 * low) / 100.0, 0.0), min(np.ceil(100.0 * high) / 100.0, 1.0)
         # beyond what it has seen a trim learnt from the recording knows nothing
-        self.whole = (0.0, 1.0) if workbench.trim.known or "flow" not in recording else self.visited
+        self.whole = (0.0, 1.0) if problem.trim.known or "flow" not in recording else self.visited
 
     def programs(self, opening, limits):
         """Library for a range of the command."""
@@ -115,7 +115,7 @@ class _Choice:
         weights = np.array([e.probability for e in advisor.explanations])
         self.weights = np.outer(weights, weights)[np.tril_indices(len(weights), -1)]
         self.given, self.limits = limits is not None, limits or TestLimits()
-        self.ranges = _Ranges(advisor.workbench, self.limits)
+        self.ranges = _Ranges(advisor.problem, self.limits)
         self.now = advisor.now()
         # what the present recording tells apart already speaks for no test
         self.open = self._least(self.now) < DISTINGUISHABLE
@@ -148,8 +148,8 @@ class _Choice:
 
     def _stages(self):
         """Programs, those first that ask least of the process, and the sensor that they need besides."""
-        workbench, limits, ranges = self.advisor.workbench, self.limits, self.ranges
-        recording = workbench.recording
+        problem, limits, ranges = self.advisor.problem, self.limits, self.ranges
+        recording = problem.recording
         opening = ranges.visited if limits.opening is None else limits.opening
         first = ranges.programs(opening, limits) if opening[1] - opening[0] > 0.01 + 1e-9 else []
         more = None if self.given else as_now(recording, ranges.rows)
@@ -159,7 +159,7 @@ class _Choice:
         if not self.given and {"p1", "p2"} <= set(recording):
             for pressures, share in _FREER:
                 yield self._with_pressures(replace(limits, pressures=pressures, pressure_share=share)), None
-        if workbench.coupled and "opening" in limits.sensors and "command" in recording:
+        if problem.coupled and "opening" in limits.sensors and "command" in recording:
             yield ranges.programs(opening if self.given else ranges.whole, limits), "opening"
 
     def _with_pressures(self, freer):
@@ -238,7 +238,7 @@ class _Choice:
 
 
 def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None, details=""):
-    recording = advisor.workbench.recording
+    recording = advisor.problem.recording
     surroundings = Surroundings(recording)
     return TestPlan(
         program.name,
@@ -255,11 +255,11 @@ def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None, de
 
 def _for_its_size(advisor, finding, limits):
     """The program that narrows the interval of an effect's main parameter most."""
-    member = finding.rivals[0].member
+    term = finding.rivals[0].term
     best = advisor.explanations[0]
-    quantity = member.effect.quantities(best.model.chain)[0]
-    name = f"{member.effect.key}.{quantity.name}"
-    ranges = _Ranges(advisor.workbench, limits)
+    quantity = term.effect.quantities(best.model.chain)[0]
+    name = f"{term.effect.key}.{quantity.name}"
+    ranges = _Ranges(advisor.problem, limits)
     opening = ranges.visited if limits.opening is None else limits.opening
     tried = []
     for program in ranges.programs(opening, limits):
@@ -268,9 +268,9 @@ def _for_its_size(advisor, finding, limits):
     share, program = min(tried, key=lambda each: each[0])
     if not share < _NARROWS:
         return None
-    what = f"the {quantity.name.replace('_', ' ')} ({member.effect.name.replace('_', ' ')})"
+    what = f"the {quantity.name.replace('_', ' ')} ({term.effect.name.replace('_', ' ')})"
     sentence = (
         f"{program.text}: this should narrow the 95 % interval of {what} to {100 * share:.0f} % of its "
-        f"present width. To confirm the cause: {member.effect.separated_by}"
+        f"present width. To confirm the cause: {term.effect.separated_by}"
     )
     return _plan(advisor, program, sentence, considered={p.name: float(s) for s, p in tried})

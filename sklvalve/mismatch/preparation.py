@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a finder is given, checked, and laid out on the workbench."""
+"""What a finder is given, checked, and laid out on the problem."""
 
 from copy import copy
 from dataclasses import replace
@@ -10,7 +10,7 @@ from sklvalve.mismatch.effects.gas_expansion import GasExpansion
 from sklvalve.mismatch.effects.spring_fault import knows_air
 from sklvalve.mismatch.gate import effects_switched_off, redraws_the_flow
 from sklvalve.mismatch.hypothesis import begun, is_in
-from sklvalve.mismatch.workbench import Workbench
+from sklvalve.mismatch.problem import Problem
 from sklvalve.recording import InputError
 from sklvalve.recording.diagnosable import require_rows
 from sklvalve.simulation import Tolerance
@@ -39,8 +39,8 @@ def rows_to_use(whole, until):
     return used
 
 
-def prepared_workbench(recording, simulation=None, tolerance=None, trim=None):
-    """Workbench for a recording and, where one is given, the simulation that it is to be held against.
+def prepared_problem(recording, simulation=None, tolerance=None, trim=None):
+    """Problem for a recording and, where one is given, the simulation that it is to be held against.
 
     The simulation's own sheet, tolerance, effects and onsets count; where it was fitted, the values of its
     effects are where the calibration begins. How the signals are recorded is the recording's matter.
@@ -56,7 +56,7 @@ def prepared_workbench(recording, simulation=None, tolerance=None, trim=None):
 
     Returns
     -------
-    workbench : Workbench
+    problem : Problem
 
     Raises
     ------
@@ -79,7 +79,7 @@ def prepared_workbench(recording, simulation=None, tolerance=None, trim=None):
             f"the effects are {', '.join(_NAMES)}"
         )
     more = {"valve": valve, "held": held, "held_values": values, "trim": trim}
-    return Workbench(recording, tolerance or Tolerance(), valve.physics, **more)
+    return Problem(recording, tolerance or Tolerance(), valve.physics, **more)
 
 
 def _held(simulation, recording):
@@ -107,11 +107,11 @@ def _held(simulation, recording):
     return tuple(begun(effect, times.get(effect.key)) for effect in simulation.effects)
 
 
-def _made_by_the_drop(workbench):
+def _made_by_the_drop(problem):
     """`by_drop` of effects that a pressure drop which nobody recorded would make just as well."""
-    if "flow" not in workbench.channels or not drop_is_unknown(workbench.recording):
+    if "flow" not in problem.channels or not drop_is_unknown(problem.recording):
         return ()
-    return ("always", "unseen") if workbench.coupled else ("always",)
+    return ("always", "unseen") if problem.coupled else ("always",)
 
 
 def _knows_drive(chain):
@@ -126,12 +126,12 @@ def _throughout(effect):
     return steady
 
 
-def candidates(workbench, wanted, data):
+def candidates(problem, wanted, data):
     """Effects of the catalogue that a recording can speak for, and what the others would need.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     wanted : "all", str or sequence of str and Effect
         Names to be considered, and effects of the caller's own.
     data : list of dict
@@ -162,14 +162,14 @@ def candidates(workbench, wanted, data):
     off = effects_switched_off(data, asked)
     # what the opening shows is not hidden by a flow that was drawn anew
     off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)], asked)
-    found, untestable, by_the_drop = [], {}, _made_by_the_drop(workbench)
+    found, untestable, by_the_drop = [], {}, _made_by_the_drop(problem)
     names |= {e.name for e in own}
     for effect in asked:
         # what the simulation holds already is calibrated, so it cannot be missing
-        if effect.name not in names or is_in(effect, workbench.held):
+        if effect.name not in names or is_in(effect, problem.held):
             continue
-        missing = [role for role in effect.needs if role not in workbench.recording]
-        touched = workbench.channels_touched(effect)
+        missing = [role for role in effect.needs if role not in problem.recording]
+        touched = problem.channels_touched(effect)
         hidden = off_the_stem if "opening" in touched else off
         if missing:
             untestable.setdefault(effect.name, " and ".join(missing))
@@ -177,18 +177,18 @@ def candidates(workbench, wanted, data):
             untestable.setdefault(effect.name, "p1 and p2")
         elif effect.name in hidden:
             untestable.setdefault(effect.name, hidden[effect.name])
-        elif workbench.plain.lacks(effect):
-            untestable.setdefault(effect.name, workbench.plain.lacks(effect))
-        elif effect.stage == "actuator" and workbench.coupled and not _knows_drive(workbench.plain):
+        elif problem.plain.lacks(effect):
+            untestable.setdefault(effect.name, problem.plain.lacks(effect))
+        elif effect.stage == "actuator" and problem.coupled and not _knows_drive(problem.plain):
             # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
             untestable.setdefault(effect.name, "a recorded opening, or a data sheet of the actuator")
-        elif effect.possible(workbench.plain) and touched:
+        elif effect.possible(problem.plain) and touched:
             # what it does to a flow from a moment on, a drop does that changes then
             steady = by_the_drop and touched == ("flow",) and effect.by_drop == "onset"
             found.append(_throughout(effect) if steady else effect)
         else:
             untestable.setdefault(effect.name, effect.requires)
-    tested, never = {e.name for e in found}, _never(workbench.plain)
+    tested, never = {e.name for e in found}, _never(problem.plain)
     lacking = [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]
     return found, [
         each | ({"needs": never[each["name"]], "applies": False} if each["name"] in never else {})

@@ -8,10 +8,10 @@ import numpy as np
 
 from sklvalve.metrics import err_max, mape, rmse
 from sklvalve.mismatch.decide.constants import HELD_OUT_SHARE
+from sklvalve.mismatch.low_pass_residual import learn_residual
 from sklvalve.mismatch.model_free import model_free_noise
 from sklvalve.mismatch.referee import black_box_prediction
 from sklvalve.mismatch.refitting import lines_of, refitted
-from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.simulation.fitting import left_of, simulate_channels
 from sklvalve.simulation.robust import robust_cost
 from sklvalve.simulation.simulation import learnt_rest
@@ -24,7 +24,7 @@ _IMPROVED = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Folded:
+class CrossValidated:
     """Blocks of a recording in turn, each predicted by fits to the others.
 
     Attributes
@@ -47,7 +47,7 @@ def blocks(n):
         yield slice(low, high), others
 
 
-def folded(workbench, model, unknown=None):
+def cross_validated(problem, model, unknown=None):
     """A hypothesis fitted again without each block, and so is the learnt rest if one is given.
 
     A simulation always runs through the whole recording: only the error of held-out rows is hidden from the
@@ -57,26 +57,26 @@ def folded(workbench, model, unknown=None):
     -------
     folded : Folded
     """
-    n = len(workbench.recording)
-    made, rest = {c: np.full(n, np.nan) for c in workbench.channels}, np.zeros(n)
-    with workbench.every_row_alike(model):
-        lines = lines_of(workbench, model)
+    n = len(problem.recording)
+    made, rest = {c: np.full(n, np.nan) for c in problem.channels}, np.zeros(n)
+    with problem.homoscedastic(model):
+        lines = lines_of(problem, model)
     for held, others in blocks(n):
-        again = workbench.simulate(model.members, refitted(workbench, model, lines, others))
-        for c in workbench.channels:
+        again = problem.simulate(model.terms, refitted(problem, model, lines, others))
+        for c in problem.channels:
             made[c][held] = again.predictions[c][held]
-        part = None if unknown is None else learn_rest(workbench, again, unknown, others)
+        part = None if unknown is None else learn_residual(problem, again, unknown, others)
         if part is not None:
             rest[held] = learnt_rest(part, again.chain, again.values)[held]
-    return Folded(made, rest)
+    return CrossValidated(made, rest)
 
 
-def correction_holds_out(workbench, tried, channel):
+def correction_holds_out(problem, tried, channel):
     """Whether a learnt correction lowers the error of rows that it was not learnt from.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     tried : Folded
     channel : str
         That of the correction.
@@ -87,48 +87,48 @@ def correction_holds_out(workbench, tried, channel):
     errors : tuple of float
         Rms on held-out rows without it and with it [SI].
     """
-    recorded, plain = workbench.recording[channel], tried.predictions[channel]
+    recorded, plain = problem.recording[channel], tried.predictions[channel]
     before, after = (recorded - plain) ** 2, (recorded - plain - tried.rest) ** 2
     better = [np.nansum(after[held]) < np.nansum(before[held]) for held, _ in blocks(len(recorded))]
     errors = float(np.sqrt(np.nanmean(before))), float(np.sqrt(np.nanmean(after)))
     return bool(sum(better) >= _IMPROVED and errors[1] < errors[0]), errors
 
 
-def held_out_predictions(workbench, whole, nominal, model, forward, correction=None):
+def held_out_predictions(problem, whole, nominal, model, forward, correction=None):
     """Predictions of rows that the fits behind them have not seen.
 
-    With rows behind those of the workbench (`whole` is longer) these; else rows ahead of each origin of the
+    With rows behind those of the problem (`whole` is longer) these; else rows ahead of each origin of the
     forecasts.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     whole : Recording
     nominal, model : Model
     forward : Forward
     correction : dict, default=None
-        What is learnt beside `model`, from the rows of the workbench.
+        What is learnt beside `model`, from the rows of the problem.
 
     Returns
     -------
     predictions : dict
         ``nominal, corrected, black_box`` -> channel -> ndarray; held : ndarray of bool.
     """
-    n, used = len(whole), len(workbench.recording)
+    n, used = len(whole), len(problem.recording)
     if n == used:
         return forward.predictions, forward.held
     held = np.arange(n) >= used
-    made = {"nominal": run(workbench, nominal, whole), "corrected": run(workbench, model, whole)}
+    made = {"nominal": run(problem, nominal, whole), "corrected": run(problem, model, whole)}
     if correction is not None:
-        chain = workbench.chain(model.members, whole)
+        chain = problem.chain(model.terms, whole)
         made["corrected"][correction["channel"]] += learnt_rest(correction, chain, model.values)
     made["black_box"] = {
-        c: black_box_prediction(whole, c, ~held, closed=forward.closed[c]) for c in workbench.channels
+        c: black_box_prediction(whole, c, ~held, closed=forward.closed[c]) for c in problem.channels
     }
     return made, held
 
 
-def interleaved_predictions(workbench, judged):
+def interleaved_predictions(problem, judged):
     """Predictions of contiguous quarters, each by fits to the other three, those after it included.
 
     Returns
@@ -136,14 +136,14 @@ def interleaved_predictions(workbench, judged):
     predictions : dict
         ``nominal, corrected`` -> channel -> ndarray of shape (n,) [SI].
     """
-    tried = judged.tried or folded(workbench, judged.model)
+    tried = judged.tried or cross_validated(problem, judged.model)
     corrected = dict(tried.predictions)
     if judged.correction is not None:
         channel = judged.correction["channel"]
         corrected[channel] = corrected[channel] + tried.rest
     same = judged.model is judged.nominal
     return {
-        "nominal": tried.predictions if same else folded(workbench, judged.nominal).predictions,
+        "nominal": tried.predictions if same else cross_validated(problem, judged.nominal).predictions,
         "corrected": corrected,
     }
 
@@ -155,28 +155,28 @@ def interleaved_errors(recording, predictions, channel):
     return {kind: float(np.sqrt(np.nanmean(error**2)) * unit) for kind, error in left.items()}
 
 
-def held_out_share(workbench, nominal, model):
+def held_out_share(problem, nominal, model):
     """Share of the nominal's excess error that a hypothesis leaves in blocks it was not fitted to.
 
     Every fourth of sixteen contiguous blocks in turn, so that what acts for a while only, or from an onset
     on, is both fitted and held out; the excess is that over what a healthy simulation leaves over, in the
     channels that the hypothesis changes. One where it changes none by what counts.
     """
-    changed = [c for c, size in workbench.change(model, nominal).items() if workbench.counts({c: size})]
+    changed = [c for c, size in problem.change(model, nominal).items() if problem.counts({c: size})]
     before = after = 0.0
     models = nominal, model
-    both = [lines_of(workbench, m) for m in models]
-    place = np.arange(len(workbench.recording)) * _FOLDS * _TURNS // len(workbench.recording)
+    both = [lines_of(problem, m) for m in models]
+    place = np.arange(len(problem.recording)) * _FOLDS * _TURNS // len(problem.recording)
     for fold in range(_FOLDS):
         held = place % _FOLDS == fold
         fits = [
-            workbench.simulate(m.members, refitted(workbench, m, lines, ~held))
+            problem.simulate(m.terms, refitted(problem, m, lines, ~held))
             for m, lines in zip(models, both, strict=True)
         ]
         for channel in changed:
-            size = workbench.noise[channel].total
+            size = problem.noise[channel].total
             left = [
-                np.nan_to_num(left_of(workbench.recording, f.predictions, channel)[held] / size) for f in fits
+                np.nan_to_num(left_of(problem.recording, f.predictions, channel)[held] / size) for f in fits
             ]
             # robust as the fits are: one wild minute must not outweigh an hour
             losses = [robust_cost(each) / (0.5 * len(each)) for each in left]
@@ -185,14 +185,14 @@ def held_out_share(workbench, nominal, model):
     return float(after / before) if changed and before > 0.0 else 1.0
 
 
-def holds_out(workbench, nominal, model):
+def holds_out(problem, nominal, model):
     """Whether a hypothesis predicts such blocks clearly better than the calibrated nominal."""
-    return held_out_share(workbench, nominal, model) < HELD_OUT_SHARE
+    return held_out_share(problem, nominal, model) < HELD_OUT_SHARE
 
 
-def run(workbench, model, whole):
+def run(problem, model, whole):
     """A fitted hypothesis simulated over a whole recording: channel -> ndarray [SI]."""
-    return simulate_channels(workbench.chain(model.members, whole), model.values, workbench.channels)
+    return simulate_channels(problem.chain(model.terms, whole), model.values, problem.channels)
 
 
 def errors(whole, made, held, channel, floor, *, random_state=0):

@@ -65,7 +65,7 @@ class Pulses:
         return runs(self.rows)
 
 
-def find_pulses(workbench, model, alpha):
+def find_pulses(problem, model, alpha):
     r"""Moments in which the flow breaks out to one side of its simulation.
 
     Of the rest r of the flow, :math:`h = \mathrm{median}_5(r - \mathrm{median}_{121}(r))` is taken, and runs
@@ -81,7 +81,7 @@ def find_pulses(workbench, model, alpha):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         Fitted for the least error, without an effect on the flow.
     alpha : float
@@ -93,11 +93,11 @@ def find_pulses(workbench, model, alpha):
         None where the sides are alike, where the moments are smaller than what counts, where too few rows
         are at rest, and where opening or drop are not recorded: then a stem or a pump may be all of it.
     """
-    recording = workbench.recording
-    if "flow" not in workbench.channels or workbench.coupled or drop_is_unknown(recording):
+    recording = problem.recording
+    if "flow" not in problem.channels or problem.coupled or drop_is_unknown(recording):
         return None
-    span = workbench.spans["flow"]
-    rest, shown = workbench.residuals(model)["flow"] / span, model.predictions["flow"] / span
+    span = problem.spans["flow"]
+    rest, shown = problem.residuals(model)["flow"] / span, model.predictions["flow"] / span
     usable = np.isfinite(rest) & _settled(shown, recording.spans)
     if usable.sum() < _FEWEST_ROWS:
         return None
@@ -105,7 +105,7 @@ def find_pulses(workbench, model, alpha):
     about -= np.median(about[usable])
     scatter = _NORMAL * np.median(np.abs(about[usable]))
     limit = max(
-        _OUT * scatter, _OF_WHAT_COUNTS * workbench.least("flow"), _STEPS * _step_in_flow(recording, span)
+        _OUT * scatter, _OF_WHAT_COUNTS * problem.least("flow"), _STEPS * _step_in_flow(recording, span)
     )
     above, below = (_moments(usable & (side * about > limit)) for side in (1.0, -1.0))
     most, fewest = max(len(above), len(below)), min(len(above), len(below))
@@ -115,7 +115,7 @@ def find_pulses(workbench, model, alpha):
     falls = len(below) > len(above)
     rows = _whole(usable & ((-about if falls else about) > 0.5 * limit), below if falls else above)
     size = float(np.sqrt(np.mean(about[rows] ** 2)))
-    return Pulses(rows, most, fewest, falls, size, p_value) if size >= workbench.least("flow") else None
+    return Pulses(rows, most, fewest, falls, size, p_value) if size >= problem.least("flow") else None
 
 
 def _step_in_flow(recording, span):

@@ -16,10 +16,10 @@ def not_upheld(findings):
     )
 
 
-def too_much_left(left, findings, workbench):
+def too_much_left(left, findings, problem):
     """The reason where the flow is further off than noise allows, in the recording's own unit."""
     what = f"With {_names(findings)} the simulation" if findings else "The simulation"
-    size, allowed = (in_recorded(workbench, left.channel, share) for share in (left.size, left.allowed))
+    size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
     return (
         f"{what} is off by {size} where the {left.channel} is steady, {left.times:.2g} times the {allowed} "
         "that noise and tolerances allow. A fuller data sheet, or a signal that is not recorded, may "
@@ -27,15 +27,15 @@ def too_much_left(left, findings, workbench):
     )
 
 
-def in_recorded(workbench, channel, share):
+def in_recorded(problem, channel, share):
     """A share of a channel's span in words, in the unit in which it was recorded."""
-    recording = workbench.recording
-    size = share * workbench.spans[channel] * abs(recording.per_si(channel))
+    recording = problem.recording
+    size = share * problem.spans[channel] * abs(recording.per_si(channel))
     unit = recording.unit(channel)
     return f"{100.0 * size:.2g} % of travel" if unit == "1" else f"{size:.2g} {unit}"
 
 
-def reasons_of(judgement, mend, workbench, doubts=()):
+def reasons_of(judgement, mend, problem, doubts=()):
     """Reasons of a verdict, in plain sentences.
 
     Parameters
@@ -43,7 +43,7 @@ def reasons_of(judgement, mend, workbench, doubts=()):
     judgement : Judgement
     mend : str or None
         What must be done to the data first.
-    workbench : Workbench
+    problem : Problem
     doubts : sequence of str
         Why what was found is too weak for a name.
 
@@ -76,7 +76,7 @@ def reasons_of(judgement, mend, workbench, doubts=()):
     if judgement.unknown is not None:
         found.append(
             "No effect that was tried accounts for a predictable deviation of the "
-            f"{judgement.unknown.channel} by {in_recorded(workbench, *_of(judgement))}."
+            f"{judgement.unknown.channel} by {in_recorded(problem, *_of(judgement))}."
         )
     found += compared
     return found or [

@@ -10,33 +10,33 @@ from sklvalve.simulation.fitting import left_of, simulate_channels
 _SHARES = (1.0, 0.3, 0.1, 0.03)
 
 
-def lines_of(workbench, model):
+def lines_of(problem, model):
     """A hypothesis linearised, channels that share no parameter each by itself."""
     lines = {}
-    for channel in workbench.channels:
-        line = Linearised(workbench, model, (channel,))
+    for channel in problem.channels:
+        line = Linearised(problem, model, (channel,))
         lines[line.channels] = line
     return list(lines.values())
 
 
-def refitted(workbench, model, lines, rows):
+def refitted(problem, model, lines, rows):
     """Values fitted to some rows only: one step, shortened where the simulation bends before its end."""
     values = dict(model.values)
     for line in lines:
-        least, there = _error(workbench, model.predictions, line, rows), line.refitted(rows)
+        least, there = _error(problem, model.predictions, line, rows), line.refitted(rows)
         here = {name: model.values[name] for name in there}
         for share in _SHARES:
             step = line.between(here, there, share)
             made = simulate_channels(model.chain, model.values | step, line.channels)
-            if _error(workbench, made, line, rows) <= least:
+            if _error(problem, made, line, rows) <= least:
                 break
         values |= step
     return values
 
 
-def _error(workbench, made, line, rows):
+def _error(problem, made, line, rows):
     """Squared errors of the channels of a line on some rows, each in its own size."""
     return sum(
-        np.nansum(left_of(workbench.recording, made, c)[rows] ** 2) / workbench.spans[c] ** 2
+        np.nansum(left_of(problem.recording, made, c)[rows] ** 2) / problem.spans[c] ** 2
         for c in line.channels
     )

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Member, Model, begun, is_in, worth
+from sklvalve.mismatch.hypothesis import Model, Term, begun, is_in, penalised_likelihood
 from sklvalve.mismatch.inference.posterior import distance, posterior
-from sklvalve.mismatch.matters import may_be_instead
 from sklvalve.mismatch.onset_sample import to_the_sample
+from sklvalve.mismatch.relevance import may_be_instead
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
-from sklvalve.simulation.side_by_side import side_by_side
+from sklvalve.simulation.parallel_map import parallel_map
 
 # of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
 _FITTED = 4
@@ -24,7 +24,7 @@ class Rival:
 
     Attributes
     ----------
-    member : Member
+    term : Term
     model : Model
         The hypothesis with it in place.
     probability : float
@@ -32,7 +32,7 @@ class Rival:
         Profile-likelihood distance D from the best.
     """
 
-    member: Member
+    term: Term
     model: Model
     probability: float
     distance: float
@@ -44,7 +44,7 @@ class Finding:
 
     Attributes
     ----------
-    member : Member
+    term : Term
         The most likely explanation.
     rivals : list of Rival
         Explanations in its place, its own among them, the most probable first.
@@ -54,24 +54,24 @@ class Finding:
         Channel -> change that it makes, share of span [1].
     """
 
-    member: Member
+    term: Term
     rivals: list
     gain: float
     sizes: dict
 
 
-def find_rivals(workbench, model, effects, report, seen=None, of=None):
+def find_rivals(problem, model, effects, report, seen=None, of=None):
     """For each effect found, what else could stand in its place.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
     effects : sequence of Effect
     report : callable or None
     seen : dict, default=None
         Effect key -> the best hypothesis with it that the search met: where else to begin.
-    of : sequence of Member, default=None
+    of : sequence of Term, default=None
         Those of the hypothesis that are asked; all unless given.
 
     Returns
@@ -80,63 +80,63 @@ def find_rivals(workbench, model, effects, report, seen=None, of=None):
         The strongest first.
     """
     findings = []
-    for i, member in enumerate(model.members if of is None else of):
-        rest = tuple(m for m in model.members if m is not member)
-        without = workbench.fit(rest, start=model)
-        others = [e for e in effects if e.key != member.effect.key and not is_in(e, rest)]
-        others = [e for e in others if _touch_the_same(workbench, e, member.effect)]
-        places = [(member, model)]
-        instead = _others_in_place(workbench, model, rest, without, others, member, seen or {})
-        places += [(who, fitted) for who, fitted in instead if may_be_instead(workbench, fitted, without)]
+    for i, term in enumerate(model.terms if of is None else of):
+        rest = tuple(m for m in model.terms if m is not term)
+        without = problem.fit(rest, start=model)
+        others = [e for e in effects if e.key != term.effect.key and not is_in(e, rest)]
+        others = [e for e in others if _touch_the_same(problem, e, term.effect)]
+        places = [(term, model)]
+        instead = _others_in_place(problem, model, rest, without, others, term, seen or {})
+        places += [(who, fitted) for who, fitted in instead if may_be_instead(problem, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
-        rivals = weighed(workbench, places, without)
-        findings.append(Finding(member, rivals, gain, workbench.change(model, without)))
+        rivals = weighed(problem, places, without)
+        findings.append(Finding(term, rivals, gain, problem.change(model, without)))
         if report:
-            report(0.8 + 0.2 * (i + 1) / len(model.members))
+            report(0.8 + 0.2 * (i + 1) / len(model.terms))
     return sorted(findings, key=lambda f: f.gain, reverse=True)
 
 
-def without_rival(workbench, finding, model, rejected):
+def without_rival(problem, finding, model, rejected):
     """A finding without one of its rivals, the others weighed anew.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     finding : Finding
     model : Model
         The hypothesis that stands.
     rejected : Model
         That of the rival.
     """
-    left = [(r.member, r.model) for r in finding.rivals if r.model is not rejected]
+    left = [(r.term, r.model) for r in finding.rivals if r.model is not rejected]
     if len(left) == len(finding.rivals):
         return finding
-    rest = tuple(m for m in model.members if m is not finding.member)
-    return replace(finding, rivals=weighed(workbench, left, workbench.fit(rest, start=model)))
+    rest = tuple(m for m in model.terms if m is not finding.term)
+    return replace(finding, rivals=weighed(problem, left, problem.fit(rest, start=model)))
 
 
-def _others_in_place(workbench, model, rest, without, others, member, seen):
+def _others_in_place(problem, model, rest, without, others, term, seen):
     """Other effects in the place of one, each from the best of two calibrations, as (Member, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
-    bare = workbench.judged(workbench.simulate(rest, model.values))
+    bare = problem.judged(problem.simulate(rest, model.values))
     found = {}
     for base in (bare, without):
         # no race: a class is to hold all that cannot be told apart, not the best four alone
-        rough = screened(workbench, base, others, onset=member.times, always=others)
+        rough = screened(problem, base, others, onset=term.times, always=others)
         worth_it = [
             k < _FITTED
             or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
-            or _alike(m.members[-1].effect, member.effect)
+            or _alike(m.terms[-1].effect, term.effect)
             for k, m in enumerate(rough)
         ]
         near = [m for m, fit in zip(rough, worth_it, strict=True) if fit]
         far = [m for m, fit in zip(rough, worth_it, strict=True) if not fit]
-        _keep_the_best(found, (*side_by_side(lambda m: _fitted(workbench, m), near), *far))
-    met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, member.effect)]
-    there = [_where_it_was_met(workbench, model, rest, begun(e, member.times), seen) for e in met]
-    there += _elsewhere(workbench, model, rest, member, others)
-    _keep_the_best(found, side_by_side(lambda m: _fitted(workbench, m), there))
-    return [(fitted.members[-1], fitted) for fitted in found.values()]
+        _keep_the_best(found, (*parallel_map(lambda m: _fitted(problem, m), near), *far))
+    met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, term.effect)]
+    there = [_where_it_was_met(problem, model, rest, begun(e, term.times), seen) for e in met]
+    there += _elsewhere(problem, model, rest, term, others)
+    _keep_the_best(found, parallel_map(lambda m: _fitted(problem, m), there))
+    return [(fitted.terms[-1], fitted) for fitted in found.values()]
 
 
 def _alike(effect, other):
@@ -148,42 +148,42 @@ def _may_lie_elsewhere(effect, other):
     return _alike(effect, other) or {effect.stage, other.stage} <= set(ACTUATOR_STAGES)
 
 
-def _fitted(workbench, begin):
-    return to_the_sample(workbench, workbench.fit(begin.members, start=begin))
+def _fitted(problem, begin):
+    return to_the_sample(problem, problem.fit(begin.terms, start=begin))
 
 
 def _keep_the_best(found, models):
     for m in models:
-        before = found.get(m.members[-1].effect.key)
+        before = found.get(m.terms[-1].effect.key)
         if before is None or m.log_likelihood > before.log_likelihood:
-            found[m.members[-1].effect.key] = m
+            found[m.terms[-1].effect.key] = m
 
 
-def _where_it_was_met(workbench, model, rest, member, seen):
+def _where_it_was_met(problem, model, rest, term, seen):
     """A rival to be fitted from where the search met it."""
-    own = (f"{member.effect.key}.", "actuator_")
-    met = {name: value for name, value in seen[member.effect.key].values.items() if name.startswith(own)}
-    return workbench.simulate((*rest, member), model.values | met)
+    own = (f"{term.effect.key}.", "actuator_")
+    met = {name: value for name, value in seen[term.effect.key].values.items() if name.startswith(own)}
+    return problem.simulate((*rest, term), model.values | met)
 
 
-def _elsewhere(workbench, model, rest, member, others):
+def _elsewhere(problem, model, rest, term, others):
     """Rivals in the actuator to be fitted from the calibrations that they ask for themselves."""
-    if member.effect.stage not in ACTUATOR_STAGES:
+    if term.effect.stage not in ACTUATOR_STAGES:
         return []
     begun_anew = []
     for effect in (e for e in others if e.begins_with):
         largest = {f"{effect.key}.{q.name}": q.starts[-1] for q in effect.quantities(model.chain)}
         values = model.values | dict(effect.begins_with) | largest
-        begun_anew.append(workbench.simulate((*rest, begun(effect, member.times)), values))
+        begun_anew.append(problem.simulate((*rest, begun(effect, term.times)), values))
     return begun_anew
 
 
-def weighed(workbench, places, without):
+def weighed(problem, places, without):
     """Explanations in one place, with distances from the best and probabilities, the most probable first.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     places : list of (Member, Model)
     without : Model
         The hypothesis without any of them.
@@ -191,7 +191,7 @@ def weighed(workbench, places, without):
     likelihoods = [fitted.log_likelihood for _, fitted in places]
     best = max(likelihoods)
     gain = best - without.log_likelihood
-    probabilities = posterior(np.array([worth(workbench, fitted) for _, fitted in places]), gain)
+    probabilities = posterior(np.array([penalised_likelihood(problem, fitted) for _, fitted in places]), gain)
     rivals = [
         Rival(who, fitted, float(probability), distance(best, likelihood, gain))
         for (who, fitted), probability, likelihood in zip(places, probabilities, likelihoods, strict=True)
@@ -199,5 +199,5 @@ def weighed(workbench, places, without):
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
 
 
-def _touch_the_same(workbench, effect, other):
-    return bool(set(workbench.channels_touched(effect)) & set(workbench.channels_touched(other)))
+def _touch_the_same(problem, effect, other):
+    return bool(set(problem.channels_touched(effect)) & set(problem.channels_touched(other)))

@@ -12,7 +12,7 @@ _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
 
 
-def gain_in_spreads(workbench, better, other):
+def gain_in_spreads(problem, better, other):
     """Log likelihood that one fit gains on another, in standard deviations of its scatter over time.
 
     The scatter is the recording's own, stretch by stretch (Vuong, Econometrica 57, 1989): what one event
@@ -20,18 +20,18 @@ def gain_in_spreads(workbench, better, other):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     better, other : Model
 
     Returns
     -------
     spreads : float
     """
-    losses = [row_losses(workbench, m, workbench.channels) for m in (better, other)]
+    losses = [row_losses(problem, m, problem.channels) for m in (better, other)]
     gained = losses[1] - losses[0]
-    clock = workbench.plain.clock
+    clock = problem.plain.clock
     # the time between recordings that were joined holds nothing
-    length = min(clock[-1] - clock[0], len(clock) * workbench.recording.sample_time)
+    length = min(clock[-1] - clock[0], len(clock) * problem.recording.sample_time)
     many = int(np.clip(length / _STRETCH, _FEWEST, _MOST))
     each = np.array([part.sum() for part in np.array_split(gained, many)])
     scatter = np.sqrt(many) * each.std(ddof=1)

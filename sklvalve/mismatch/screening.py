@@ -11,10 +11,10 @@ It is a race: before every step those leave that cannot come among the best any 
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Member, Model, begun, price
+from sklvalve.mismatch.hypothesis import Model, Term, begun, complexity_penalty
 from sklvalve.mismatch.linearised import Linearised
 from sklvalve.simulation.fitting import Misfit
-from sklvalve.simulation.side_by_side import side_by_side
+from sklvalve.simulation.parallel_map import parallel_map
 
 # steps of an effect's own parameters; a fit of all that is promising follows
 _STEPS = 3
@@ -24,12 +24,12 @@ _BEST = 4
 _AT_MOST = 3.0
 
 
-def screened(workbench, model, effects, *, onset=False, also=(), always=(), report=None):
+def screened(problem, model, effects, *, onset=False, also=(), always=(), report=None):
     """Hypotheses with one effect more, to first order in the calibration, the most likely first.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         A fitted hypothesis.
     effects : sequence of Effect
@@ -50,32 +50,32 @@ def screened(workbench, model, effects, *, onset=False, also=(), always=(), repo
         One or two for each effect and calibration, their log likelihoods to first order; without those that
         cannot come among the best.
     """
-    starts = [each for base in ((model, effects), *also) for each in _lines(workbench, *base)]
+    starts = [each for base in ((model, effects), *also) for each in _lines(problem, *base)]
     left, staying = [], {e.key for e in always}
-    for i, found in enumerate(side_by_side(lambda each: _of_one_effect(workbench, *each, onset), starts)):
+    for i, found in enumerate(parallel_map(lambda each: _of_one_effect(problem, *each, onset), starts)):
         left += found
         if report:
             # the starts take about as long as all steps
             report(0.5 * (i + 1) / len(starts))
     for k in range(_STEPS):
         left = _within_reach(left, staying)
-        for _ in side_by_side(Trial.step, left):
+        for _ in parallel_map(Trial.step, left):
             pass
         if report:
             report(0.5 + 0.5 * (k + 1) / _STEPS)
     return sorted((t.hypothesis() for t in left), key=lambda m: m.log_likelihood, reverse=True)
 
 
-def _lines(workbench, model, effects):
+def _lines(problem, model, effects):
     """Each effect that changes a channel with the hypothesis, linearised for the channels that it changes."""
-    touched = {e.key: workbench.channels_touched(e) for e in effects}
-    lines = {t: Linearised(workbench, model, t) for t in dict.fromkeys(touched.values()) if t}
+    touched = {e.key: problem.channels_touched(e) for e in effects}
+    lines = {t: Linearised(problem, model, t) for t in dict.fromkeys(touched.values()) if t}
     return [(model, lines[touched[e.key]], e) for e in effects if touched[e.key]]
 
 
-def _of_one_effect(workbench, model, line, effect, onset):
+def _of_one_effect(problem, model, line, effect, onset):
     given = onset is not False
-    trial = Trial(workbench, model, line, begun(effect, onset) if given else Member(effect))
+    trial = Trial(problem, model, line, begun(effect, onset) if given else Term(effect))
     starts = trial.starts()
     made = trial.simulated(starts)
     gains = [line.gain_at_any_size(errors) for _, errors in made]
@@ -85,7 +85,7 @@ def _of_one_effect(workbench, model, line, effect, onset):
         return [trial]
     best = [line.likeliest_onset(errors) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in best]))
-    late = Trial(workbench, model, line, Member(effect, best[k][1]))
+    late = Trial(problem, model, line, Term(effect, best[k][1]))
     [(predictions, errors)] = late.simulated([starts[k]])
     late.begin(starts[k], predictions, *line.gain_at_any_size(errors))
     return [trial, late]
@@ -95,7 +95,7 @@ def _within_reach(trials, staying):
     """Trials that may yet come among the best, as far as they promise, and those of effects that stay."""
     best = {}
     for t in trials:
-        best[t.key] = max(t.worth, best.get(t.key, -np.inf))
+        best[t.key] = max(t.penalised_likelihood, best.get(t.key, -np.inf))
     last = min(sorted(best.values())[-_BEST:], default=-np.inf)
     return [t for t in trials if t.reach >= last or t.key in staying]
 
@@ -105,10 +105,10 @@ class Trial:
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
     line : Linearised
-    member : Member
+    term : Term
 
     Attributes
     ----------
@@ -118,44 +118,44 @@ class Trial:
         What it would add if it went on as it begins, at any size of either sign.
     """
 
-    def __init__(self, workbench, model, line, member):
-        self.model, self.line, self.member = model, line, member
-        self.chain = workbench.chain((*model.members, member))
-        self.quantities = member.effect.quantities(self.chain)
-        self.misfit = self._misfit(workbench, 0)
-        self._workbench, self._price = workbench, price(workbench, member)
+    def __init__(self, problem, model, line, term):
+        self.model, self.line, self.term = model, line, term
+        self.chain = problem.chain((*model.terms, term))
+        self.quantities = term.effect.quantities(self.chain)
+        self.misfit = self._misfit(problem, 0)
+        self._problem, self._penalty = problem, complexity_penalty(problem, term)
         self._settled, self._cost = False, None
 
-    def _misfit(self, workbench, attempt):
+    def _misfit(self, problem, attempt):
         parameters = [q.parameter_of(self.key, attempt) for q in self.quantities]
         return Misfit(
             self.chain,
             parameters,
             self.line.channels,
-            workbench.noise,
+            problem.noise,
             fixed=self.model.values,
-            rows=workbench.rows,
+            rows=problem.rows,
         )
 
     @property
     def key(self):
         """Key of its effect."""
-        return self.member.effect.key
+        return self.term.effect.key
 
     @property
-    def worth(self):
+    def penalised_likelihood(self):
         """Log likelihood of the hypothesis with the effect, less its price."""
-        return self.model.log_likelihood + self.gain - self._price
+        return self.model.log_likelihood + self.gain - self._penalty
 
     @property
     def reach(self):
         """What it may come to be worth."""
-        return self.model.log_likelihood + _AT_MOST * max(self.gain, self.promise) - self._price
+        return self.model.log_likelihood + _AT_MOST * max(self.gain, self.promise) - self._penalty
 
     def starts(self):
         """Where the effect's own fits begin."""
         many = max(len(q.starts) for q in self.quantities)
-        return [self._inside(self._misfit(self._workbench, k).vector.pack({})) for k in range(many)]
+        return [self._inside(self._misfit(self._problem, k).vector.pack({})) for k in range(many)]
 
     def _inside(self, z):
         vector = self.misfit.vector
@@ -208,7 +208,7 @@ class Trial:
         values = self.model.values | self.line.values(self._answer) | self.misfit.vector.values(self._z)
         made = self.line.predictions(self._predictions, self._answer)
         return Model(
-            (*self.model.members, self.member),
+            (*self.model.terms, self.term),
             self.chain,
             values,
             self.model.predictions | made,

@@ -6,7 +6,7 @@ from sklvalve.simulation.given import ACTUATOR_STAGES
 
 
 class Sharing:
-    """Part of a workbench: it has ``recording, valve, tolerance, trim, plain, channels, coupled, held``."""
+    """Part of a problem: it has ``recording, valve, tolerance, trim, plain, channels, coupled, held``."""
 
     def channels_touched(self, effect):
         """Channels whose simulation an effect changes."""
@@ -18,8 +18,8 @@ class Sharing:
             return self.channels
         return tuple(c for c in self.channels if c == "flow")
 
-    def _groups(self, members):
-        stages = {m.effect.stage for m in (*self.held, *members)}
+    def _groups(self, terms):
+        stages = {m.effect.stage for m in (*self.held, *terms)}
         joined = self.coupled or "position_sensor" in stages
         return (self.channels,) if joined else tuple((c,) for c in sorted(self.channels))
 
@@ -31,30 +31,28 @@ class Sharing:
         if "flow" in channels:
             choking = self.plain.choking and self.plain.margin is not None
             found += flow_parameters(self.recording, self.valve, self.tolerance, self.trim, choking=choking)
-        for member in self._telling(self.held, channels):
-            found += [q.parameter_of(member.effect.key) for q in member.effect.quantities(self.plain)]
+        for term in self._telling(self.held, channels):
+            found += [q.parameter_of(term.effect.key) for q in term.effect.quantities(self.plain)]
         return found
 
-    def parameters(self, chain, channels, members, attempt=0):
+    def parameters(self, chain, channels, terms, attempt=0):
         """All that a fit of some channels moves: what the sheet leaves open, and what the effects bring."""
-        brought = [q.parameter_of(m.effect.key, attempt) for m in members for q in m.effect.quantities(chain)]
+        brought = [q.parameter_of(m.effect.key, attempt) for m in terms for q in m.effect.quantities(chain)]
         return self.calibration(channels) + brought
 
-    def _touching(self, members, channels):
-        return [m for m in members if set(self.channels_touched(m.effect)) & set(channels)]
+    def _touching(self, terms, channels):
+        return [m for m in terms if set(self.channels_touched(m.effect)) & set(channels)]
 
-    def _telling(self, members, channels):
+    def _telling(self, terms, channels):
         """Members whose parameters a fit of some channels moves."""
-        return [
-            m for m in self._touching(members, channels) if not self._is_told_elsewhere(m.effect, channels)
-        ]
+        return [m for m in self._touching(terms, channels) if not self._is_told_elsewhere(m.effect, channels)]
 
     def _is_told_elsewhere(self, effect, channels):
         # what a sensor in the loop reads off is the flow's to tell; the opening shows its stops
         return effect.in_loop and channels == ("opening",) and "flow" in self.channels
 
-    def _told_elsewhere(self, members, channels, values):
+    def _told_elsewhere(self, terms, channels, values):
         """Parameters, already fitted, of members that these channels show and do not tell."""
-        every = [m.effect for m in (*self.held, *members)]
+        every = [m.effect for m in (*self.held, *terms)]
         shown = tuple(f"{e.key}." for e in every if self._is_told_elsewhere(e, channels))
         return {name: value for name, value in values.items() if shown and name.startswith(shown)}

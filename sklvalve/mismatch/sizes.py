@@ -15,7 +15,7 @@ _TINY = 1e-300
 
 
 class Sizes:
-    """Sizes of changes in a workbench that has `channels`, `spans`, a `recording` and a `tolerance`."""
+    """Sizes of changes in a problem that has `channels`, `spans`, a `recording` and a `tolerance`."""
 
     def change(self, model, other):
         """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from sklvalve.mismatch.cycles import find_cycle
-from sklvalve.mismatch.detect import strength
-from sklvalve.mismatch.slow_rest import held_out_errors, skills, slow_rest, tuned
+from sklvalve.mismatch.detect import effect_strength
+from sklvalve.mismatch.low_pass_residual import held_out_errors, low_pass_residual, skills, tuned
 from sklvalve.simulation.calibration import drop_is_unknown
 
 _MOST_SHIFTS = 100
@@ -45,12 +45,12 @@ class Unknown:
     period: float | None = None
 
 
-def find_unknown(workbench, model, *, alpha, random_state=0, channels=None):
-    """The predictable rest alone, as `look_for_rest` finds it; None where there is none."""
-    return look_for_rest(workbench, model, alpha=alpha, random_state=random_state, channels=channels)[0]
+def find_unknown(problem, model, *, alpha, random_state=0, channels=None):
+    """The predictable rest alone, as `look_for_residual` finds it; None where there is none."""
+    return look_for_residual(problem, model, alpha=alpha, random_state=random_state, channels=channels)[0]
 
 
-def look_for_rest(workbench, model, *, alpha, random_state=0, channels=None):
+def look_for_residual(problem, model, *, alpha, random_state=0, channels=None):
     """Look for a predictable rest in each channel.
 
     The rest is averaged over short stretches in which nothing moves fast, and predicted from slow signals by
@@ -59,13 +59,13 @@ def look_for_rest(workbench, model, *, alpha, random_state=0, channels=None):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
     alpha : float
         Level of the test.
     random_state : int
     channels : sequence of str, default=None
-        Where to look; in all channels of the workbench unless given.
+        Where to look; in all channels of the problem unless given.
 
     Returns
     -------
@@ -76,22 +76,22 @@ def look_for_rest(workbench, model, *, alpha, random_state=0, channels=None):
         Of the strongest rest, one that counts or not; None where none could be learnt.
     """
     rng = np.random.default_rng(random_state)
-    best, strengths = None, []
-    for channel in workbench.channels if channels is None else channels:
-        if channel == "flow" and drop_is_unknown(workbench.recording):
+    best, effect_strengths = None, []
+    for channel in problem.channels if channels is None else channels:
+        if channel == "flow" and drop_is_unknown(problem.recording):
             # without a recorded pressure drop, a flow residual mostly reflects the unmeasured drop
             continue
-        slow = slow_rest(workbench, model, channel)
+        slow = low_pass_residual(problem, model, channel)
         learnt = None
         if slow is not None:
             learnt = tuned(slow)
             chance = _by_chance(learnt, rng)
-            strengths.append(_strength(workbench, channel, learnt, chance))
-            learnt = _in_channel(workbench, channel, learnt, chance, alpha)
-        for found in (learnt, _cycle_in(workbench, model, channel, alpha)):
+            effect_strengths.append(_strength(problem, channel, learnt, chance))
+            learnt = _in_channel(problem, channel, learnt, chance, alpha)
+        for found in (learnt, _cycle_in(problem, model, channel, alpha)):
             if found is not None and (best is None or found.size > best.size):
                 best = found
-    return best, max(strengths, default=None)
+    return best, max(effect_strengths, default=None)
 
 
 def _by_chance(learnt, rng):
@@ -102,39 +102,39 @@ def _by_chance(learnt, rng):
     return skills(learnt.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
 
 
-def _strength(workbench, channel, learnt, chance):
+def _strength(problem, channel, learnt, chance):
     deviations = (learnt.skill - chance.mean()) / max(float(chance.std()), 1e-12)
     # without a kink where the skill is that of chance, so that no two recordings are alike
     deviations = np.logaddexp(0.0, deviations)
-    return strength(deviations, _acting_rms(learnt.predicted) / workbench.least(channel))
+    return effect_strength(deviations, _acting_rms(learnt.predicted) / problem.least(channel))
 
 
-def _in_channel(workbench, channel, best, chance, alpha):
+def _in_channel(problem, channel, best, chance, alpha):
     size = _acting_rms(best.predicted)
-    if size < workbench.least(channel) or best.skill < _LEAST_SKILL:
+    if size < problem.least(channel) or best.skill < _LEAST_SKILL:
         return None
     p_value = (1.0 + np.sum(chance >= best.skill)) / (1.0 + len(chance))
     # no number of shifts that is cheap can show less than one in their number
     if p_value > max(alpha, 1.5 / (1.0 + len(chance))):
         return None
     matter = _inputs_that_matter(best)
-    correction = best.correction(channel, workbench.spans[channel])
+    correction = best.correction(channel, problem.spans[channel])
     return Unknown(channel, matter, size, float(best.skill), float(p_value), correction)
 
 
-def _cycle_in(workbench, model, channel, alpha):
+def _cycle_in(problem, model, channel, alpha):
     """A rest of the flow that comes back in time; what makes a stem swing, the actuator's effects say."""
-    cycle = find_cycle(workbench, model, channel) if channel == "flow" else None
+    cycle = find_cycle(problem, model, channel) if channel == "flow" else None
     if cycle is None or cycle.p_value > alpha:
         return None
-    slow = slow_rest(workbench, model, channel, period=cycle.period)
+    slow = low_pass_residual(problem, model, channel, period=cycle.period)
     if slow is None:
         return None
     best = tuned(slow)
     size = _acting_rms(best.predicted)
-    if size < workbench.least(channel) or best.skill < _LEAST_SKILL:
+    if size < problem.least(channel) or best.skill < _LEAST_SKILL:
         return None
-    correction = best.correction(channel, workbench.spans[channel])
+    correction = best.correction(channel, problem.spans[channel])
     told = (f"a cycle of {cycle.period:.3g} s", *best.names[2:])
     return Unknown(channel, told, size, best.skill, cycle.p_value, correction, cycle.period)
 

@@ -16,18 +16,18 @@ _NEAR_BOUND = 0.02
 
 
 def class_of(finding):
-    """Members of the smallest class that most likely holds the truth: name -> (probability, Member, Model).
+    """Members of the smallest class that most likely holds the truth: name -> (probability, Term, Model).
 
     Forms of one effect are one name, with the most probable form's member and model.
     """
     likeliest: dict = {}
     for rival in sorted(finding.rivals, key=lambda r: -r.probability):
-        likeliest.setdefault(rival.member.effect.name, rival)
+        likeliest.setdefault(rival.term.effect.name, rival)
     total = dict.fromkeys(likeliest, 0.0)
     for rival in finding.rivals:
-        total[rival.member.effect.name] += rival.probability
+        total[rival.term.effect.name] += rival.probability
     return {
-        name: (probability, likeliest[name].member, likeliest[name].model)
+        name: (probability, likeliest[name].term, likeliest[name].model)
         for name, probability in smallest_class(total).items()
     }
 
@@ -53,7 +53,7 @@ def verdict_of(findings, unknown, enough, explained):
     return "named", findings
 
 
-def effect_entry(finding, recording, workbench):
+def effect_entry(finding, recording, problem):
     """The entry of diagnosis.json for one finding, but for how sure it is (`assessed`).
 
     Its probabilities are those among the explanations at hand.
@@ -68,14 +68,14 @@ def effect_entry(finding, recording, workbench):
         "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
         "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
         "onset": None if who.onset is None else float(who.onset - fitted.chain.clock[0]),
-        **({"spells": _spells(who, fitted)} if who.switches else {}),
+        **({"spells": _episodes(who, fitted)} if who.switches else {}),
         "parameters": {},
         "sentence": _sentence(who, values, who.effect.quantities(fitted.chain), recording),
         "separated_by": who.effect.separated_by,
     }
     for q in who.effect.quantities(fitted.chain):
         value = fitted.values[f"{who.effect.key}.{q.name}"]
-        told = interval_of(workbench, who, fitted, q)
+        told = interval_of(problem, who, fitted, q)
         entry["parameters"][q.name] = _in_units(q, value, told, recording) | {
             "unknown_ends": _unknown_ends(q, told)
         }
@@ -90,7 +90,7 @@ def effect_entry(finding, recording, workbench):
 
 def _runner_up(finding, members):
     """Distance of the likeliest explanation that is not in the class; None without one."""
-    others = [r.distance for r in finding.rivals if r.member.effect.name not in members]
+    others = [r.distance for r in finding.rivals if r.term.effect.name not in members]
     return float(f"{min(others):.4g}") if others else None
 
 
@@ -118,7 +118,7 @@ def _unknown_ends(quantity, ends):
     ]
 
 
-def _spells(who, fitted):
+def _episodes(who, fitted):
     """From when to when an effect acts that comes and goes [s from the first sample]."""
     clock = fitted.chain.clock
     times = [*who.times, *([clock[-1]] if len(who.times) % 2 else [])]

@@ -15,7 +15,7 @@ from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
 from sklvalve.simulation.free_run import free_run, key_of_free_run
-from sklvalve.simulation.side_by_side import side_by_side
+from sklvalve.simulation.parallel_map import parallel_map
 from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table
 from sklvalve.simulation.trim import GRID
 
@@ -204,7 +204,7 @@ class Chain:
         """Run the stem for several sets of values side by side, to have the results at hand later."""
         wanted = {key_of_free_run(self, values): values for values in several}
         missing = [key for key in wanted if key not in self._runs]
-        runs = side_by_side(lambda key: free_run(self, wanted[key], self._through), missing)
+        runs = parallel_map(lambda key: free_run(self, wanted[key], self._through), missing)
         self._keep(zip(missing, runs, strict=True))
 
     def _keep(self, runs):

@@ -44,7 +44,7 @@ def test_columns_are_of_the_catalogue_and_finite(roles):
     columns = dictionary(nominal)
     known = {effect.name for effect in CATALOGUE}
     assert {name for c in columns for name in c.names} <= known
-    assert {channel for c in columns for channel in c.parts} == set(nominal.workbench.channels)
+    assert {channel for c in columns for channel in c.parts} == set(nominal.problem.channels)
     assert all(part.shape == recording.time.shape for c in columns for part in c.parts.values())
 
 

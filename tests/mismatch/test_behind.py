@@ -8,8 +8,8 @@ from benchmarks.motor_plant import motor_record
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.recording import Recording, Valve
 
 EFFECTS = {e.key: e for e in CATALOGUE}
@@ -64,12 +64,12 @@ def test_a_stroke_three_times_as_long_as_declared_is_found():
 
 
 def test_a_property_held_is_part_of_the_simulation_and_of_its_calibration():
-    bench = prepared_workbench(_record(0.0)[0])
+    bench = prepared_problem(_record(0.0)[0])
     nominal = calibrated(bench)
-    slow = bench.fit((Member(EFFECTS["slew_limit"]),), start=nominal)
-    holding = bench.holding(slow.members, slow)
+    slow = bench.fit((Term(EFFECTS["slew_limit"]),), start=nominal)
+    holding = bench.holding(slow.terms, slow)
     again = calibrated(holding)
-    assert again.members == ()
+    assert again.terms == ()
     assert "slew_limit.speed" in again.values
     assert [m.effect.key for m in bench.held] == []
     left = [np.nanstd(b.residuals(m)["flow"]) for b, m in ((bench, nominal), (holding, again))]

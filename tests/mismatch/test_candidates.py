@@ -5,13 +5,13 @@ import pytest
 
 from sklvalve import Recording, Valve
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch.preparation import candidates, prepared_workbench
+from sklvalve.mismatch.preparation import candidates, prepared_problem
 
 
 @pytest.fixture(scope="module")
 def bench():
     made = make_valve_recording(None, loop="wide", n_samples=600, n_later=0, random_state=5)
-    return prepared_workbench(Recording.from_frame(made.frame, Valve.from_dict(made.valve)))
+    return prepared_problem(Recording.from_frame(made.frame, Valve.from_dict(made.valve)))
 
 
 def _plays(bench, *data):
@@ -42,7 +42,7 @@ def test_what_hides_play_everywhere_hides_it_in_the_opening(bench, data):
 def _lacking(sheet=None, fluid=None):
     made = make_valve_recording(None, loop="wide", n_samples=600, n_later=0, random_state=5)
     valve = {**made.valve, "fluid": fluid or made.valve["fluid"], **(sheet or {})}
-    bench = prepared_workbench(Recording.from_frame(made.frame, Valve.from_dict(valve)))
+    bench = prepared_problem(Recording.from_frame(made.frame, Valve.from_dict(valve)))
     found, lacking = candidates(bench, "all", [])
     return {e.name for e in found}, {each["name"]: each for each in lacking}
 

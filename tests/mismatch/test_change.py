@@ -27,7 +27,7 @@ SHEET = {
 
 
 class Bench:
-    """As much of a workbench as is asked: a flow of one's own, and what is left over of it."""
+    """As much of a problem as is asked: a flow of one's own, and what is left over of it."""
 
     channels, coupled = ("flow",), True
 

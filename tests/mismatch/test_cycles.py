@@ -8,7 +8,7 @@ import pytest
 
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.cycles import find_cycle
-from sklvalve.mismatch.workbench import Workbench
+from sklvalve.mismatch.problem import Problem
 from sklvalve.simulation import Tolerance
 
 PERIOD = 150.0
@@ -23,7 +23,7 @@ def _swinging(recording, share, *, begins=0.0, growing=True):
 
 
 def _found(recording):
-    bench = Workbench(recording, Tolerance(), recording.valve.physics)
+    bench = Problem(recording, Tolerance(), recording.valve.physics)
     model = bench.fit((), max_steps=5)
     bench.learn_noise(model)
     return find_cycle(bench, model, "flow")
@@ -54,12 +54,12 @@ def test_what_the_valve_itself_repeats_is_no_cycle_of_its_own(healthy):
     time = healthy.time
     opening = 0.5 + 0.2 * np.sin(2.0 * np.pi * time / PERIOD)
     signals = healthy.signals | {"opening": opening, "command": opening}
-    bench = Workbench(replace(healthy, signals=signals), Tolerance(), healthy.valve.physics)
+    bench = Problem(replace(healthy, signals=signals), Tolerance(), healthy.valve.physics)
     model = bench.fit((), max_steps=3)
     flow = model.predictions["flow"]
     noise = 0.003 * flow.mean() * np.random.default_rng(0).normal(size=len(flow))
     swung = replace(bench.recording, signals=signals | {"flow": flow + 0.04 * (flow - flow.mean()) + noise})
-    again = Workbench(swung, Tolerance(), healthy.valve.physics, trim=bench.trim)
+    again = Problem(swung, Tolerance(), healthy.valve.physics, trim=bench.trim)
     same = again.simulate((), model.values)
     again.learn_noise(same)
     assert find_cycle(again, same, "flow") is None

@@ -12,17 +12,17 @@ from hypothesis import strategies as st
 from sklvalve.mismatch import CATALOGUE
 from sklvalve.mismatch.detect import (
     Evidence,
-    circumstances_of,
+    covariates_of,
+    effect_strength,
+    effect_strengths,
     in_counts,
     mismatch_p_value,
-    strength,
-    strengths_of_effects,
 )
-from sklvalve.mismatch.healthy import EFFECTS, REST, Circumstances, exceeded, relative_to
+from sklvalve.mismatch.null_reference import EFFECTS, REST, Covariates, relative_to, survival
 
-USUAL = Circumstances(noise=-0.5, travel=0.6, no_opening=0.0, no_drop=0.0)
+USUAL = Covariates(noise=-0.5, travel=0.6, no_opening=0.0, no_drop=0.0)
 CIRCUMSTANCES = st.builds(
-    Circumstances,
+    Covariates,
     noise=st.floats(-6.0, 6.0),
     travel=st.floats(0.0, 1.5),
     no_opening=st.sampled_from((0.0, 1.0)),
@@ -36,18 +36,18 @@ BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[c
 
 
 def test_strength_takes_noise_and_a_wrong_simulation_together():
-    assert strength(3.0, 0.8) == pytest.approx((1.0 / 9.0 + 0.1**2 / 0.8**2) ** -0.5, rel=1e-12)
-    assert strength(5.0, 1e9) == pytest.approx(5.0)
+    assert effect_strength(3.0, 0.8) == pytest.approx((1.0 / 9.0 + 0.1**2 / 0.8**2) ** -0.5, rel=1e-12)
+    assert effect_strength(5.0, 1e9) == pytest.approx(5.0)
     # however clear it is: what counts stands ten times above what a healthy simulation gets wrong
-    assert strength(1e9, 1.0) == pytest.approx(10.0)
-    assert strength(0.0, 1.0) == strength(1.0, 0.0) == strength(-1.0, 1.0) == 0.0
+    assert effect_strength(1e9, 1.0) == pytest.approx(10.0)
+    assert effect_strength(0.0, 1.0) == effect_strength(1.0, 0.0) == effect_strength(-1.0, 1.0) == 0.0
 
 
 @settings(max_examples=50, deadline=None)
 @given(STRENGTHS, STRENGTHS, st.floats(0.0, 50.0), st.floats(0.0, 50.0))
 def test_strength_grows_with_what_is_borne_out_and_with_the_size(z, size, more, larger):
-    assert strength(z + more, size + larger) >= strength(z, size) * (1.0 - 1e-12)
-    assert strength(z, size) <= z * (1.0 + 1e-12)
+    assert effect_strength(z + more, size + larger) >= effect_strength(z, size) * (1.0 - 1e-12)
+    assert effect_strength(z, size) <= z * (1.0 + 1e-12)
 
 
 def test_strongest_fit_of_each_effect_and_largest_channel_are_taken():
@@ -56,12 +56,14 @@ def test_strongest_fit_of_each_effect_and_largest_channel_are_taken():
     weak, strong = (8.0, {"flow": 0.005}), (50.0, {"flow": 0.02})
     tried = {"clogging": weak, "erosion": strong, "dead_time": (-9.0, {"opening": 0.5})}
     searched = SimpleNamespace(tried=tried, findings=[])
-    alone = {"clogging": strength(4.0, 1.0), "erosion": strength(10.0, 4.0), "dead_time": 0.0}
-    assert strengths_of_effects(searched, BENCH) == pytest.approx(alone)
+    alone = {"clogging": effect_strength(4.0, 1.0), "erosion": effect_strength(10.0, 4.0), "dead_time": 0.0}
+    assert effect_strengths(searched, BENCH) == pytest.approx(alone)
     eroded = SimpleNamespace(effect=SimpleNamespace(key="erosion"))
     searched.findings = [SimpleNamespace(gain=5000.0, sizes={"flow": 0.02}, member=eroded)]
-    assert strengths_of_effects(searched, BENCH) == pytest.approx(alone | {"erosion": strength(100.0, 4.0)})
-    assert strengths_of_effects(SimpleNamespace(tried={}, findings=[]), BENCH) == {}
+    assert effect_strengths(searched, BENCH) == pytest.approx(
+        alone | {"erosion": effect_strength(100.0, 4.0)}
+    )
+    assert effect_strengths(SimpleNamespace(tried={}, findings=[]), BENCH) == {}
 
 
 def test_what_is_seldom_strong_by_chance_counts_for_more():
@@ -84,7 +86,7 @@ def test_the_reference_knows_the_effects_of_the_catalogue():
 @settings(max_examples=50, deadline=None)
 @given(STRENGTHS, st.floats(1e-3, 50.0), CIRCUMSTANCES)
 def test_chance_of_more_falls_with_the_strength(table, value, more, where):
-    assert 0.0 < exceeded(table, value + more, where) < exceeded(table, value, where) <= 1.0
+    assert 0.0 < survival(table, value + more, where) < survival(table, value, where) <= 1.0
 
 
 @pytest.mark.parametrize("table", [EFFECTS, REST])
@@ -92,16 +94,16 @@ def test_chance_has_no_step_and_the_tail_goes_on_where_the_quantiles_end(table):
     at = np.array(table.quantiles) * table.typical(USUAL)
     for value, chance in zip(at[1:], np.linspace(1.0, table.above, len(at))[1:], strict=True):
         for side in (1.0 - 1e-9, 1.0 + 1e-9):
-            assert exceeded(table, side * value, USUAL) == pytest.approx(chance, abs=1e-6)
-    assert exceeded(table, 0.0, USUAL) == 1.0
-    assert exceeded(table, 3.0 * at[-1], USUAL) < 1.0 / table.recordings
+            assert survival(table, side * value, USUAL) == pytest.approx(chance, abs=1e-6)
+    assert survival(table, 0.0, USUAL) == 1.0
+    assert survival(table, 3.0 * at[-1], USUAL) < 1.0 / table.recordings
 
 
 def test_tail_is_that_of_pareto_or_of_the_exponential_where_its_shape_is_zero():
     table = replace(EFFECTS, shape=0.2, scale=0.5)
     over = (table.quantiles[-1] + 2.0) * table.typical(USUAL)
-    assert exceeded(table, over, USUAL) == pytest.approx(table.above * (1.0 + 0.2 * 4.0) ** -5.0)
-    assert exceeded(replace(table, shape=0.0), over, USUAL) == pytest.approx(table.above * np.exp(-4.0))
+    assert survival(table, over, USUAL) == pytest.approx(table.above * (1.0 + 0.2 * 4.0) ** -5.0)
+    assert survival(replace(table, shape=0.0), over, USUAL) == pytest.approx(table.above * np.exp(-4.0))
 
 
 def test_beyond_the_circumstances_of_the_reference_their_edge_is_taken():
@@ -117,17 +119,17 @@ def test_stronger_evidence_never_raises_the_p_value(effects, rest, more, still_m
 
 
 def test_two_looks_share_the_level():
-    alone = exceeded(EFFECTS, 6.0, USUAL)
+    alone = survival(EFFECTS, 6.0, USUAL)
     assert mismatch_p_value(Evidence(6.0, None, USUAL)) == pytest.approx(alone)
     assert mismatch_p_value(Evidence(6.0, 0.0, USUAL)) == pytest.approx(1.0 - (1.0 - alone) ** (4.0 / 3.0))
-    rest = exceeded(REST, 6.0, USUAL)
+    rest = survival(REST, 6.0, USUAL)
     assert mismatch_p_value(Evidence(0.0, 6.0, USUAL)) == pytest.approx(1.0 - (1.0 - rest) ** 4.0)
 
 
 def test_p_values_of_drawn_strengths_are_uniform():
     rng, chances = np.random.default_rng(0), []
     grid = np.geomspace(1e-3, 100.0, 4000)
-    laws = [np.array([exceeded(table, v, USUAL) for v in grid]) for table in (EFFECTS, REST)]
+    laws = [np.array([survival(table, v, USUAL) for v in grid]) for table in (EFFECTS, REST)]
     for _ in range(400):
         drawn = [np.interp(rng.random(), law[::-1], grid[::-1]) for law in laws]
         chances.append(mismatch_p_value(Evidence(*map(float, drawn), USUAL)))
@@ -146,17 +148,17 @@ def test_circumstances_are_those_of_the_noise_and_of_the_movement():
         noise={"opening": SimpleNamespace(floor=0.005), "flow": SimpleNamespace(floor=0.02)},
         least=BENCH.least,
     )
-    found = circumstances_of(bench)
+    found = covariates_of(bench)
     assert found.noise == pytest.approx(np.log(2.0))
     assert found.travel == pytest.approx(0.9 * 0.6)
     assert (found.no_opening, found.no_drop, found.one_pressure) == (0.0, 0.0, 0.0)
     assert (found.held_opening, found.held_flow) == (0.0, 0.0)
     bench.recording = {"flow": 3.0 * rows}
-    found = circumstances_of(bench)
+    found = covariates_of(bench)
     assert found.travel == pytest.approx(0.9 * 0.6 / 0.8)
     assert (found.no_opening, found.no_drop, found.one_pressure) == (1.0, 1.0, 0.0)
     bench.recording = {"flow": 3.0 * rows, "p1": rows}
-    assert (circumstances_of(bench).no_drop, circumstances_of(bench).one_pressure) == (1.0, 1.0)
+    assert (covariates_of(bench).no_drop, covariates_of(bench).one_pressure) == (1.0, 1.0)
 
 
 def test_what_a_historian_leaves_out_is_a_circumstance():
@@ -171,7 +173,7 @@ def test_what_a_historian_leaves_out_is_a_circumstance():
     )
 
     def held(*found):
-        told = circumstances_of(bench, [{"finding": "compressed", **each} for each in found])
+        told = covariates_of(bench, [{"finding": "compressed", **each} for each in found])
         return told.held_opening, told.held_flow
 
     lines, coarse = {"role": "opening"}, {"finding": "quantised", "role": "flow", "size": 1.0}
@@ -199,7 +201,7 @@ def test_without_a_flow_no_drop_is_missed():
         noise={"opening": SimpleNamespace(floor=0.005)},
         least=BENCH.least,
     )
-    found = circumstances_of(bench)
+    found = covariates_of(bench)
     assert (found.no_drop, found.one_pressure) == (0.0, 0.0)
 
 

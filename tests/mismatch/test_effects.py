@@ -8,8 +8,8 @@ import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.effects.backlash import play_with_overshoot
-from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.workbench import Workbench
+from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.problem import Problem
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.stages import play
 
@@ -42,7 +42,7 @@ each_effect = pytest.mark.parametrize("effect", CATALOGUE, ids=lambda effect: ef
 
 @pytest.fixture(scope="module")
 def bench(healthy):
-    return Workbench(healthy, Tolerance(), ())
+    return Problem(healthy, Tolerance(), ())
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def plain(bench):
 
 def _with(bench, plain, effect, own):
     values = plain.values | {f"{effect.key}.{name}": value for name, value in own.items()}
-    return bench.simulate((Member(effect),), values)
+    return bench.simulate((Term(effect),), values)
 
 
 def _start(effect, chain, i=0):

@@ -7,10 +7,10 @@ import pytest
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.growing import fit_growing
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.preparation import candidates
-from sklvalve.mismatch.workbench import Workbench
+from sklvalve.mismatch.problem import Problem
 from sklvalve.simulation import Tolerance
 
 from .conftest import DESIGNED, record
@@ -33,7 +33,7 @@ def test_every_name_of_the_design_is_in_the_catalogue_in_its_block(name, block):
 
 @pytest.fixture(scope="module")
 def bench(healthy):
-    return Workbench(healthy, Tolerance(), ())
+    return Problem(healthy, Tolerance(), ())
 
 
 @pytest.fixture(scope="module")
@@ -57,7 +57,7 @@ def test_effects_of_a_family_have_one_equation(family, one, other, bench, values
     for own in (one, other):
         effect = BY_KEY[next(iter(own)).split(".")[0]]
         assert effect.family == family
-        flows.append(bench.simulate((Member(effect),), values | own).predictions["flow"])
+        flows.append(bench.simulate((Term(effect),), values | own).predictions["flow"])
     np.testing.assert_allclose(flows[0], flows[1], rtol=1e-3, atol=1e-6 * bench.spans["flow"])
     healthy = bench.simulate((), values).predictions["flow"]
     assert np.max(np.abs(flows[0] - healthy)) > 0.01 * bench.spans["flow"]
@@ -78,15 +78,17 @@ def test_every_name_is_tested_or_said_why_not(bench):
 # ---- found again by a fit
 
 
-def _calibrated(name, strength, onset=0.0):
-    workbench = Workbench(record(name, strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",))
-    return workbench, calibrated(workbench)
+def _calibrated(name, effect_strength, onset=0.0):
+    problem = Problem(
+        record(name, effect_strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",)
+    )
+    return problem, calibrated(problem)
 
 
-def _best(workbench, nominal, key):
+def _best(problem, nominal, key):
     effect = BY_KEY[key]
     many = max(len(q.starts) for q in effect.parameters)
-    fits = [workbench.fit((Member(effect),), start=nominal, attempt=k) for k in range(many)]
+    fits = [problem.fit((Term(effect),), start=nominal, attempt=k) for k in range(many)]
     return max(fits, key=lambda m: m.log_likelihood)
 
 
@@ -100,9 +102,9 @@ def _best(workbench, nominal, key):
         ("sensor_lag", 10.0, "lag", 10.0, 0.1, "flow_inertia"),
     ],
 )
-def test_a_fit_finds_what_was_concealed(name, strength, parameter, size, tolerance, worse):
-    workbench, nominal = _calibrated(name, strength)
-    fitted, other = _best(workbench, nominal, name), _best(workbench, nominal, worse)
+def test_a_fit_finds_what_was_concealed(name, effect_strength, parameter, size, tolerance, worse):
+    problem, nominal = _calibrated(name, effect_strength)
+    fitted, other = _best(problem, nominal, name), _best(problem, nominal, worse)
     assert fitted.values[f"{name}.{parameter}"] == pytest.approx(size, rel=tolerance)
     assert fitted.log_likelihood > nominal.log_likelihood + 50.0
     assert fitted.log_likelihood > other.log_likelihood + 20.0
@@ -110,21 +112,21 @@ def test_a_fit_finds_what_was_concealed(name, strength, parameter, size, toleran
 
 @pytest.mark.parametrize("onset", [400.0, 800.0])
 def test_an_effect_that_grows_is_dated(onset):
-    workbench, nominal = _calibrated("sedimentation", 0.2, onset)
+    problem, nominal = _calibrated("sedimentation", 0.2, onset)
     begin = float(nominal.chain.clock[600])
-    model = fit_growing(workbench, nominal, BY_KEY["sedimentation"], onset=begin, max_steps=5)
-    assert model.members[-1].onset - nominal.chain.clock[0] == pytest.approx(onset, abs=50.0)
+    model = fit_growing(problem, nominal, BY_KEY["sedimentation"], onset=begin, max_steps=5)
+    assert model.terms[-1].onset - nominal.chain.clock[0] == pytest.approx(onset, abs=50.0)
     assert model.values["sedimentation.rate"] == pytest.approx(0.2 * 3600.0 / (1200.0 - onset), rel=0.15)
 
 
 def test_an_onset_is_moved_to_its_sample():
-    workbench, nominal = _calibrated("flow_meter_bias", 0.04, 500.0)
+    problem, nominal = _calibrated("flow_meter_bias", 0.04, 500.0)
     begin, effect = float(nominal.chain.clock[0]), BY_KEY["flow_meter_bias"]
     for late in (-2.0, 0.0, 1.0):
-        fitted = workbench.fit((Member(effect, begin + 500.0 + late),), start=nominal)
-        moved = to_the_sample(workbench, fitted)
+        fitted = problem.fit((Term(effect, begin + 500.0 + late),), start=nominal)
+        moved = to_the_sample(problem, fitted)
         # the meter shows at the first sample after its onset, or at that one
-        assert moved.members[-1].onset - begin == pytest.approx(500.5, abs=0.6)
+        assert moved.terms[-1].onset - begin == pytest.approx(500.5, abs=0.6)
         assert moved.log_likelihood >= fitted.log_likelihood
-    throughout = workbench.fit((Member(effect),), start=nominal)
-    assert to_the_sample(workbench, throughout) is throughout
+    throughout = problem.fit((Term(effect),), start=nominal)
+    assert to_the_sample(problem, throughout) is throughout

@@ -7,10 +7,10 @@ import pytest
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.preparation import candidates
+from sklvalve.mismatch.problem import Problem
 from sklvalve.mismatch.thresholds import seen_thresholds
-from sklvalve.mismatch.workbench import Workbench
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.electric import is_electric
@@ -66,7 +66,7 @@ def recording():
 
 @pytest.fixture(scope="module")
 def bench(recording):
-    return Workbench(recording, Tolerance(), ())
+    return Problem(recording, Tolerance(), ())
 
 
 @pytest.mark.parametrize(
@@ -80,7 +80,7 @@ def test_at_no_size_it_changes_nothing(bench, key, nothing):
     values = {p.name: p.start for p in bench.calibration(bench.channels)} | {"actuator_speed": 10.0}
     plain = bench.simulate((), values)
     own = {f"{key}.{name}": value for name, value in nothing.items()}
-    same = bench.simulate((Member(EFFECTS[key]),), values | own)
+    same = bench.simulate((Term(EFFECTS[key]),), values | own)
     np.testing.assert_allclose(same.predictions["opening"], plain.predictions["opening"], atol=1e-12)
 
 
@@ -114,7 +114,7 @@ def test_without_a_dead_band_there_is_no_threshold():
 def test_all_three_effects_of_a_motor_are_fitted(bench):
     nominal = fitted = calibrated(bench)
     for key in ("slew_limit_motor", "dead_time", "positioner_deadband_motor"):
-        fitted = bench.fit([*fitted.members, Member(EFFECTS[key])], start=fitted)
+        fitted = bench.fit([*fitted.terms, Term(EFFECTS[key])], start=fitted)
     values = fitted.values
     assert values["slew_limit_motor.speed"] == pytest.approx(0.05, rel=0.06)
     assert values["dead_time.delay"] + values["actuator_delay"] == pytest.approx(0.4, abs=0.1)

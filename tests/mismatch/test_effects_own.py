@@ -13,7 +13,7 @@ from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE, Effect, Quantity,
 from sklvalve.mismatch.effects.known import forms_of, quantity_named
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
 from sklvalve.mismatch.gate import effects_switched_off
-from sklvalve.mismatch.preparation import candidates, prepared_workbench
+from sklvalve.mismatch.preparation import candidates, prepared_problem
 from sklvalve.report.kinds import to_be_declared
 from sklvalve.report.parameters import parameters
 from sklvalve.report.words import class_clause, spoken
@@ -72,7 +72,7 @@ def found(name, role, rows=((5, 40),), **more):
 def prepared(*without):
     made = make_valve_recording(None, loop="wide", n_samples=600, n_later=0, random_state=5)
     roles = {k: v for k, v in made.valve["recording"].items() if k not in without}
-    return prepared_workbench(
+    return prepared_problem(
         Recording.from_frame(made.frame, Valve.from_dict(made.valve | {"recording": roles}))
     )
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import MissingPhysicsFinder, explain, matters, onset
+from sklvalve.mismatch import MissingPhysicsFinder, explain, onset, relevance
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.rivals import Rival
 from sklvalve.recording import Recording, Valve
 
@@ -36,7 +36,7 @@ class _Bench:
         return None
 
     def learn_noise(self, model):
-        self.noise = {"flow": SimpleNamespace(log_spread=self.spreads[model.members[-1].onset])}
+        self.noise = {"flow": SimpleNamespace(log_spread=self.spreads[model.terms[-1].onset])}
 
     def use_noise(self, noise):
         self.noise = noise
@@ -57,7 +57,7 @@ def test_onset_moves_only_where_the_fit_becomes_likelier(monkeypatch):
     suggested = iter([620.0, 300.0, 500.0])
     monkeypatch.setattr(onset, "best_onset", lambda *args: next(suggested))
     found = onset.fit_with_onset(bench, SimpleNamespace(members=()), LEAK)
-    assert found.members[-1].onset == 620.0
+    assert found.terms[-1].onset == 620.0
     assert found.log_likelihood == -80.0
 
 
@@ -72,23 +72,23 @@ def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, wit
     likelihoods = {400.0: -50.0, None: -60.0, "without": without}
     bench = _Bench(likelihoods, {400.0: 1000.0, None: spread})
     monkeypatch.setattr(explain, "gain_in_spreads", lambda *args: events)
-    model = bench.fit((Member(LEAK, 400.0),))
+    model = bench.fit((Term(LEAK, 400.0),))
     bench.learn_noise(model)
     before = bench.noise
     found = explain._throughout_if_likelier(bench, model)
-    assert found.members[-1].onset == kept
+    assert found.terms[-1].onset == kept
     assert (bench.noise is before) == (kept is not None)
 
 
 def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alone(monkeypatch):
     monkeypatch.setattr(explain, "may_explain", lambda bench, model, without: model.able)
     bench = SimpleNamespace(fit=lambda members, start: None)
-    place = Member(CLOGGING)
+    place = Term(CLOGGING)
 
     def better(*rivals):
         """Of (probability, whether it could stand alone), the most probable first; the last has the place."""
-        fits = [SimpleNamespace(members=(Member(LEAK),), able=able) for _, able in rivals]
-        who = [Member(LEAK) for _ in rivals[:-1]] + [place]
+        fits = [SimpleNamespace(members=(Term(LEAK),), able=able) for _, able in rivals]
+        who = [Term(LEAK) for _ in rivals[:-1]] + [place]
         told = [Rival(m, f, p, 0.0) for m, f, (p, _) in zip(who, fits, rivals, strict=True)]
         found = explain._better_in_place(bench, [SimpleNamespace(member=place, rivals=told)])
         return None if found is None else fits.index(found)
@@ -102,7 +102,7 @@ def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alon
 
 def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
     """A rival that took the place of an effect is fitted anew by the noise with which the search goes on."""
-    place, judged = Member(LEAK), []
+    place, judged = Term(LEAK), []
 
     class Bench:
         noise = "first"
@@ -157,10 +157,10 @@ def test_play_is_found_alone_also_in_the_first_rows_of_a_recording():
 def test_a_rival_of_what_began_may_be_shorter_and_smaller_than_what_alone_is_told(
     monkeypatch, onset, beyond, size, absurd, able
 ):
-    monkeypatch.setattr(matters, "beyond_tolerance", lambda *_: beyond)
-    monkeypatch.setattr(matters, "_absurd", lambda *_: absurd)
-    model = SimpleNamespace(members=(Member(LEAK, onset),))
+    monkeypatch.setattr(relevance, "beyond_tolerance", lambda *_: beyond)
+    monkeypatch.setattr(relevance, "_absurd", lambda *_: absurd)
+    model = SimpleNamespace(members=(Term(LEAK, onset),))
     bench = SimpleNamespace(
         change=lambda *_: {"flow": size}, counts=lambda sizes: any(s >= 0.005 for s in sizes.values())
     )
-    assert matters.may_be_instead(bench, model, None) is able
+    assert relevance.may_be_instead(bench, model, None) is able

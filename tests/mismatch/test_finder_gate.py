@@ -9,7 +9,7 @@ import pytest
 
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.gate import effects_switched_off, with_seized_stems, without_findings
-from sklvalve.mismatch.sifting import sifted
+from sklvalve.mismatch.masking import masked
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 from sklvalve.report import to_text
 from sklvalve.report.html import render
@@ -125,14 +125,14 @@ def test_rows_behind_those_used_are_sifted_too_and_change_no_others(sound):
     p1[900:1000] = p1[900]
     whole = with_signals(sound, p1=p1)
     used = whole.slice(0, 800)
-    cleaned, same = sifted(whole, used, screen_recording(used))
+    cleaned, same = masked(whole, used, screen_recording(used))
     assert same is used
     assert np.isnan(cleaned["p1"][901:1000]).all()
     np.testing.assert_array_equal(cleaned["p1"][:800], p1[:800])
 
 
 def test_clean_recording_goes_through_as_it_is(sound):
-    assert all(each is sound for each in sifted(sound, sound, screen_recording(sound)))
+    assert all(each is sound for each in masked(sound, sound, screen_recording(sound)))
 
 
 def test_sensor_that_stands_still_too_long_is_refused_in_a_sentence(sound, simulation):

@@ -9,7 +9,7 @@ import pytest
 
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.events import P_VALUE, beside_events, worth_searching
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.report import to_text
 from sklvalve.simulation import ValveSimulation
@@ -108,6 +108,6 @@ def test_what_moves_the_stem_does_not_stand_beside_its_events():
     """Also where it is no part of the actuator: something in the seat that stops the plug."""
     effects = {e.key: e for e in CATALOGUE}
     found = ("clogging_closing", "friction", "backlash_linkage", "clogging", "flow_meter_bias")
-    kept = [key for key in found if beside_events([SimpleNamespace(member=Member(effects[key]))])]
+    kept = [key for key in found if beside_events([SimpleNamespace(member=Term(effects[key]))])]
     assert kept == ["clogging", "flow_meter_bias"]
     assert "clogging_closing" not in [e.key for e in worth_searching(CATALOGUE, "events")]

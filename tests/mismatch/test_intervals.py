@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.intervals import SHARE_OFF, interval_of
-from sklvalve.mismatch.workbench import Workbench
+from sklvalve.mismatch.problem import Problem
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.fitting import Misfit
 
@@ -18,11 +18,11 @@ BY_KEY = {e.key: e for e in CATALOGUE}
 
 @pytest.fixture(scope="module")
 def bench(healthy):
-    return Workbench(healthy, Tolerance(), ())
+    return Problem(healthy, Tolerance(), ())
 
 
 def _fitted(bench, key, own, spreads, onset=None):
-    member = Member(BY_KEY[key], onset)
+    member = Term(BY_KEY[key], onset)
     nominal = bench.fit((), max_steps=2)
     values = nominal.values | {f"{key}.{name}": value for name, value in own.items()}
     model = replace(bench.simulate((member,), values), spreads={f"{key}.{n}": s for n, s in spreads.items()})
@@ -41,7 +41,7 @@ def held(bench, monkeypatch):
     """The workbench with a calibration that answers nothing."""
 
     def alone(model, channels):
-        (member,) = model.members
+        (member,) = model.terms
         touched = bench.channels_touched(member.effect)
         own = [q.parameter_of(member.effect.key) for q in member.effect.quantities(model.chain)]
         return [Misfit(model.chain, own, touched, bench.noise, fixed=model.values)]
@@ -63,19 +63,19 @@ def test_of_a_limit_it_is_as_far_as_changes_the_effect_by_its_share(held):
     assert 0.4 < low < 0.5 < high < 0.6
     own = model.predictions["flow"]
     none = held.simulate((), model.values).predictions["flow"]
-    moved = held.simulate(model.members, model.values | {"clogging.limit": high}).predictions["flow"]
+    moved = held.simulate(model.terms, model.values | {"clogging.limit": high}).predictions["flow"]
     share = np.sqrt(np.nanmean((moved - own) ** 2) / np.nanmean((own - none) ** 2))
     assert share == pytest.approx(SHARE_OFF, rel=0.25)
 
 
 def test_a_calibration_answers_as_far_as_the_sheet_lets_it(healthy, bench):
-    def width(workbench):
-        low, high = _interval(workbench, "flow_meter_bias", {"bias": 4e-4}, 0.0)
+    def width(problem):
+        low, high = _interval(problem, "flow_meter_bias", {"bias": 4e-4}, 0.0)
         return high - low
 
     alone = 2.0 * SHARE_OFF * 4e-4
     narrow = Tolerance(capacity=1e-6, trim=1e-6, position_zero=1e-6, flow_zero=1e-6, pressure_zero=1e-6)
-    assert width(Workbench(healthy, narrow, ())) == pytest.approx(alone, rel=0.05)
+    assert width(Problem(healthy, narrow, ())) == pytest.approx(alone, rel=0.05)
     assert 1.2 * alone < width(bench) < 4.0 * alone
 
 

@@ -20,7 +20,7 @@ class _Found:
     """A finding of a member, no more."""
 
     def __init__(self, member):
-        self.member = member
+        self.term = member
 
 
 def _explanation(tried, *found):
@@ -144,13 +144,13 @@ def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(
     """`unseen` and `quiet`: of which hypotheses unseen blocks and the noise have nothing to say."""
     findings = [_Found(name) for name in "abc"]
     rarity = {"a": 0.5, "b": second, "c": third}
-    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: rarity[finding.member])
+    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: rarity[finding.term])
     monkeypatch.setattr(judging, "holds_out", lambda bench, nominal, model: unseen(model))
     monkeypatch.setattr(judging, "is_fine", lambda bench, nominal, model, found, alpha: quiet(model))
     bench = SimpleNamespace(fit=lambda members, start: members, coupled=True)
-    whole = tuple(f.member for f in findings)
+    whole = tuple(f.term for f in findings)
     stand, model = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, whole, None, 0.01)
-    assert "".join(f.member for f in stand) == "".join(model) == kept
+    assert "".join(f.term for f in stand) == "".join(model) == kept
 
 
 @pytest.mark.parametrize(
@@ -172,4 +172,4 @@ def test_what_shows_in_a_signal_of_its_own_is_judged_as_if_alone(monkeypatch, se
         fit=lambda members, start: members, coupled=coupled, channels_touched=shown.__getitem__
     )
     stand, _ = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, None, None, 0.01)
-    assert "".join(f.member.effect for f in stand) == kept
+    assert "".join(f.term.effect for f in stand) == kept

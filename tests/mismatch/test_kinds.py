@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.kinds import kind_of_class, kinds_of_members, with_kinds
 from sklvalve.recording import Valve
 
@@ -19,10 +19,10 @@ def _finding(*keys, onset=None, chain=UNKNOWN):
     model = SimpleNamespace(chain=chain)
     share = 1.0 / len(keys)
     rivals = [
-        SimpleNamespace(member=Member(EFFECTS[key], onset), model=model, probability=share, distance=0.0)
+        SimpleNamespace(member=Term(EFFECTS[key], onset), model=model, probability=share, distance=0.0)
         for key in keys
     ]
-    return SimpleNamespace(rivals=rivals, member=rivals[0].member)
+    return SimpleNamespace(rivals=rivals, member=rivals[0].term)
 
 
 def test_every_form_says_what_it_is():

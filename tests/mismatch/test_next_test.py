@@ -14,11 +14,11 @@ from sklvalve.mismatch.advice import reopened
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.excitation import Advisor, Answer, Explanation
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.next_test import next_test, plan_of
 from sklvalve.mismatch.plan import SURE, Pair, apart, appreciable, confusion, distances_told, told
 from sklvalve.mismatch.planning import _Choice, planned
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.mismatch.programs import library
 from sklvalve.recording import InputError
 
@@ -43,19 +43,19 @@ def plan(stand, found):
 
 @pytest.fixture(scope="module")
 def lags():
-    """Two lags that a flow alone does not tell apart, on a workbench without a position."""
+    """Two lags that a flow alone does not tell apart, on a problem without a position."""
     recording = Stand({"actuator_lag": 10.0}, 5, rows=900).recording
     signals = {role: values for role, values in recording.signals.items() if role != "opening"}
-    workbench = prepared_workbench(replace(recording, signals=signals))
-    nominal = calibrated(workbench)
-    models = [workbench.fit((Member(EFFECTS[k]),), start=nominal) for k in ("actuator_lag", "sensor_lag")]
-    workbench.learn_noise(models[0])
-    models = [workbench.fit(m.members, start=m) for m in models]
-    bare = workbench.fit((), start=nominal)
-    explanations = [Explanation(m.keys[0], 0.5, m, workbench.misfits(m, ("flow",))) for m in models]
-    without = Explanation("without", 0.0, bare, workbench.misfits(bare, ("flow",)))
+    problem = prepared_problem(replace(recording, signals=signals))
+    nominal = calibrated(problem)
+    models = [problem.fit((Term(EFFECTS[k]),), start=nominal) for k in ("actuator_lag", "sensor_lag")]
+    problem.learn_noise(models[0])
+    models = [problem.fit(m.terms, start=m) for m in models]
+    bare = problem.fit((), start=nominal)
+    explanations = [Explanation(m.keys[0], 0.5, m, problem.misfits(m, ("flow",))) for m in models]
+    without = Explanation("without", 0.0, bare, problem.misfits(bare, ("flow",)))
     gain = models[0].log_likelihood - bare.log_likelihood
-    return Advisor(workbench, explanations, without, gain)
+    return Advisor(problem, explanations, without, gain)
 
 
 @pytest.mark.slow
@@ -68,7 +68,7 @@ def test_the_test_asked_for_leaves_a_smaller_class(stand, found, plan):
     again = MissingPhysicsFinder(effects=list(PAIR)).fit(both)
     assert again.diagnosis_.effects == (("seat_leakage",),)
     _, (finding,) = reopened(again, both, names=PAIR)
-    reached = {r.member.effect.name: r.distance for r in finding.rivals}["flow_meter_bias"]
+    reached = {r.term.effect.name: r.distance for r in finding.rivals}["flow_meter_bias"]
     # what was expected of it where a leak is the truth; another plant may move its pressures further
     expected = plan.pairs[0].if_true[plan.pairs[0].names.index("seat_leakage")]
     assert reached > max(14.0, 0.5 * expected)
@@ -95,10 +95,8 @@ def test_within_limits_no_pressure_moves_and_the_command_stays_inside(stand, fou
     plan = plan_next_test(found, stand.recording, limits=limits)
     # far from the seat, at the same pressures, no command tells them apart
     assert plan is None or not plan.decides
-    workbench, findings = reopened(found, stand.recording)
-    wider = planned(
-        workbench, findings, TestLimits(opening=(0.0, 1.0), pressures=("p1", "p2"), duration=300.0)
-    )
+    problem, findings = reopened(found, stand.recording)
+    wider = planned(problem, findings, TestLimits(opening=(0.0, 1.0), pressures=("p1", "p2"), duration=300.0))
     assert len(wider.command) == 300
     assert set(wider.moved) <= {"p1", "p2"}
 
@@ -206,7 +204,7 @@ def test_a_test_lowers_no_distance(lags):
     still = library(0.45, 0.5, 0.47, 60, 1.0, TestLimits())[0]
     now, then = lags.now(), lags.distances(still)
     # much more of the effect, and nothing between the two: by the pooled formula alone D would fall
-    loud = Advisor(lags.workbench, lags.explanations, lags.without, 100.0 * lags.gain)
+    loud = Advisor(lags.problem, lags.explanations, lags.without, 100.0 * lags.gain)
     assert np.all(then >= now)
     assert np.all(loud.distances(still) >= loud.now())
 
@@ -244,8 +242,8 @@ def test_words_tell_the_pair_that_grows_and_those_that_stay():
     ("now", "after", "worth"),
     [(2.3, 2.3, False), (2.3, 3.4, False), (2.3, 7.0, True), (13.5, 14.1, True), (15.0, 40.0, False)],
 )
-def test_only_what_halves_the_confusion_is_worth_a_test(now, after, worth):
-    assert appreciable(now, after) is worth
+def test_only_what_halves_the_confusion_is_worth_a_test(now, after, penalised_likelihood):
+    assert appreciable(now, after) is penalised_likelihood
 
 
 class _Programs:
@@ -254,7 +252,7 @@ class _Programs:
     def __init__(self, now, then):
         recording = Stand({"clogging": 0.5}, 1, rows=300).recording
         trim = SimpleNamespace(known=True)
-        self.workbench = SimpleNamespace(recording=recording, trim=trim, coupled=False)
+        self.problem = SimpleNamespace(recording=recording, trim=trim, coupled=False)
         self.explanations = [SimpleNamespace(name=n, probability=0.3) for n in ("a", "b", "c")]
         self._now, self._then = np.array(now), np.array(then)
 

@@ -11,10 +11,10 @@ import pytest
 import sklvalve.mismatch.finder as finder_module
 import sklvalve.mismatch.judging as judging_module
 from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.prove import Folded, blocks, correction_holds_out, errors, folded
+from sklvalve.mismatch.low_pass_residual import learn_residual
+from sklvalve.mismatch.problem import Problem
+from sklvalve.mismatch.prove import CrossValidated, blocks, correction_holds_out, cross_validated, errors
 from sklvalve.mismatch.referee import forward_in_time
-from sklvalve.mismatch.slow_rest import learn_rest
-from sklvalve.mismatch.workbench import Workbench
 from sklvalve.simulation import Tolerance
 
 from .conftest import record
@@ -32,7 +32,7 @@ REST = SimpleNamespace(channel="flow", period=None)
 
 @pytest.fixture(scope="module")
 def bench(bowed):
-    return Workbench(bowed, Tolerance(), bowed.valve.physics)
+    return Problem(bowed, Tolerance(), bowed.valve.physics)
 
 
 @pytest.fixture(scope="module")
@@ -58,20 +58,20 @@ def test_blocks_cover_every_row_once():
 
 def test_correction_learns_from_the_rows_given_and_no_others(bowed, bench, nominal):
     held, others = next(iter(blocks(len(bowed))))
-    changed = Workbench(_shuffled_within(bowed, held), Tolerance(), bowed.valve.physics)
+    changed = Problem(_shuffled_within(bowed, held), Tolerance(), bowed.valve.physics)
     same = changed.simulate((), nominal.values)
-    one, two = (learn_rest(w, m, REST, others) for w, m in ((bench, nominal), (changed, same)))
+    one, two = (learn_residual(w, m, REST, others) for w, m in ((bench, nominal), (changed, same)))
     assert one.keys() == two.keys()
     for key in ("support", "coefficients", "intercept", "gamma", "span"):
         np.testing.assert_array_equal(one[key], two[key])
     assert one["inputs"] == two["inputs"]
-    whole = [learn_rest(w, m, REST) for w, m in ((bench, nominal), (changed, same))]
+    whole = [learn_residual(w, m, REST) for w, m in ((bench, nominal), (changed, same))]
     assert not np.array_equal(whole[0]["coefficients"], whole[1]["coefficients"])
 
 
 def test_every_block_has_a_correction_of_its_own(bench, nominal):
-    tried = folded(bench, nominal, REST)
-    once = folded(bench, nominal)
+    tried = cross_validated(bench, nominal, REST)
+    once = cross_validated(bench, nominal)
     np.testing.assert_array_equal(once.rest, 0.0)
     for c, signal in once.predictions.items():
         np.testing.assert_array_equal(signal, tried.predictions[c])
@@ -83,7 +83,7 @@ def _tried(rest):
     """A flow of zeros and ones, simulated as zeros, with a rest learnt block by block."""
     flow = np.tile([0.0, 1.0], 200)
     bench = SimpleNamespace(recording={"flow": flow})
-    return bench, Folded({"flow": np.zeros(400)}, rest(flow))
+    return bench, CrossValidated({"flow": np.zeros(400)}, rest(flow))
 
 
 @pytest.mark.parametrize(

@@ -27,7 +27,7 @@ class _Recording(dict):
 
 
 class Bench:
-    """As much of a workbench as is asked, with a rest of one's own as share of the span."""
+    """As much of a problem as is asked, with a rest of one's own as share of the span."""
 
     channels, coupled, spans = ("opening", "flow"), False, {"flow": SPAN}
 

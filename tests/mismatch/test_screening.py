@@ -9,13 +9,16 @@ import pytest
 from sklvalve.mismatch import screening
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.mismatch.screening import screened
 
 
 def _left(trials, staying=()):
     """Keys that stay of (key, worth, reach)."""
-    told = [SimpleNamespace(key=key, worth=worth, reach=reach) for key, worth, reach in trials]
+    told = [
+        SimpleNamespace(key=key, penalised_likelihood=penalised_likelihood, reach=reach)
+        for key, penalised_likelihood, reach in trials
+    ]
     return [t.key for t in screening._within_reach(told, set(staying))]
 
 
@@ -39,42 +42,42 @@ def test_fewer_than_the_best_all_stay():
 
 @pytest.fixture(scope="module")
 def bench(leaking):
-    workbench = prepared_workbench(leaking)
-    return workbench, calibrated(workbench)
+    problem = prepared_problem(leaking)
+    return problem, calibrated(problem)
 
 
-def _best(workbench, tried):
+def _best(problem, tried):
     """Of the four best effects key and gain."""
     best = {}
     for m in tried:
-        best.setdefault(m.members[-1].effect.key, m.log_likelihood)
+        best.setdefault(m.terms[-1].effect.key, m.log_likelihood)
     return dict(list(best.items())[:4])
 
 
 def test_the_race_leaves_the_best_as_they_are_and_saves_most_steps(bench, monkeypatch):
-    workbench, nominal = bench
+    problem, nominal = bench
     effects = [e for e in CATALOGUE if e.possible(nominal.chain)]
     steps, step = [], screening.Trial.step
     monkeypatch.setattr(screening.Trial, "step", lambda trial: steps.append(1) or step(trial))
-    raced, taken = screened(workbench, nominal, effects), len(steps)
+    raced, taken = screened(problem, nominal, effects), len(steps)
     monkeypatch.setattr(screening, "_AT_MOST", np.inf)
-    every = screened(workbench, nominal, effects)
-    assert _best(workbench, raced) == _best(workbench, every)
+    every = screened(problem, nominal, effects)
+    assert _best(problem, raced) == _best(problem, every)
     assert len(raced) < 0.5 * len(every)
     assert taken < 0.5 * (len(steps) - taken)
 
 
 def test_what_is_fitted_in_any_case_stays(bench):
-    workbench, nominal = bench
+    problem, nominal = bench
     effects = [e for e in CATALOGUE if e.possible(nominal.chain)]
-    last = screened(workbench, nominal, effects, always=effects)[-1].members[-1].effect
-    keys = [m.members[-1].effect.key for m in screened(workbench, nominal, effects, always=[last])]
+    last = screened(problem, nominal, effects, always=effects)[-1].terms[-1].effect
+    keys = [m.terms[-1].effect.key for m in screened(problem, nominal, effects, always=[last])]
     assert last.key in keys
-    assert last.key not in [m.members[-1].effect.key for m in screened(workbench, nominal, effects)]
+    assert last.key not in [m.terms[-1].effect.key for m in screened(problem, nominal, effects)]
 
 
 def test_effects_are_tried_from_other_calibrations_too(bench):
-    workbench, nominal = bench
+    problem, nominal = bench
     leak = [e for e in CATALOGUE if e.key == "seat_leakage"]
-    once = screened(workbench, nominal, leak)
-    assert len(screened(workbench, nominal, leak, also=[(nominal, leak)])) == 2 * len(once)
+    once = screened(problem, nominal, leak)
+    assert len(screened(problem, nominal, leak, also=[(nominal, leak)])) == 2 * len(once)

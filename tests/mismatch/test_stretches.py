@@ -9,12 +9,12 @@ import pytest
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, stretches
 from sklvalve.mismatch.contents import Judgement, flagged_rows
-from sklvalve.mismatch.detect import Evidence, circumstances_of
-from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.detect import Evidence, covariates_of
+from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.mismatch.pulses import Pulses
 from sklvalve.mismatch.rivals import Finding, Rival
-from sklvalve.mismatch.stem_rest import StemRest
+from sklvalve.mismatch.stem_residual import StemResidual
 from sklvalve.mismatch.stretches import STRETCH, over_the_whole, stretches_of
 from sklvalve.mismatch.verdict import effect_entry
 from sklvalve.recording import Recording, Valve
@@ -22,7 +22,7 @@ from sklvalve.recording import Recording, Valve
 ONSET = 2100.0
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
 SEEN = {
-    "strays": lambda rows: StemRest(rows, 5, 20, 0.02),
+    "strays": lambda rows: StemResidual(rows, 5, 20, 0.02),
     "pulses": lambda rows: Pulses(rows, 12, 0, True, 0.02, 1e-3),
 }
 
@@ -82,18 +82,18 @@ def test_what_stretches_show_is_fitted_to_all_rows_and_dated_by_them(leaky):
 
 @pytest.mark.slow
 def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch):
-    whole = prepared_workbench(leaky)
-    bench = prepared_workbench(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
+    whole = prepared_problem(leaky)
+    bench = prepared_problem(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
     bench.learn_noise(bench.fit(()))
     nominal = bench.fit(())
     few, many = (np.ones(len(b.recording), dtype=bool) for b in (bench, whole))
-    evidence = Evidence(0.1, None, circumstances_of(bench))
+    evidence = Evidence(0.1, None, covariates_of(bench))
     told = Judgement("cannot_tell", 0.005, [], None, nominal, nominal, evidence=evidence)
-    suspected = bench.fit((Member(BY_KEY["seat_leakage"]),), start=nominal)
+    suspected = bench.fit((Term(BY_KEY["seat_leakage"]),), start=nominal)
     found = over_the_whole(whole, replace(told, suspected=suspected), 0.01)
     assert len(flagged_rows(whole, found)) == len(leaky)
     # of what the whole shows as well the rows are its own
-    monkeypatch.setattr(stretches, "stem_rest", lambda *_: StemRest(many, 9, 90, 0.02))
+    monkeypatch.setattr(stretches, "stem_rest", lambda *_: StemResidual(many, 9, 90, 0.02))
     monkeypatch.setattr(stretches, "find_pulses", lambda *_: Pulses(many, 12, 0, True, 0.02, 1e-3))
     for name, one in SEEN.items():
         found = over_the_whole(whole, replace(told, **{name: one(few)}), 0.01)
@@ -110,12 +110,12 @@ def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch)
 
 @pytest.mark.slow
 def test_rivals_and_what_comes_closest_are_simulated_in_the_whole(leaky):
-    whole = prepared_workbench(leaky)
-    bench = prepared_workbench(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
+    whole = prepared_problem(leaky)
+    bench = prepared_problem(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
     nominal = bench.fit(())
-    models = [bench.fit((Member(BY_KEY[k]),), start=nominal) for k in ("flow_meter_drift", "seat_leakage")]
-    rivals = [Rival(m.members[0], m, 0.5, 0.0) for m in models]
-    finding = Finding(models[0].members[0], rivals, 10.0, {"flow": 0.01})
+    models = [bench.fit((Term(BY_KEY[k]),), start=nominal) for k in ("flow_meter_drift", "seat_leakage")]
+    rivals = [Rival(m.terms[0], m, 0.5, 0.0) for m in models]
+    finding = Finding(models[0].terms[0], rivals, 10.0, {"flow": 0.01})
     told = Judgement("none_of_these", 0.005, [], None, nominal, nominal, closest=[finding])
     found = over_the_whole(whole, told, 0.01)
     (closest,) = found.closest

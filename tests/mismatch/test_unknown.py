@@ -6,14 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sklvalve.mismatch.problem import Problem
 from sklvalve.mismatch.unknown import find_unknown
-from sklvalve.mismatch.workbench import Workbench
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.stages import first_order_lag
 
 
 def _rest_of(recording):
-    bench = Workbench(recording, Tolerance(), recording.valve.physics)
+    bench = Problem(recording, Tolerance(), recording.valve.physics)
     model = bench.fit((), max_steps=5)
     bench.learn_noise(model)
     return find_unknown(bench, model, alpha=0.01)

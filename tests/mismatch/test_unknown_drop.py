@@ -8,7 +8,7 @@ import pytest
 
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch.preparation import candidates, prepared_workbench
+from sklvalve.mismatch.preparation import candidates, prepared_problem
 from sklvalve.simulation.trim import LearntTrim, SheetTrim
 
 FEW = ["capacity_error", "line_loss", "wrong_characteristic", "piping_reducers", "backlash"]
@@ -54,27 +54,27 @@ def test_play_is_named_without_pressures():
 )
 def test_play_that_begins_is_no_other_than_a_drop_that_changes(healthy, lacking, key, may_begin):
     # so where the flow alone speaks of it, it is there from the first row on or not at all
-    bench = prepared_workbench(_without(healthy, *lacking))
+    bench = prepared_problem(_without(healthy, *lacking))
     found, _ = candidates(bench, ["backlash", "positioner_feedback_fault"], [])
     assert {e.key: e.may_begin for e in found}[key] is may_begin
 
 
 def test_the_sheet_is_held_against_the_flow_only_where_the_drop_is_known(healthy):
-    assert isinstance(prepared_workbench(_without(healthy)).trim, SheetTrim)
-    assert isinstance(prepared_workbench(_without(healthy, "p2")).trim, LearntTrim)
+    assert isinstance(prepared_problem(_without(healthy)).trim, SheetTrim)
+    assert isinstance(prepared_problem(_without(healthy, "p2")).trim, LearntTrim)
 
 
 def test_a_simulated_flow_knows_of_the_drop(healthy):
     recording = _without(healthy, "p1", "p2")
     told = replace(recording, signals=recording.signals | {"simulated_flow": recording["flow"].copy()})
-    found, _ = candidates(prepared_workbench(told), FEW, [])
+    found, _ = candidates(prepared_problem(told), FEW, [])
     assert "capacity_error" in {e.name for e in found}
 
 
 def test_where_a_position_is_missing_the_drop_may_pass_for_what_shifts_the_stem(healthy):
     names = ["transducer_fault", "stuck_valve"]
-    seen, _ = candidates(prepared_workbench(_without(healthy, "p1", "p2")), names, [])
-    unseen, lacking = candidates(prepared_workbench(_without(healthy, "p1", "p2", "opening")), names, [])
+    seen, _ = candidates(prepared_problem(_without(healthy, "p1", "p2")), names, [])
+    unseen, lacking = candidates(prepared_problem(_without(healthy, "p1", "p2", "opening")), names, [])
     assert {e.name for e in seen} == set(names)
     assert {e.name for e in unseen} == {"stuck_valve"}
     assert lacking == [{"name": "transducer_fault", "needs": "p1 and p2"}]

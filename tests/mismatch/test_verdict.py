@@ -12,7 +12,7 @@ from scipy.stats import chi2
 from sklvalve.mismatch.detect import p_value_of_what_counts
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.gate import effects_switched_off
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.next_test import next_test
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.rivals import Rival
@@ -27,10 +27,10 @@ def _finding(*rivals, gain=100.0, sizes=None):
     """A finding of rivals (key, log likelihood, probability), the first one the best."""
     best = max(ll for _, ll, _ in rivals)
     made = [
-        Rival(Member(EFFECTS[k]), SimpleNamespace(log_likelihood=ll), p, 2.0 * (best - ll))
+        Rival(Term(EFFECTS[k]), SimpleNamespace(log_likelihood=ll), p, 2.0 * (best - ll))
         for k, ll, p in rivals
     ]
-    return SimpleNamespace(member=made[0].member, rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
+    return SimpleNamespace(member=made[0].term, rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
 
 
 def _p(findings=(), tried=None):
@@ -136,7 +136,7 @@ def test_onset_is_where_the_losses_change_sides(row):
         rows=None,
     )
     chain = SimpleNamespace(clock=5000.0 + np.arange(1200.0))
-    members = (Member(EFFECTS["clogging"]),)
+    members = (Term(EFFECTS["clogging"]),)
     without, acting = (SimpleNamespace(kind=kind, chain=chain, members=members) for kind in left)
     assert best_onset(bench, without, acting) == pytest.approx(5000.0 + row, abs=5.0)
 

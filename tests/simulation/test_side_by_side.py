@@ -6,7 +6,7 @@ import time
 
 import pytest
 
-from sklvalve.simulation.side_by_side import side_by_side, with_threads
+from sklvalve.simulation.parallel_map import parallel_map, with_threads
 
 
 @pytest.fixture(autouse=True)
@@ -20,21 +20,21 @@ def test_results_come_in_the_order_of_the_items():
         time.sleep(0.02 * (5 - k))
         return k * k
 
-    assert list(side_by_side(slow_first, range(5))) == [0, 1, 4, 9, 16]
-    assert list(side_by_side(slow_first, [])) == []
+    assert list(parallel_map(slow_first, range(5))) == [0, 1, 4, 9, 16]
+    assert list(parallel_map(slow_first, [])) == []
 
 
 def test_pieces_of_a_piece_stay_in_its_thread():
     def names(_):
         own = threading.current_thread().name
-        return own, {*side_by_side(lambda _: threading.current_thread().name, range(4))}
+        return own, {*parallel_map(lambda _: threading.current_thread().name, range(4))}
 
-    assert all(inner == {own} for own, inner in side_by_side(names, range(4)))
+    assert all(inner == {own} for own, inner in parallel_map(names, range(4)))
 
 
 def test_one_item_needs_no_thread():
     here = threading.current_thread().name
-    assert list(side_by_side(lambda _: threading.current_thread().name, [1])) == [here]
+    assert list(parallel_map(lambda _: threading.current_thread().name, [1])) == [here]
 
 
 def test_a_piece_that_fails_is_heard_and_what_has_not_begun_is_left():
@@ -47,7 +47,7 @@ def test_a_piece_that_fails_is_heard_and_what_has_not_begun_is_left():
         time.sleep(0.05)
 
     with pytest.raises(RuntimeError, match="the first of them"):
-        list(side_by_side(fails, range(50)))
+        list(parallel_map(fails, range(50)))
     assert len(begun) < 50
 
 
@@ -56,7 +56,7 @@ def test_as_many_threads_as_asked_for():
         time.sleep(0.01)
         return threading.current_thread().name
 
-    assert len({*side_by_side(name, range(12))}) == 3
+    assert len({*parallel_map(name, range(12))}) == 3
     with with_threads(1):
-        assert {*side_by_side(name, range(4))} == {threading.current_thread().name}
-    assert len({*side_by_side(name, range(12))}) == 3
+        assert {*parallel_map(name, range(4))} == {threading.current_thread().name}
+    assert len({*parallel_map(name, range(12))}) == 3

@@ -42,16 +42,16 @@ def features(nominal):
     found : dict
         Name -> number; the names are the same for every recording.
     """
-    workbench, chain = nominal.workbench, nominal.model.chain
+    problem, chain = nominal.problem, nominal.model.chain
     left, found = nominal.residuals, {}
     n = len(chain.time)
     nothing = np.full(n, np.nan)
     free = nominal.model.predictions.get("opening", nothing)
     seen = next((s for s in (chain.measured, free, chain.command) if s is not None), nothing)
-    flow = nominal.model.predictions.get("flow", nothing) / workbench.spans.get("flow", 1.0)
+    flow = nominal.model.predictions.get("flow", nothing) / problem.spans.get("flow", 1.0)
     common = {
         "dp": _scaled(chain.dp) if chain.has_pressures else nothing,
-        "warm": _ranked(chain.temperature) if "temperature" in workbench.recording else nothing,
+        "warm": _ranked(chain.temperature) if "temperature" in problem.recording else nothing,
         "time": np.arange(n) / n,
     }
     ratio = nothing if chain.pressure_ratio is None else np.abs(chain.pressure_ratio)
@@ -60,7 +60,7 @@ def features(nominal):
     found |= _of_channel("opening", left.get("opening", nothing), common | {"opening": free}, free, chain)
     found |= _shapes(left.get("flow", nothing), flow, seen, chain)
     found |= _of_stem(chain, left.get("opening", nothing))
-    expected = {p.name: p for c in workbench.channels for p in workbench.calibration((c,))}
+    expected = {p.name: p for c in problem.channels for p in problem.calibration((c,))}
     for name in CALIBRATION:
         found[f"place of {name}"] = _place(expected.get(name), nominal.model.values.get(name))
     return found

@@ -13,8 +13,8 @@ from scipy.signal import lfilter
 
 from sklvalve.mechanism import relative_capacity
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation.parameters import ParameterVector
 
@@ -47,7 +47,7 @@ def draw_recording(rng, forms=()):
         None where the drawn plant cannot show the effect.
     """
     surroundings = _surroundings(rng)
-    bench = prepared_workbench(surroundings)
+    bench = prepared_problem(surroundings)
     values = _calibration(rng, bench)
     usable = [
         e
@@ -59,7 +59,7 @@ def draw_recording(rng, forms=()):
     healthy = _signals(bench.plain, values)
     for _ in range(_ATTEMPTS if usable else 0):
         effect = usable[rng.integers(len(usable))]
-        chain = bench.chain((Member(effect, _onset(rng, bench.plain, effect)),))
+        chain = bench.chain((Term(effect, _onset(rng, bench.plain, effect)),))
         own = _drawn_size(rng, effect, chain)
         flow, opening = _signals(chain, values | own)
         if not (np.isfinite(flow).all() and np.isfinite(opening).all()):

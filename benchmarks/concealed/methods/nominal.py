@@ -8,11 +8,11 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from sklvalve.mismatch.first_guess import first_guess
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.recording import require_diagnosable
 from sklvalve.simulation import ValveSimulation
 from sklvalve.simulation.fitting import PlainNoise
-from sklvalve.simulation.side_by_side import with_threads
+from sklvalve.simulation.parallel_map import with_threads
 
 # the last recording asked for and its calibration: several methods ask for the same one
 _LAST: list = []
@@ -24,27 +24,27 @@ class Nominal:
 
     Attributes
     ----------
-    workbench : Workbench
+    problem : Problem
         Its noise is white, of the residuals' own size.
     model : Model
     """
 
-    workbench: object
+    problem: object
     model: object
 
     @property
     def residuals(self):
         """Recorded less simulated by channel, as share of the channel's span; NaN in gaps."""
-        left = self.workbench.residuals(self.model)
-        return {c: left[c] / self.workbench.spans[c] for c in left}
+        left = self.problem.residuals(self.model)
+        return {c: left[c] / self.problem.spans[c] for c in left}
 
 
-def white(workbench, model):
+def white(problem, model):
     """White noise of the size of what a model leaves over, by channel."""
-    left, spans = workbench.residuals(model), workbench.spans
+    left, spans = problem.residuals(model), problem.spans
     return {
         c: PlainNoise(max(float(np.sqrt(np.nanmean(left[c] ** 2))), 1e-6 * spans[c]))
-        for c in workbench.channels
+        for c in problem.channels
     }
 
 
@@ -68,11 +68,11 @@ def nominal_of(recording):
         require_diagnosable(recording)
         _LAST.clear()
         with one_thread():
-            workbench = prepared_workbench(recording)
-            guess, _ = first_guess(workbench)
-            model = workbench.fit((), start=guess)
-            workbench.use_noise(white(workbench, model))
-            _LAST[:] = recording, Nominal(workbench, workbench.fit((), start=model))
+            problem = prepared_problem(recording)
+            guess, _ = first_guess(problem)
+            model = problem.fit((), start=guess)
+            problem.use_noise(white(problem, model))
+            _LAST[:] = recording, Nominal(problem, problem.fit((), start=model))
     return _LAST[1]
 
 
@@ -83,12 +83,12 @@ def one_thread():
         yield
 
 
-def simulation_of(workbench, model):
+def simulation_of(problem, model):
     """What simulates a recording as a model does: ``Recording -> {"flow", "opening"}`` in SI."""
-    effects, onsets = workbench.physics_of(model.members)
+    effects, onsets = problem.physics_of(model.terms)
     return ValveSimulation.from_parts(
-        workbench.valve,
-        workbench.trim,
+        problem.valve,
+        problem.trim,
         model.values,
         choking=model.chain.choking,
         effects=effects,

@@ -52,10 +52,10 @@ class _Scene:
     """Signals of a calibrated recording, gaps bridged."""
 
     def __init__(self, nominal):
-        workbench, model = nominal.workbench, nominal.model
+        problem, model = nominal.problem, nominal.model
         chain = model.chain
-        self.channels, self.step, self.time = workbench.channels, chain.step, chain.time
-        self.closes_by_air = workbench.valve.fail == "open"
+        self.channels, self.step, self.time = problem.channels, chain.step, chain.time
+        self.closes_by_air = problem.valve.fail == "open"
         self.dp = filled(chain.dp)
         self.root = np.sqrt(np.abs(self.dp) / max(float(np.quantile(np.abs(self.dp), 0.99)), 1e-9))
         self.p1, self.p2, self.temperature = filled(chain.p1), filled(chain.p2), filled(chain.temperature)
@@ -70,7 +70,7 @@ class _Scene:
         seen = chain.command if seen is None else seen
         self.x = filled(seen) if seen is not None else np.full(len(self.time), 0.5)
         self.flow = (
-            filled(model.predictions["flow"] / workbench.spans["flow"]) if "flow" in self.channels else None
+            filled(model.predictions["flow"] / problem.spans["flow"]) if "flow" in self.channels else None
         )
         if self.flow is not None:
             self.kv = self.flow / np.maximum(self.root, 0.05)

@@ -80,10 +80,10 @@ class System:
 
     def __init__(self, nominal):
         columns = dictionary(nominal)
-        self.channels = nominal.workbench.channels
+        self.channels = nominal.problem.channels
         self.names = [c.names for c in columns for _ in range(1 + len(_ONSETS) * c.begins)]
         self.begins = [at for c in columns for at in ((None, *_ONSETS) if c.begins else (None,))]
-        n = len(nominal.workbench.recording)
+        n = len(nominal.problem.recording)
         self._parts, self._y, own = {}, {}, np.zeros(len(self.names))
         after = {at: (np.arange(n) >= at * n).astype(float) for at in _ONSETS}
         for channels, left, slopes in _projections(nominal):
@@ -91,7 +91,7 @@ class System:
             index = np.unique(np.concatenate([i for i, _ in raw]))
             stacked = np.zeros((len(channels) * n, len(index)))
             for k, (i, values) in enumerate(raw):
-                scale = nominal.workbench.spans[channels[k]] / nominal.workbench.noise[channels[k]].scale
+                scale = nominal.problem.spans[channels[k]] / nominal.problem.noise[channels[k]].scale
                 stacked[k * n : (k + 1) * n, np.searchsorted(index, i)] = scale * values
             # gaps count for nothing
             stacked[left == 0.0] = 0.0
@@ -199,7 +199,7 @@ class System:
         for c, (index, X) in self._parts.items():
             at = np.flatnonzero(index == column)
             if len(at):
-                unit = nominal.workbench.noise[c].scale / nominal.workbench.spans[c]
+                unit = nominal.problem.noise[c].scale / nominal.problem.spans[c]
                 gap = np.abs(weight * X[:, at[0]]) * unit
                 acting = gap > 0.25 * np.quantile(gap, 0.99)
                 told[c] = float(np.sqrt(np.mean(gap[acting] ** 2))) if acting.any() else 0.0
@@ -212,7 +212,7 @@ def _that_count(system, chosen, nominal):
         return []
     weights = system.weights(chosen, np.arange(_BLOCKS))
     sizes = [system.sizes(c, w, nominal) for c, w in zip(chosen, weights, strict=True)]
-    return [c for c, size in zip(chosen, sizes, strict=True) if nominal.workbench.counts(size)]
+    return [c for c, size in zip(chosen, sizes, strict=True) if nominal.problem.counts(size)]
 
 
 def _stable(system, chosen, counting, rng):
@@ -245,15 +245,15 @@ def _votes(system, column, picked):
 
 def _projections(nominal):
     """Channels that share parameters, their whitened residuals, and slopes with the priors' below."""
-    workbench, model = nominal.workbench, nominal.model
-    for misfit in workbench.misfits(model, workbench.channels):
+    problem, model = nominal.problem, nominal.model
+    for misfit in problem.misfits(model, problem.channels):
         z = misfit.vector.pack(model.values)
         errors = misfit.errors(z)
         slopes = misfit.slopes(z, errors)
         margin = 1e-3 * misfit.vector.scale
         # a parameter at its bound cannot answer
         free = (z > misfit.vector.low + margin) & (z < misfit.vector.high - margin)
-        rows = len(misfit.channels) * len(workbench.recording)
+        rows = len(misfit.channels) * len(problem.recording)
         yield misfit.channels, errors[:rows], slopes[:, free]
 
 

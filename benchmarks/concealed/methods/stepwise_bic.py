@@ -15,8 +15,8 @@ from scipy.stats import chi2
 from benchmarks.concealed.methods.found import effect_of, found_of
 from benchmarks.concealed.methods.nominal import nominal_of, one_thread, simulation_of, white
 from sklvalve.mismatch.hypothesis import is_in
-from sklvalve.mismatch.matters import beyond_tolerance
 from sklvalve.mismatch.preparation import candidates
+from sklvalve.mismatch.relevance import beyond_tolerance
 from sklvalve.mismatch.screening import screened
 from sklvalve.recording import screen_recording
 
@@ -47,83 +47,83 @@ def diagnose(recording, *, folder=None, alpha=0.01, most=4, practical=True):
         Of each effect the best name and those that tie with it, with their BIC weights; ``simulate``.
     """
     nominal = nominal_of(recording)
-    workbench, model, p_value, effects = nominal.workbench, nominal.model, 1.0, []
-    kept = workbench.noise
+    problem, model, p_value, effects = nominal.problem, nominal.model, 1.0, []
+    kept = problem.noise
     with one_thread():
-        usable, _ = candidates(workbench, "all", screen_recording(recording))
+        usable, _ = candidates(problem, "all", screen_recording(recording))
         for _ in range(most):
-            tried = _step(workbench, model, usable, practical)
+            tried = _step(problem, model, usable, practical)
             if not tried:
                 break
-            best = min(tried, key=lambda m: bic(workbench, m))
-            lower = bic(workbench, model) - bic(workbench, best)
+            best = min(tried, key=lambda m: bic(problem, m))
+            lower = bic(problem, model) - bic(problem, best)
             if not effects:
-                p_value = _p_value(workbench, best, lower, len(usable))
+                p_value = _p_value(problem, best, lower, len(usable))
             if lower <= 0.0:
                 break
-            effects.append(effect_of(weights(workbench, tried)))
+            effects.append(effect_of(weights(problem, tried)))
             model = best
-            workbench.use_noise(white(workbench, model))
-            model = workbench.fit(model.members, start=model)
-    workbench.use_noise(kept)
+            problem.use_noise(white(problem, model))
+            model = problem.fit(model.terms, start=model)
+    problem.use_noise(kept)
     return found_of(
         "named" if effects else "no_mismatch",
         p_value,
         effects,
         recording,
         alpha=alpha,
-        simulate=simulation_of(workbench, model),
-        simulate_nominal=simulation_of(workbench, nominal.model),
+        simulate=simulation_of(problem, model),
+        simulate_nominal=simulation_of(problem, nominal.model),
     )
 
 
-def _step(workbench, model, effects, practical):
+def _step(problem, model, effects, practical):
     """Hypotheses with one effect more that may be told, of each effect the best."""
-    free = [e for e in effects if not is_in(e, model.members)]
-    tried = sorted(screened(workbench, model, free, onset=None), key=lambda m: bic(workbench, m))
-    fitted = [workbench.fit(m.members, start=m) for m in tried[:_FITTED]]
+    free = [e for e in effects if not is_in(e, model.terms)]
+    tried = sorted(screened(problem, model, free, onset=None), key=lambda m: bic(problem, m))
+    fitted = [problem.fit(m.terms, start=m) for m in tried[:_FITTED]]
     tried = fitted + tried[_FITTED:]
     if not practical:
         return tried
     return [
         m
         for m in tried
-        if workbench.counts(workbench.change(m, model)) and beyond_tolerance(workbench, m, m.members[-1])
+        if problem.counts(problem.change(m, model)) and beyond_tolerance(problem, m, m.terms[-1])
     ]
 
 
-def bic(workbench, model):
+def bic(problem, model):
     """Bayesian information criterion; the calibration's own parameters, common to all, are left out."""
     total, rows = 0.0, 0
-    for left in workbench.residuals(model).values():
+    for left in problem.residuals(model).values():
         left = left[np.isfinite(left)]
         total += len(left) * np.log(max(np.mean(left**2), 1e-300))
         rows += len(left)
-    return total + _parameters(model.members) * np.log(rows)
+    return total + _parameters(model.terms) * np.log(rows)
 
 
 def _parameters(members):
     return sum(len(m.effect.parameters) for m in members)
 
 
-def weights(workbench, tried):
+def weights(problem, tried):
     """BIC weights, ``exp(-BIC / 2)`` shared among all that were tried, of the best name and its ties."""
-    values = np.array([bic(workbench, m) for m in tried])
+    values = np.array([bic(problem, m) for m in tried])
     values -= values.min()
     shares = np.exp(-0.5 * values)
     by_name: dict = {}
     told = set()
     for m, share, more in zip(tried, shares / shares.sum(), values, strict=True):
-        name = m.members[-1].effect.name
+        name = m.terms[-1].effect.name
         by_name[name] = by_name.get(name, 0.0) + float(share)
         if more < _BARE_MENTION:
             told.add(name)
     return {name: share for name, share in by_name.items() if name in told}
 
 
-def _p_value(workbench, best, lower, candidates):
+def _p_value(problem, best, lower, candidates):
     """Likelihood ratio of the first effect, by chi-square and raised to the number of candidates (Sidak)."""
-    rows = sum(int(np.isfinite(left).sum()) for left in workbench.residuals(best).values())
-    own = len(best.members[-1].effect.parameters)
+    rows = sum(int(np.isfinite(left).sum()) for left in problem.residuals(best).values())
+    own = len(best.terms[-1].effect.parameters)
     alone = chi2.sf(max(lower + own * np.log(rows), 0.0), own)
     return float(max(-np.expm1(candidates * np.log1p(-min(alone, 1.0 - 1e-16))), 1e-12))

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sklvalve.mismatch.decide.constants import IN_CLASS
-from sklvalve.mismatch.hypothesis import Member, Model, price
+from sklvalve.mismatch.hypothesis import Model, Term, complexity_penalty
 from sklvalve.mismatch.inference.posterior import posterior
 from sklvalve.mismatch.onset import losses_of
 from sklvalve.mismatch.refitting import lines_of, refitted
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.explain import Explanation
+    from sklvalve.mismatch.problem import Problem
     from sklvalve.mismatch.rivals import Finding
-    from sklvalve.mismatch.workbench import Workbench
 
 NOTHING = "nothing"
 # rows of a place that are kept beside nothing, and those that are held against rows left out of the fit
@@ -110,12 +110,12 @@ class Comparison:
 EMPTY = Comparison()
 
 
-def compared(workbench: Workbench, explanation: Explanation) -> Comparison:
+def compared(problem: Problem, explanation: Explanation) -> Comparison:
     """The table of a search, under the noise that it ended with.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     explanation : Explanation
 
     Returns
@@ -124,49 +124,49 @@ def compared(workbench: Workbench, explanation: Explanation) -> Comparison:
         Where nothing was found, one place with what was tried.
     """
     if not explanation.findings:
-        return Comparison(tuple(_tried(workbench, explanation)))
+        return Comparison(tuple(_tried(problem, explanation)))
     found = enumerate(explanation.findings, start=1)
-    return Comparison(tuple(row for place, f in found for row in _rows_of(workbench, explanation, f, place)))
+    return Comparison(tuple(row for place, f in found for row in _rows_of(problem, explanation, f, place)))
 
 
-def _rows_of(workbench: Workbench, explanation: Explanation, finding: Finding, place: int) -> list[Row]:
+def _rows_of(problem: Problem, explanation: Explanation, finding: Finding, place: int) -> list[Row]:
     """Rows of the place of a finding."""
-    rest = tuple(m for m in explanation.model.members if m is not finding.member)
-    without = workbench.fit(rest, start=explanation.model)
+    rest = tuple(m for m in explanation.model.terms if m is not finding.term)
+    without = problem.fit(rest, start=explanation.model)
     made = [
         _Competitor(
-            r.member,
+            r.term,
             r.model,
             r.model.log_likelihood - without.log_likelihood,
-            workbench.change(r.model, without),
+            problem.change(r.model, without),
         )
         for r in finding.rivals
     ]
-    held_out = HeldOut(workbench, without)
-    return _ranked(workbench, made, place, held_out)
+    held_out = HeldOut(problem, without)
+    return _ranked(problem, made, place, held_out)
 
 
-def _tried(workbench: Workbench, explanation: Explanation) -> list[Row]:
+def _tried(problem: Problem, explanation: Explanation) -> list[Row]:
     """Rows of what was tried where nothing was found."""
     by_key = {e.key: e for e in explanation.effects}
     made = [
-        _Competitor(Member(by_key[key]), None, gain, sizes)
+        _Competitor(Term(by_key[key]), None, gain, sizes)
         for key, (gain, sizes) in explanation.tried.items()
         if key in by_key
     ]
-    return _ranked(workbench, made, 1, None)
+    return _ranked(problem, made, 1, None)
 
 
 @dataclass(frozen=True, eq=False)
 class _Competitor:
-    member: Member
+    term: Term
     model: Model | None
     gain: float
     sizes: dict[str, float]
 
 
-def _ranked(workbench: Workbench, made: list[_Competitor], place: int, held_out: HeldOut | None) -> list[Row]:
-    scores = np.array([0.0, *(c.gain - price(workbench, c.member) for c in made)])
+def _ranked(problem: Problem, made: list[_Competitor], place: int, held_out: HeldOut | None) -> list[Row]:
+    scores = np.array([0.0, *(c.gain - complexity_penalty(problem, c.term) for c in made)])
     probabilities = posterior(scores, max((c.gain for c in made), default=0.0))
     order = np.argsort(-probabilities, kind="stable")
     rows: list[Row] = []
@@ -185,21 +185,21 @@ def _ranked(workbench: Workbench, made: list[_Competitor], place: int, held_out:
             rows.append(Row(**_OF_NOTHING, **shared))
         elif rank <= _KEPT:
             tried = held_out if rank <= _HELD_OUT else None
-            rows.append(Row(**_of_effect(workbench, made[k - 1], tried), **shared))
+            rows.append(Row(**_of_effect(problem, made[k - 1], tried), **shared))
     return rows
 
 
-def _of_effect(workbench: Workbench, one: _Competitor, held_out: HeldOut | None) -> dict[str, Any]:
+def _of_effect(problem: Problem, one: _Competitor, held_out: HeldOut | None) -> dict[str, Any]:
     """What a row says of an effect."""
     gain, error = held_out.gain(one.model) if held_out and one.model else (None, None)
     return {
-        "hypothesis": one.member.effect.name,
-        "form": one.member.effect.key,
-        "time_profile": _profile(one.member),
+        "hypothesis": one.term.effect.name,
+        "form": one.term.effect.key,
+        "time_profile": _profile(one.term),
         "log_likelihood": one.gain,
         "held_out_gain": gain,
         "held_out_se": error,
-        **_size(workbench, one),
+        **_size(problem, one),
     }
 
 
@@ -215,19 +215,19 @@ _OF_NOTHING: dict[str, Any] = {
 }
 
 
-def _profile(member: Member) -> str:
-    if member.effect.grows:
+def _profile(term: Term) -> str:
+    if term.effect.grows:
         return "growing"
-    if member.onset is None:
+    if term.onset is None:
         return "throughout"
-    return "intermittent" if member.switches else "from onset"
+    return "intermittent" if term.switches else "from onset"
 
 
-def _size(workbench: Workbench, one: _Competitor) -> dict[str, Any]:
+def _size(problem: Problem, one: _Competitor) -> dict[str, Any]:
     """Size of the change in the channel where it counts most, and how well noise lets it be known."""
     if not one.sizes:
         return {"channel": "", "size": 0.0, "size_ci95": None, "size_over_relevance": 0.0}
-    multiples = {channel: size / workbench.least(channel) for channel, size in one.sizes.items()}
+    multiples = {channel: size / problem.least(channel) for channel, size in one.sizes.items()}
     channel = max(multiples, key=lambda c: multiples[c])
     size, spread = one.sizes[channel], _relative_spread(one)
     ends = None
@@ -245,8 +245,8 @@ def _relative_spread(one: _Competitor) -> float | None:
     """Standard deviation of an effect's first parameter, share of its size; None where it is not known."""
     if one.model is None:
         return None
-    first = one.member.effect.quantities(one.model.chain)[0]
-    name = f"{one.member.effect.key}.{first.name}"
+    first = one.term.effect.quantities(one.model.chain)[0]
+    name = f"{one.term.effect.key}.{first.name}"
     spread = one.model.spreads.get(name)
     if spread is None or first.null is None:
         return None
@@ -260,14 +260,14 @@ class HeldOut:
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     without : Model
         What they are compared with.
     """
 
-    def __init__(self, workbench: Workbench, without: Model) -> None:
-        self._workbench, self._without = workbench, without
-        self._block = np.arange(len(workbench.recording)) * _BLOCKS // len(workbench.recording)
+    def __init__(self, problem: Problem, without: Model) -> None:
+        self._problem, self._without = problem, without
+        self._block = np.arange(len(problem.recording)) * _BLOCKS // len(problem.recording)
         self._of_nothing: np.ndarray | None = None
 
     def gain(self, model: Model) -> tuple[float, float]:
@@ -279,11 +279,11 @@ class HeldOut:
 
     def _losses(self, model: Model) -> np.ndarray:
         """Robust losses of every block, each predicted by a fit to the blocks of other folds."""
-        bench, block = self._workbench, self._block
+        bench, block = self._problem, self._block
         lines, losses = lines_of(bench, model), np.zeros(_BLOCKS)
         for fold in range(_FOLDS):
             held = block % _FOLDS == fold
-            again = bench.simulate(model.members, refitted(bench, model, lines, ~held))
+            again = bench.simulate(model.terms, refitted(bench, model, lines, ~held))
             left = bench.residuals(again)
             for channel in bench.channels:
                 rows = losses_of(bench.noise[channel], left[channel])

@@ -62,12 +62,12 @@ class Compared:
         return MARGIN if self.exogenous else MARGIN_OF_A_DROP
 
 
-def compare(workbench, forward):
+def compare(problem, forward):
     """Errors of every channel that can be forecast.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     forward : Forward
 
     Returns
@@ -75,8 +75,8 @@ def compare(workbench, forward):
     compared : tuple of Compared
     """
     found = []
-    for c in workbench.channels:
-        recorded = workbench.recording[c]
+    for c in problem.channels:
+        recorded = problem.recording[c]
         errors = {kind: recorded - made[c] for kind, made in forward.predictions.items()}
         known = forward.held & np.all([np.isfinite(e) for e in errors.values()], axis=0)
         if not known.any():
@@ -88,7 +88,7 @@ def compare(workbench, forward):
             bool(squares["black_box"][span].sum() < squares["corrected"][span].sum()) for span in spans
         )
         means = {kind: float(s.sum() / known.sum()) for kind, s in squares.items()}
-        size = max((workbench.least(c) * workbench.spans[c]) ** 2, _TINY)
+        size = max((problem.least(c) * problem.spans[c]) ** 2, _TINY)
         found.append(
             Compared(
                 c,
@@ -96,7 +96,7 @@ def compare(workbench, forward):
                 {kind: float(np.sqrt(mean)) for kind, mean in means.items()},
                 {kind: mean / size for kind, mean in means.items()},
                 better,
-                not (c == "flow" and drop_is_unknown(workbench.recording)),
+                not (c == "flow" and drop_is_unknown(problem.recording)),
                 forward.closed[c],
                 len(spans),
             )
@@ -116,12 +116,12 @@ def share_explained(compared):
     return (before - after) / (before - best) if before - best > 0.0 else None
 
 
-def skills_ahead(workbench, compared):
+def skills_ahead(problem, compared):
     """Share of the squared error beyond noise that a correction removes from rows ahead in time, by channel.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
         Whose noise has a floor in each channel.
     compared : sequence of Compared
 
@@ -132,7 +132,7 @@ def skills_ahead(workbench, compared):
     """
     skills = {}
     for each in compared:
-        floor = workbench.noise[each.channel].floor ** 2
+        floor = problem.noise[each.channel].floor ** 2
         before, after = (each.rmse[kind] ** 2 for kind in ("nominal", "corrected"))
         skills[each.channel] = (before - after) / (before - floor) if before > floor else None
     return skills

@@ -33,7 +33,7 @@ class Referee:
     reasons: tuple = ()
 
 
-def refereed(workbench, judged):
+def refereed(problem, judged):
     """A judgement that the forecasts bear out, and the forecasts.
 
     A correction that makes rows ahead worse is not applied, and what it was made of is not named. Where the
@@ -42,7 +42,7 @@ def refereed(workbench, judged):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     judged : Judgement
 
     Returns
@@ -52,23 +52,23 @@ def refereed(workbench, judged):
     forward : Forward
     """
     unknown = judged.unknown if judged.kept else None
-    forward = forward_in_time(workbench, judged.nominal, simulated(judged.model), unknown)
-    compared = compare(workbench, forward)
+    forward = forward_in_time(problem, judged.nominal, simulated(judged.model), unknown)
+    compared = compare(problem, forward)
     reasons = []
     asked = _asked(compared, bool(judged.findings or judged.kept))
     if pooled(compared, "corrected") > pooled(compared, "nominal"):
-        judged, sentence = _taken_back(workbench, judged, compared)
+        judged, sentence = _taken_back(problem, judged, compared)
         reasons.append(sentence)
         made = forward.predictions
         forward = Forward(made | {"corrected": made["nominal"]}, forward.spans, forward.closed)
-        compared = compare(workbench, forward)
+        compared = compare(problem, forward)
     share = share_explained(compared) if judged.findings else None
     clear = [each for each in compared if each.clearly_better]
     if clear:
-        judged, sentence = _beaten(workbench, judged, max(clear, key=lambda each: each.ratio))
+        judged, sentence = _beaten(problem, judged, max(clear, key=lambda each: each.ratio))
         reasons.append(sentence)
     elif judged.verdict == "no_mismatch" and compared:
-        reasons.append(_as_good(workbench, compared))
+        reasons.append(_as_good(problem, compared))
     judged = replace(judged, rules=(*judged.rules, *asked))
     return replace(judged, referee=Referee(compared, share, tuple(reasons))), forward
 
@@ -85,10 +85,10 @@ def _asked(compared, corrected):
     return told
 
 
-def _taken_back(workbench, judged, compared):
+def _taken_back(problem, judged, compared):
     """A judgement without a correction that makes rows ahead worse."""
     worst = max(compared, key=lambda each: each.losses["corrected"] - each.losses["nominal"])
-    before, after = (_in_units(workbench, worst, kind) for kind in ("nominal", "corrected"))
+    before, after = (_in_units(problem, worst, kind) for kind in ("nominal", "corrected"))
     rises = f"the {worst.channel} error on forecast rows rises from {before} to {after}"
     if not judged.findings:
         return replace(judged, kept=False), (
@@ -105,16 +105,16 @@ def _taken_back(workbench, judged, compared):
     return kept, f"The best explanation is not named: with it {rises}."
 
 
-def _beaten(workbench, judged, worst):
+def _beaten(problem, judged, worst):
     """A judgement that a black box is clearly better than, and the sentence that says so."""
-    box, ours = (_in_units(workbench, worst, kind) for kind in ("black_box", "corrected"))
+    box, ours = (_in_units(problem, worst, kind) for kind in ("black_box", "corrected"))
     better = (
         f"A black box forecasts the {worst.channel} {worst.ratio:.1f} times better (error {box} against "
         f"{ours})"
     )
     if judged.findings:
         share = share_explained([worst])
-        touched = {c for f in judged.findings for c in workbench.channels_touched(f.member.effect)}
+        touched = {c for f in judged.findings for c in problem.channels_touched(f.term.effect)}
         # what shows in another signal is no imitation of what is missing in this one
         if worst.channel in touched and share is not None and share < _LEAST_SHARE:
             return replace(judged, verdict="cannot_tell"), (
@@ -136,18 +136,18 @@ def _beaten(workbench, judged, worst):
     )
 
 
-def _as_good(workbench, compared):
+def _as_good(problem, compared):
     """The sentence that says how far nothing is missing, by the channel in which the black box does best."""
     near = max(compared, key=lambda each: each.ratio)
-    box, ours = (_in_units(workbench, near, kind) for kind in ("black_box", "corrected"))
+    box, ours = (_in_units(problem, near, kind) for kind in ("black_box", "corrected"))
     return (
         f"On forecast rows the simulation's {near.channel} error is {ours}; that of a black box on the same "
         f"signals is {box}."
     )
 
 
-def _in_units(workbench, compared, kind):
-    recording, channel = workbench.recording, compared.channel
+def _in_units(problem, compared, kind):
+    recording, channel = problem.recording, compared.channel
     value = compared.rmse[kind] * abs(recording.per_si(channel))
     unit = recording.unit(channel)
     return f"{100.0 * value:.3g} %" if unit == "1" else f"{value:.3g} {unit}"

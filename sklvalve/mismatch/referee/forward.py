@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from sklvalve.mismatch.low_pass_residual import learn_residual
 from sklvalve.mismatch.origins import spans_of
 from sklvalve.mismatch.referee.black_box import black_box_prediction
 from sklvalve.mismatch.referee.feedback import ANSWERS_FROM, answers, driver_of
 from sklvalve.mismatch.refitting import lines_of, refitted
-from sklvalve.mismatch.slow_rest import learn_rest
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -45,12 +45,12 @@ class Forward:
         return rows
 
 
-def forward_in_time(workbench, nominal, model, unknown=None):
+def forward_in_time(problem, nominal, model, unknown=None):
     """Forecasts by the calibrated nominal, a hypothesis and the black box.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     nominal, model : Model
         Fitted to all rows; refitted by one step to those before each origin.
     unknown : Unknown, default=None
@@ -60,20 +60,20 @@ def forward_in_time(workbench, nominal, model, unknown=None):
     -------
     forward : Forward
     """
-    n = len(workbench.recording)
+    n = len(problem.recording)
     spans = spans_of(n)
-    made = {"nominal": forecast(workbench, nominal, spans)}
+    made = {"nominal": forecast(problem, nominal, spans)}
     same = model is nominal and unknown is None
     more = {"unknown": unknown, "nominal": nominal}
-    made["corrected"] = made["nominal"] if same else forecast(workbench, model, spans, **more)
-    for c in workbench.channels:
+    made["corrected"] = made["nominal"] if same else forecast(problem, model, spans, **more)
+    for c in problem.channels:
         # a signal that nothing found changes is simulated as before
         untouched = np.array_equal(model.predictions[c], nominal.predictions[c], equal_nan=True)
         if untouched and (unknown is None or unknown.channel != c):
             made["corrected"][c] = made["nominal"][c]
-    closed = {c: closed_loop(workbench, nominal, c) for c in workbench.channels}
+    closed = {c: closed_loop(problem, nominal, c) for c in problem.channels}
     made["black_box"] = {
-        c: _black_box_ahead(workbench.recording, c, spans, closed[c]) for c in workbench.channels
+        c: _black_box_ahead(problem.recording, c, spans, closed[c]) for c in problem.channels
     }
     return Forward(made, spans, closed)
 
@@ -88,13 +88,13 @@ def _black_box_ahead(recording, channel, spans, closed):
     return made
 
 
-def closed_loop(workbench, nominal, channel):
+def closed_loop(problem, nominal, channel):
     """Whether a controller answers a channel by what its black box reads.
 
     A recorded opening, with the pressures, says itself what drives a flow; where the drop is unknown the
     controller answers it by the opening.
     """
-    recording = workbench.recording
+    recording = problem.recording
     driver = driver_of(recording, channel)
     if driver == "opening" and not drop_is_unknown(recording):
         return False
@@ -102,7 +102,7 @@ def closed_loop(workbench, nominal, channel):
     return answers(recording[driver], recording[channel], simulated) >= ANSWERS_FROM
 
 
-def forecast(workbench, model, spans, *, unknown=None, nominal=None):
+def forecast(problem, model, spans, *, unknown=None, nominal=None):
     """A hypothesis fitted to the rows before each of some spans, and simulated there.
 
     An effect that begins too late for those rows to tell of it is left out. Where none is left the `nominal`
@@ -113,21 +113,21 @@ def forecast(workbench, model, spans, *, unknown=None, nominal=None):
     made : dict
         Channel -> ndarray of shape (n,); NaN outside the spans [SI].
     """
-    n = len(workbench.recording)
-    made = {c: np.full(n, np.nan) for c in workbench.channels}
+    n = len(problem.recording)
+    made = {c: np.full(n, np.nan) for c in problem.channels}
     fits = {} if nominal is None else {(): nominal}
     for span in spans:
         past = np.arange(n) < span.start
         known = _known_at(model, span.start)
-        if known.members not in fits:
-            fits[known.members] = model if known is model else workbench.least_squares(known)
-        fitted = fits[known.members]
-        with workbench.every_row_alike(fitted, past):
-            lines = lines_of(workbench, fitted)
-        again = workbench.simulate(fitted.members, refitted(workbench, fitted, lines, past))
-        for c in workbench.channels:
+        if known.terms not in fits:
+            fits[known.terms] = model if known is model else problem.least_squares(known)
+        fitted = fits[known.terms]
+        with problem.homoscedastic(fitted, past):
+            lines = lines_of(problem, fitted)
+        again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, past))
+        for c in problem.channels:
             made[c][span] = again.predictions[c][span]
-        part = None if unknown is None else learn_rest(workbench, again, unknown, past)
+        part = None if unknown is None else learn_residual(problem, again, unknown, past)
         if part is not None:
             made[unknown.channel][span] += learnt_rest(part, again.chain, again.values)[span]
     return made
@@ -137,5 +137,5 @@ def _known_at(model, origin):
     """A hypothesis without the effects that begin too late for rows before an origin to tell of them."""
     clock = model.chain.clock
     last = clock[0] + (1.0 - _KNOWN_FROM) * (clock[max(origin - 1, 0)] - clock[0])
-    members = tuple(m for m in model.members if m.onset is None or m.onset <= last)
-    return model if len(members) == len(model.members) else replace(model, members=members)
+    terms = tuple(m for m in model.terms if m.onset is None or m.onset <= last)
+    return model if len(terms) == len(model.terms) else replace(model, terms=terms)

@@ -157,7 +157,7 @@ def test_a_diagnosis_holds_the_comparison(found_healthy, found_leaking):
 def test_forecasts_use_no_later_row(healthy):
     """Rows behind the last origin may be anything: what is forecast of the rows before stays as it is."""
     from sklvalve.mismatch.calibrating import calibrated
-    from sklvalve.mismatch.preparation import prepared_workbench
+    from sklvalve.mismatch.preparation import prepared_problem
     from sklvalve.mismatch.referee import forward_in_time
 
     flow = healthy["flow"].copy()
@@ -165,8 +165,8 @@ def test_forecasts_use_no_later_row(healthy):
     flow[last:] = flow[last:][::-1]
     forecasts = []
     for signals in (healthy.signals, {**healthy.signals, "flow": flow}):
-        bench = prepared_workbench(replace(healthy, signals=signals))
-        nominal = bench.simulate((), calibrated(prepared_workbench(healthy)).values)
+        bench = prepared_problem(replace(healthy, signals=signals))
+        nominal = bench.simulate((), calibrated(prepared_problem(healthy)).values)
         forecasts.append(forward_in_time(bench, nominal, nominal).predictions)
     for kind in ("nominal", "black_box"):
         one, two = (made[kind]["flow"][:last] for made in forecasts)

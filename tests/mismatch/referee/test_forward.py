@@ -29,12 +29,12 @@ class _Model(SimpleNamespace):
 
 @pytest.fixture
 def bench(monkeypatch):
-    monkeypatch.setattr(forward, "lines_of", lambda workbench, model: None)
-    monkeypatch.setattr(forward, "refitted", lambda workbench, model, lines, rows: model.values)
+    monkeypatch.setattr(forward, "lines_of", lambda problem, model: None)
+    monkeypatch.setattr(forward, "refitted", lambda problem, model, lines, rows: model.values)
     return SimpleNamespace(
         recording=np.zeros(N),
         channels=("flow",),
-        every_row_alike=lambda model, rows: nullcontext(),
+        homoscedastic=lambda model, rows: nullcontext(),
         least_squares=lambda model: model,
         simulate=lambda members, values: _model(values["level"], *(m.onset for m in members)),
     )

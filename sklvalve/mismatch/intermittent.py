@@ -6,7 +6,7 @@ from math import sqrt
 import numba as nb
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import SWITCH_PRICE, Member, begun, may_come_and_go, worth
+from sklvalve.mismatch.hypothesis import SWITCH_PENALTY, Term, begun, may_come_and_go, penalised_likelihood
 from sklvalve.simulation.robust import ROBUST_FROM
 
 # a spell, or a pause, is at least so many rows; more of them than this are noise
@@ -21,12 +21,12 @@ _SHARE, _CLEAR = 0.1, 1.5
 _ROUNDS = 3
 
 
-def in_spells(workbench, model):
+def intermittent(problem, model):
     """The same hypothesis with its last effect acting in spells, where that is worth the switches.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
 
     Returns
@@ -34,36 +34,36 @@ def in_spells(workbench, model):
     model : Model
         The one given where nothing is gained.
     """
-    *rest, last = model.members
+    *rest, last = model.terms
     if not may_come_and_go(last.effect):
         return model
     for _ in range(_ROUNDS):
-        member = spells_of(workbench, model)
-        if member is None or member.sign == model.members[-1].sign:
+        term = spells_of(problem, model)
+        if term is None or term.sign == model.terms[-1].sign:
             break
-        fitted = workbench.fit((*rest, member), start=model)
-        if worth(workbench, fitted) <= worth(workbench, model) + SWITCH_PRICE:
+        fitted = problem.fit((*rest, term), start=model)
+        if penalised_likelihood(problem, fitted) <= penalised_likelihood(problem, model) + SWITCH_PENALTY:
             break
         model = fitted
-    return _without_needless(workbench, model)
+    return _without_needless(problem, model)
 
 
-def _without_needless(workbench, model):
+def _without_needless(problem, model):
     """The same without spells, and pauses, that are not worth their switches."""
-    *rest, last = model.members
+    *rest, last = model.terms
     k = 0
     # one beginning is left at least
     while k < len(last.switches) and len(last.switches) > 1:
         times = (*last.times[:k], *last.times[k + 2 :])
-        fewer = workbench.fit((*rest, begun(last.effect, times)), start=model)
-        if worth(workbench, fewer) > worth(workbench, model):
-            model, last = fewer, fewer.members[-1]
+        fewer = problem.fit((*rest, begun(last.effect, times)), start=model)
+        if penalised_likelihood(problem, fewer) > penalised_likelihood(problem, model):
+            model, last = fewer, fewer.terms[-1]
         else:
             k += 1
     return model
 
 
-def spells_of(workbench, model):
+def spells_of(problem, model):
     """The last effect, switched on and off where the recording jumps as much; None where it does once.
 
     A noise model with wander follows whatever lasts, so that only the rows after a switch speak of it. The
@@ -71,21 +71,21 @@ def spells_of(workbench, model):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
 
     Returns
     -------
-    member : Member or None
+    term : Term or None
     """
-    *rest, last = model.members
-    course = _Course(workbench, model, tuple(rest), last)
+    *rest, last = model.terms
+    time_profile = _Course(problem, model, tuple(rest), last)
     switches, state = [], last.onset is None
     while len(switches) <= _MOST:
-        k = course.next_switch(switches[-1] + _FEWEST_ROWS if switches else _FEWEST_ROWS, state)
+        k = time_profile.next_switch(switches[-1] + _FEWEST_ROWS if switches else _FEWEST_ROWS, state)
         if k is None:
             break
-        course.switch(k, state)
+        time_profile.switch(k, state)
         switches.append(k)
         state = not state
     if last.onset is None and switches:
@@ -98,13 +98,11 @@ def spells_of(workbench, model):
 class _Course:
     """Residuals of a hypothesis while the course of its last effect is found, from the first row on."""
 
-    def __init__(self, workbench, model, rest, last):
-        self.noise, self.channels = workbench.noise, workbench.channels_touched(last.effect)
-        off, on = (
-            workbench.simulate(members, model.values) for members in (rest, (*rest, Member(last.effect)))
-        )
-        left = [workbench.residuals(m) for m in (off, on)]
-        self.rows = len(workbench.recording)
+    def __init__(self, problem, model, rest, last):
+        self.noise, self.channels = problem.noise, problem.channels_touched(last.effect)
+        off, on = (problem.simulate(terms, model.values) for terms in (rest, (*rest, Term(last.effect))))
+        left = [problem.residuals(m) for m in (off, on)]
+        self.rows = len(problem.recording)
         # what the effect adds to the simulation, where both are known
         self.adds = {c: left[0][c] - left[1][c] for c in self.channels}
         self.left = {c: left[last.onset is None][c].copy() for c in self.channels}
@@ -125,7 +123,7 @@ class _Course:
         if not len(places):
             return None
         gains = self._gains(places, state)
-        enough = max(_SHARE * gains.max(), _CLEAR * SWITCH_PRICE)
+        enough = max(_SHARE * gains.max(), _CLEAR * SWITCH_PENALTY)
         if gains.max() < enough:
             return None
         k = int(np.argmax(gains >= enough))

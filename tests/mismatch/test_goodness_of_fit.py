@@ -9,19 +9,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.adequacy import (
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.explain import Explanation
+from sklvalve.mismatch.goodness_of_fit import (
     LeftOver,
     effective_number,
     held_against_noise,
     imitates_any_course,
     left_over,
 )
-from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.explain import Explanation
-from sklvalve.mismatch.hypothesis import Member
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.next_test import next_test
+from sklvalve.mismatch.problem import Problem
 from sklvalve.mismatch.rivals import Finding
-from sklvalve.mismatch.workbench import Workbench
 from sklvalve.recording.dead_bands import DeadBand
 from sklvalve.report import summary_sentence
 from sklvalve.simulation import Tolerance
@@ -29,7 +29,7 @@ from sklvalve.simulation.stages import first_order_lag
 
 
 def _left(recording):
-    bench = Workbench(recording, Tolerance(), recording.valve.physics)
+    bench = Problem(recording, Tolerance(), recording.valve.physics)
     model = bench.fit((), max_steps=5)
     bench.learn_noise(model)
     return left_over(bench, model, model)
@@ -82,7 +82,7 @@ def test_a_wander_of_half_the_quick_noise_is_none(healthy):
 
 
 def test_what_is_explained_may_be_wrong_by_a_share_of_itself(healthy):
-    bench = Workbench(healthy, Tolerance(), healthy.valve.physics)
+    bench = Problem(healthy, Tolerance(), healthy.valve.physics)
     model = bench.fit((), max_steps=5)
     bench.learn_noise(model)
     far = replace(model, predictions=model.predictions | {"flow": 0.8 * model.predictions["flow"]})
@@ -163,7 +163,7 @@ def test_the_sentence_says_what_comes_closest_and_what_it_leaves():
 
 
 def _said(recording):
-    bench = Workbench(recording, Tolerance(), recording.valve.physics)
+    bench = Problem(recording, Tolerance(), recording.valve.physics)
     nominal = bench.fit((), max_steps=5)
     bench.learn_noise(nominal)
     effects = tuple(e for e in CATALOGUE if e.key in ("flow_meter_drift", "sedimentation", "backlash"))
@@ -192,7 +192,7 @@ def test_what_a_known_effect_would_explain_is_doubtful_and_what_none_would_refut
 )
 def test_two_slow_courses_imitate_any_other(keys, imitates):
     effects = {effect.key: effect for effect in CATALOGUE}
-    findings = [Finding(Member(effects[key]), [], 50.0, {"flow": 0.02}) for key in keys]
+    findings = [Finding(Term(effects[key]), [], 50.0, {"flow": 0.02}) for key in keys]
     assert imitates_any_course(findings) is imitates
 
 
@@ -212,6 +212,6 @@ def test_few_slow_turns_are_doubtful_and_many_clear(times, many, said):
 
 
 def test_the_next_test_of_what_nothing_tells_holds_the_command(healthy):
-    bench = Workbench(healthy, Tolerance(), healthy.valve.physics)
+    bench = Problem(healthy, Tolerance(), healthy.valve.physics)
     left = LeftOver("flow", 0.02, 0.004, 0.005, 20.0)
     assert next_test([], "none_of_these", left, bench).startswith("Hold the command")

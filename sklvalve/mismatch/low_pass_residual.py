@@ -61,18 +61,18 @@ class SlowRest:
     cycles: bool = False
 
 
-def slow_rest(workbench, model, channel, rows=None, period=None):
+def low_pass_residual(problem, model, channel, rows=None, period=None):
     """The rest and its inputs, thinned to stretches in which nothing moves fast; None if there are few."""
     inputs = static_inputs(model.chain, model.values, channel)
     if period is not None:
         inputs = cyclic_inputs(model.chain, model.values, inputs, period)
     if not inputs:
         return None
-    rest = workbench.residuals(model)[channel] / workbench.spans[channel]
-    shown = model.predictions[channel] / workbench.spans[channel]
+    rest = problem.residuals(model)[channel] / problem.spans[channel]
+    shown = model.predictions[channel] / problem.spans[channel]
     quiet = np.abs(np.gradient(np.nan_to_num(shown))) < 0.01
     width = max(int(np.ceil(len(rest) / _MOST_POINTS)), 3)
-    gap, remembers = _GAP, f"simulated_{channel}" in workbench.recording and period is None
+    gap, remembers = _GAP, f"simulated_{channel}" in problem.recording and period is None
     if remembers:
         # inputs that remember know of movement, and are held out with their past
         quiet, width = np.ones(len(rest), dtype=bool), max(len(rest) // _MOST_REMEMBERED, 1)
@@ -180,12 +180,12 @@ def skills(held_out, Y):
     return 1.0 - share, Y - left
 
 
-def learn_rest(workbench, model, unknown, rows=None):
+def learn_residual(problem, model, unknown, rows=None):
     """The rest of a channel as an LS-SVM of slow signals, tuned and fitted on some rows and no others.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         Fitted to the same rows.
     unknown : Unknown
@@ -198,5 +198,5 @@ def learn_rest(workbench, model, unknown, rows=None):
     correction : dict or None
         As `learnt_rest` takes it; None where the rows are too few.
     """
-    slow = slow_rest(workbench, model, unknown.channel, rows, unknown.period)
-    return None if slow is None else tuned(slow).correction(unknown.channel, workbench.spans[unknown.channel])
+    slow = low_pass_residual(problem, model, unknown.channel, rows, unknown.period)
+    return None if slow is None else tuned(slow).correction(unknown.channel, problem.spans[unknown.channel])

@@ -5,11 +5,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sklvalve.mismatch.healthy_table import TABLES
+from sklvalve.mismatch.null_table import TABLES
 
 
 @dataclass(frozen=True)
-class Circumstances:
+class Covariates:
     """What the strength of chance depends on, known before a search.
 
     Parameters
@@ -57,15 +57,15 @@ class Circumstances:
         return "noise_without_drop" if self.no_drop else "noise"
 
 
-#: Circumstances that are held within their range in the reference, besides the noise.
+#: Covariates that are held within their range in the reference, besides the noise.
 EDGED = ("travel", "held_opening", "held_flow")
 
 
 @dataclass(frozen=True)
 class Table:
-    r"""Distribution of a strength among healthy recordings, relative to what is typical in the circumstances.
+    r"""Distribution of a strength among healthy recordings, relative to what is typical in the covariates.
 
-    The typical strength is the exponential of a linear function of the circumstances, of which noise, travel
+    The typical strength is the exponential of a linear function of the covariates, of which noise, travel
     and dead bands are held within their range in the reference. Relative to it the chance of more falls as in
     the reference up to a threshold, linearly between quantiles, and from there on as the generalised Pareto
     law has it,
@@ -80,7 +80,7 @@ class Table:
     recordings : int
         Number of healthy recordings.
     offset : float
-        Logarithm of the typical strength where all circumstances are zero.
+        Logarithm of the typical strength where all covariates are zero.
     slopes : dict
         Circumstance -> change of that logarithm.
     ranges : dict
@@ -108,42 +108,42 @@ class Table:
     shape: float
     usual: dict = field(default_factory=dict)
 
-    def relative(self, strengths):
+    def relative(self, effect_strengths):
         """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
-        return relative_to(self.usual, strengths)
+        return relative_to(self.usual, effect_strengths)
 
-    def typical(self, circumstances):
+    def typical(self, covariates):
         """Typical strength of healthy recordings."""
-        noise = float(np.clip(circumstances.noise, *self.ranges[circumstances.noise_among]))
-        edged = {c: float(np.clip(getattr(circumstances, c), *self.ranges[c])) for c in EDGED}
-        within = replace(circumstances, noise=noise, **edged)
+        noise = float(np.clip(covariates.noise, *self.ranges[covariates.noise_among]))
+        edged = {c: float(np.clip(getattr(covariates, c), *self.ranges[c])) for c in EDGED}
+        within = replace(covariates, noise=noise, **edged)
         return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))
 
 
-def relative_to(usual, strengths):
+def relative_to(usual, effect_strengths):
     """The largest of some strengths by effect, each over what is usual for it."""
     most = max(usual.values(), default=1.0)
-    return max((found / usual.get(key, most) for key, found in strengths.items()), default=0.0)
+    return max((found / usual.get(key, most) for key, found in effect_strengths.items()), default=0.0)
 
 
 EFFECTS, REST = (Table(**TABLES[name]) for name in ("effects", "rest"))
 
 
-def exceeded(table, strength, circumstances):
+def survival(table, effect_strength, covariates):
     """Share of healthy recordings whose strength is at least this.
 
     Parameters
     ----------
     table : Table
     strength : float
-    circumstances : Circumstances
+    covariates : Covariates
 
     Returns
     -------
     share : float
         Between 0, never reached, and 1; falls with the strength, without a step.
     """
-    relative = strength / table.typical(circumstances)
+    relative = effect_strength / table.typical(covariates)
     threshold = table.quantiles[-1]
     if relative <= threshold:
         chances = np.linspace(1.0, table.above, len(table.quantiles))

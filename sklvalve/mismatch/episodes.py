@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.hypothesis import SWITCH_PRICE
+from sklvalve.mismatch.hypothesis import SWITCH_PENALTY
 from sklvalve.mismatch.inference.posterior import temperature
 from sklvalve.simulation.robust import robust_cost, robust_weights
 
@@ -22,7 +22,7 @@ _MORE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Course:
+class TimeProfile:
     """When something acts.
 
     Attributes
@@ -39,14 +39,14 @@ class Course:
     """
 
     kind: str
-    spells: list
+    episodes: list
     ranges: list
     sizes: tuple = (1.0, 1.0)
 
     def acts(self, n):
         """Of n rows those in which it acts, as booleans."""
         rows = np.zeros(n, dtype=bool)
-        for begin, end in self.spells:
+        for begin, end in self.episodes:
             rows[begin:end] = True
         return rows
 
@@ -157,18 +157,18 @@ def course_of(evidence, acts, *, late=0):
     gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
     raised = temperature(gain)
     blocks = acts[starts]
-    price = SWITCH_PRICE * raised
-    path = _switched(*evidence.quadratic(starts), blocks, price)
+    complexity_penalty = SWITCH_PENALTY * raised
+    path = _switched(*evidence.quadratic(starts), blocks, complexity_penalty)
     if np.any(path != blocks):
         found = _settled(evidence, _edges(path, starts), bool(path[0]), raised, late, moved=True)
         instead = found.acts(n)
         switches = int(np.sum(np.diff(instead)))
-        if evidence.cost(acts) - evidence.cost(instead) > price * (switches - len(own)):
+        if evidence.cost(acts) - evidence.cost(instead) > complexity_penalty * (switches - len(own)):
             return found
     return _settled(evidence, own, bool(acts[0]), raised, late, moved=False)
 
 
-def _switched(square, pull, blocks, price):
+def _switched(square, pull, blocks, complexity_penalty):
     """Blocks in which a change acts: stretches are turned over as long as each earns its price."""
     many = len(blocks)
     low, high = np.triu_indices(many)
@@ -180,7 +180,7 @@ def _switched(square, pull, blocks, price):
         change = 0.5 * np.einsum("ij,ij->i", turned @ square, turned) + turned @ (square @ acts - pull)
         after = np.abs(acts + turned)
         more = np.abs(np.diff(after, axis=1)).sum(axis=1) - np.abs(np.diff(acts)).sum()
-        score = change + price * np.maximum(more, 1.0)
+        score = change + complexity_penalty * np.maximum(more, 1.0)
         best = int(np.argmin(np.where(after.any(axis=1), score, np.inf)))
         if score[best] >= 0.0:
             break
@@ -208,12 +208,12 @@ def _settled(evidence, edges, begins, raised, late, *, moved):
     known = ([None] if begins else []) + ranges
     if len(marks) % 2:
         marks, known = [*marks, n], [*known, None]
-    spells = list(zip(marks[::2], marks[1::2], strict=True))
-    if len(spells) == 1 and spells[0][1] == n:
+    episodes = list(zip(marks[::2], marks[1::2], strict=True))
+    if len(episodes) == 1 and episodes[0][1] == n:
         kind = "throughout" if begins else "from an onset on"
     else:
         kind = "in spells"
-    return Course(kind, spells, list(zip(known[::2], known[1::2], strict=True)))
+    return TimeProfile(kind, episodes, list(zip(known[::2], known[1::2], strict=True)))
 
 
 def _moment(evidence, edges, begins, i, between, raised):
@@ -269,8 +269,8 @@ def growing_course(evidence, clock, acts, candidates):
     target, gains, sizes = evidence.without, [], []
     places = sorted({int(k) for k in candidates} | {begin})
     for k in places:
-        strength = np.maximum(since - since[k], 0.0) / np.where(since > 0.0, since, 1.0)
-        grown = {c: strength * gap for c, gap in evidence.change.items()}
+        effect_strength = np.maximum(since - since[k], 0.0) / np.where(since > 0.0, since, 1.0)
+        grown = {c: effect_strength * gap for c, gap in evidence.change.items()}
         ramp = evidence.free(evidence.whitened(grown))
         sizes.append(float(ramp @ target) / max(float(ramp @ ramp), 1e-12))
         gains.append(0.5 * float(ramp @ target) * sizes[-1])
@@ -279,4 +279,4 @@ def growing_course(evidence, clock, acts, candidates):
     within = [k for k, near in zip(places, reach, strict=True) if near]
     told = [size for size, near in zip(sizes, reach, strict=True) if near]
     ends = (min(*within, begin), max(*within, begin))
-    return Course("growing", [(begin, n)], [(ends, None)], (min(told), max(told)))
+    return TimeProfile("growing", [(begin, n)], [(ends, None)], (min(told), max(told)))

@@ -8,11 +8,11 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import explain
-from sklvalve.mismatch.afresh import afresh, much_is_left
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Member
-from sklvalve.mismatch.preparation import prepared_workbench
+from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.preparation import prepared_problem
+from sklvalve.mismatch.restart import much_is_left, restarted
 from sklvalve.recording import Recording, Valve
 
 SUPPLY, LAG, LEAK = (
@@ -45,8 +45,8 @@ def test_much_is_left_where_more_than_counts_stands_above_the_noise(rms, floor, 
 
 def test_beside_an_actuator_effect_nothing_is_tried_afresh():
     bench = _Left(0.05)
-    assert not much_is_left(bench, SimpleNamespace(members=(Member(SUPPLY),)))
-    assert much_is_left(bench, SimpleNamespace(members=(Member(LEAK),)))
+    assert not much_is_left(bench, SimpleNamespace(members=(Term(SUPPLY),)))
+    assert much_is_left(bench, SimpleNamespace(members=(Term(LEAK),)))
     bench.channels = ("flow",)
     assert not much_is_left(bench, SimpleNamespace(members=()))
 
@@ -57,7 +57,7 @@ def starved():
     made = make_valve_recording(
         "supply_pressure_drop", 0.72, loop="wide", onset=0.0, n_samples=3000, n_later=0, random_state=5
     )
-    bench = prepared_workbench(Recording.from_frame(made.frame, Valve.from_dict(made.valve)))
+    bench = prepared_problem(Recording.from_frame(made.frame, Valve.from_dict(made.valve)))
     return bench, calibrated(bench)
 
 
@@ -65,8 +65,8 @@ def starved():
 def test_a_lost_supply_is_found_wherever_the_calibration_lies(starved):
     bench, nominal = starved
     assert much_is_left(bench, nominal)
-    found = afresh(bench, nominal, [LAG, SUPPLY, LEAK])
-    first = found[0].members[-1]
+    found = restarted(bench, nominal, [LAG, SUPPLY, LEAK])
+    first = found[0].terms[-1]
     assert first.effect is SUPPLY
     assert found[0].values["supply_pressure_drop.drop"] == pytest.approx(0.72, abs=0.03)
     # beyond the sensor's own noise, which no hypothesis takes away
@@ -79,12 +79,12 @@ def test_a_lost_supply_is_found_wherever_the_calibration_lies(starved):
 
 
 def test_without_candidates_in_the_actuator_nothing_is_tried(starved):
-    assert afresh(*starved, [LEAK]) == []
+    assert restarted(*starved, [LEAK]) == []
 
 
 def test_a_hypothesis_is_not_settled_for_a_less_likely_one(monkeypatch):
-    made = SimpleNamespace(members=(Member(SUPPLY, 40.0),), values={"a": 1.0}, log_likelihood=-5.0)
-    worse = SimpleNamespace(members=(Member(SUPPLY, 70.0),), values={}, log_likelihood=-50.0)
+    made = SimpleNamespace(members=(Term(SUPPLY, 40.0),), values={"a": 1.0}, log_likelihood=-5.0)
+    worse = SimpleNamespace(members=(Term(SUPPLY, 70.0),), values={}, log_likelihood=-50.0)
     begun = []
     bench = SimpleNamespace(fit=lambda members, start: explain.Model(members, None, {"a": 9.0}, {}, 0.0, {}))
     monkeypatch.setattr(explain, "_in_turn", lambda bench, model: model)

@@ -10,7 +10,7 @@ import pytest
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.contents import Judgement
-from sklvalve.mismatch.withholding import withheld
+from sklvalve.mismatch.suppression import suppressed
 from sklvalve.recording import Recording, Valve
 
 # a drop of 2 bar, 72 m3/h
@@ -43,7 +43,7 @@ def finding(name, role, **more):
     ],
 )
 def test_nothing_is_claimed(verdict, channel, data):
-    silent, reason = withheld(judged(verdict, channel), data, HELD)
+    silent, reason = suppressed(judged(verdict, channel), data, HELD)
     assert (silent.verdict, silent.p_value, silent.found) == ("cannot_tell", None, False)
     assert (silent.unknown, silent.correction, silent.findings, silent.model) == (None, None, [], "nominal")
     assert data[0]["role"] in reason
@@ -69,11 +69,11 @@ def test_nothing_is_claimed(verdict, channel, data):
 )
 def test_what_the_data_cannot_have_made_stays(verdict, channel, data):
     judgement = judged(verdict, channel)
-    assert withheld(judgement, data, HELD) == (judgement, None)
+    assert suppressed(judgement, data, HELD) == (judgement, None)
 
 
 def test_name_stays_where_the_rest_goes():
-    kept, reason = withheld(judged("named", "flow"), [finding("compressed", "flow")], HELD)
+    kept, reason = suppressed(judged("named", "flow"), [finding("compressed", "flow")], HELD)
     assert (kept.verdict, kept.findings, kept.unknown, kept.tried, reason) == (
         "named",
         ["what was found"],
@@ -104,7 +104,7 @@ def test_flow_redrawn_by_lines_is_no_unknown_effect():
 
 def test_a_band_of_a_pressure_is_not_known_where_nothing_tells_the_drop():
     data = [finding("compressed", "p1", size=3000.0)]
-    silent, reason = withheld(judged("none_of_these", "flow"), data, {"p1": HELD["p1"]})
+    silent, reason = suppressed(judged("none_of_these", "flow"), data, {"p1": HELD["p1"]})
     assert silent.verdict == "cannot_tell"
     assert "p1" in reason
 
@@ -119,5 +119,5 @@ def test_a_band_of_a_pressure_is_not_known_where_nothing_tells_the_drop():
 )
 def test_pulses_stay_unless_a_historian_may_have_made_them(data, stays):
     told = replace(judged("none_of_these"), pulses=SimpleNamespace(channel="flow"))
-    kept, reason = withheld(told, [data], HELD)
+    kept, reason = suppressed(told, [data], HELD)
     assert (kept.pulses is not None, kept.verdict == "none_of_these", reason is None) == (stays, stays, stays)

@@ -24,12 +24,12 @@ class Present:
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
         Its noise stays as it is as long as records are foreseen.
     """
 
-    def __init__(self, workbench):
-        self.workbench, recording = workbench, workbench.recording
+    def __init__(self, problem):
+        self.problem, recording = problem, problem.recording
         self.medians = {role: float(np.nanmedian(recording[role])) for role in recording}
         self.surroundings = Surroundings(recording)
         self._makeups = {}
@@ -37,11 +37,11 @@ class Present:
     def noise_of(self, model, channel, signal, step):
         """Noise of a channel, where a model holds, for another signal."""
         if (model, channel) not in self._makeups:
-            self._makeups[model, channel] = _makeup(self.workbench, model, channel)
+            self._makeups[model, channel] = _makeup(self.problem, model, channel)
         return _noise_like(*self._makeups[model, channel], signal, step)
 
 
-class Foreseen:
+class ForecastRecord:
     """A record not yet made: the noise is that of the present recording, its surroundings are medians.
 
     Parameters
@@ -61,9 +61,9 @@ class Foreseen:
     """
 
     def __init__(self, present, program, truth, sensor=None):
-        workbench = present.workbench
-        self.workbench, self.sensor = workbench, sensor
-        recording, values = workbench.recording, truth.model.values
+        problem = present.problem
+        self.problem, self.sensor = problem, sensor
+        recording, values = problem.recording, truth.model.values
         n, clock = len(program.command), truth.model.chain.clock
         step = recording.sample_time
         signals = {role: np.full(n, median) for role, median in present.medians.items()}
@@ -81,17 +81,17 @@ class Foreseen:
         )
         chain = self.chain_of(truth)
         made = {}
-        if "opening" in workbench.channels:
+        if "opening" in problem.channels:
             made["opening"] = chain.opening(values)
             self._put(made)
-        if "flow" in workbench.channels:
+        if "flow" in problem.channels:
             # what flows moves the pressures, and they what flows
             for _ in range(2):
                 self._put({"flow": self.chain_of(truth).flow(values)})
                 self._put(surroundings.moved(self.recording.signals, program))
             made["flow"] = self.chain_of(truth).flow(values)
             self._put({"flow": made["flow"]})
-        self.noise = {c: present.noise_of(truth.model, c, made[c], step) for c in workbench.channels}
+        self.noise = {c: present.noise_of(truth.model, c, made[c], step) for c in problem.channels}
         if "flow" in made:
             self._leave_out(made["flow"])
         if sensor is not None:
@@ -106,7 +106,7 @@ class Foreseen:
 
     def _leave_out(self, flow):
         """Rows in which a meter would have to show less than it does: most end a little below zero."""
-        seen = self.workbench.recording["flow"]
+        seen = self.problem.recording["flow"]
         least = min(float(np.nanmin(seen)), -_BELOW_ZERO * span_of(seen))
         noise = self.noise["flow"]
         if isinstance(noise, NoiseModel) and np.any(flow < least):
@@ -114,7 +114,7 @@ class Foreseen:
 
     def chain_of(self, explanation):
         """Stages of an explanation bound to this record."""
-        return self.workbench.chain(explanation.members, self.recording)
+        return self.problem.chain(explanation.terms, self.recording)
 
     def sensed(self, opening):
         """Whitened errors of an opening at the new sensor, whose zero nobody knows."""
@@ -162,9 +162,9 @@ class Surroundings:
         return signals
 
 
-def _makeup(workbench, model, channel):
+def _makeup(problem, model, channel):
     """Noise of a channel, the largest value of its signal, how it goes with that, and its least variance."""
-    noise, past = workbench.noise[channel], model.predictions[channel]
+    noise, past = problem.noise[channel], model.predictions[channel]
     if isinstance(noise, NoiseOfPieces):
         rows, noise = noise.longest
         past = past[rows]

@@ -8,9 +8,9 @@ from sklvalve.cli import main
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.hypothesis import begun, may_come_and_go
+from sklvalve.mismatch.intermittent import _Course
 from sklvalve.mismatch.noise import NoiseModel
 from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
-from sklvalve.mismatch.on_and_off import _Course
 from sklvalve.mismatch.onset import losses_of
 from sklvalve.recording import Recording, Valve
 
@@ -18,17 +18,17 @@ EFFECTS = ("flow_meter_gain", "flow_meter_bias", "clogging", "choked_flow")
 SPELLS = ((500, 800), (1100, 1450))
 
 
-def rows_of(spells):
+def rows_of(episodes):
     rows = np.zeros(1800, dtype=bool)
-    for begin, end in spells:
+    for begin, end in episodes:
         rows[int(begin) : int(end)] = True
     return rows
 
 
-def diagnosed(spells):
+def diagnosed(episodes):
     made = make_valve_recording(n_samples=1800, n_later=300, loop="wide", random_state=5)
     frame = made.frame
-    frame["F"] = frame["F"] * np.where(rows_of(spells), 1.06, 1.0)
+    frame["F"] = frame["F"] * np.where(rows_of(episodes), 1.06, 1.0)
     finder = MissingPhysicsFinder(effects=EFFECTS).fit(
         Recording.from_frame(frame, Valve.from_dict(made.valve))
     )
@@ -47,7 +47,7 @@ def test_spells_are_told(found):
     assert "flow_meter_gain" in [m["name"] for m in entry["members"]]
     assert entry["onset"] == pytest.approx(500.0, abs=4.0)
     # where little flows six percent of it are nothing, so that an end there cannot be seen
-    told, true = (rows_of(spells) for spells in (entry["spells"], SPELLS))
+    told, true = (rows_of(episodes) for episodes in (entry["spells"], SPELLS))
     assert np.mean(told == true) > 0.8
     assert [1100.0, 1450.0] in np.round(entry["spells"], -1).tolist()
     assert entry["parameters"]["gain"]["value"] == pytest.approx(0.06, abs=0.01)
@@ -105,12 +105,12 @@ def test_what_a_switch_gains_is_the_difference_of_two_whole_losses(state):
         NoiseModel(np.full(m, 0.7), rng.choice([1.0, 4.0], m), 3.0, 0.4, 90.0, 0.6) for m in (300, n - 300)
     ]
     noise = NoiseOfPieces([(0, 300), (300, n)], noises)
-    course = object.__new__(_Course)
-    course.noise, course.channels, course.rows = {"flow": noise}, ("flow",), n
-    course.adds, course.left = {"flow": adds}, {"flow": left}
+    time_profile = object.__new__(_Course)
+    time_profile.noise, time_profile.channels, time_profile.rows = {"flow": noise}, ("flow",), n
+    time_profile.adds, time_profile.left = {"flow": adds}, {"flow": left}
     # one window goes on behind the join, one ends with the recording
     rows = np.array([0, 30, 170, 299, 300, 520, 690])
-    for row, gain in zip(rows, course._gains(rows, state), strict=True):
+    for row, gain in zip(rows, time_profile._gains(rows, state), strict=True):
         toggled = left + (1.0 if state else -1.0) * np.where(np.arange(n) >= row, adds, 0.0)
         losses = [losses_of(noise, each)[row : row + 150].sum() for each in (left, toggled)]
         assert gain == pytest.approx(losses[0] - losses[1], rel=1e-9, abs=1e-9)

@@ -5,7 +5,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import own_values, worth
+from sklvalve.mismatch.hypothesis import own_values, penalised_likelihood
 from sklvalve.mismatch.scatter import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.simulation import Tolerance
 
@@ -20,12 +20,12 @@ _OF_A_RIVAL = 0.5
 _AT_AN_END = 1e-3
 
 
-def matters(workbench, model, without, threshold):
+def is_relevant(problem, model, without, threshold):
     """Whether the last effect of a hypothesis is one more that the recording asks for.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model, without : Model
         With the effect and without it.
     threshold : float
@@ -35,67 +35,67 @@ def matters(workbench, model, without, threshold):
     -------
     matters : bool
     """
-    gain = worth(workbench, model) - worth(workbench, without)
-    sizes = workbench.change(model, without)
-    if not (gain > threshold and may_explain(workbench, model, without)):
+    gain = penalised_likelihood(problem, model) - penalised_likelihood(problem, without)
+    sizes = problem.change(model, without)
+    if not (gain > threshold and may_explain(problem, model, without)):
         return False
-    if not without.members:
+    if not without.terms:
         return True
-    large = [c for c in sizes if workbench.counts({c: sizes[c]})]
-    if any(_leaves_most(workbench, model, without, c) for c in large):
+    large = [c for c in sizes if problem.counts({c: sizes[c]})]
+    if any(_leaves_most(problem, model, without, c) for c in large):
         return True
-    bare = workbench.fit((), start=without)
-    strongest = workbench.change(without, bare)
+    bare = problem.fit((), start=without)
+    strongest = problem.change(without, bare)
     fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
     if large != ["opening"]:
         # or in gain, which counts how long it acts as well; where a stroke is missed, its rest repeats it
         fair |= gain > SHARE_MISTAKEN**2 * (without.log_likelihood - bare.log_likelihood)
-    return fair and gain_in_spreads(workbench, model, without) >= SPREADS
+    return fair and gain_in_spreads(problem, model, without) >= SPREADS
 
 
-def may_explain(workbench, model, without):
+def may_explain(problem, model, without):
     """Whether the last effect is of a size to explain anything: what is small or absurd does not.
 
     What a data sheet leaves open may gain a lot and is no mismatch; an explanation that needs all that is
     physically possible speaks against itself.
     """
-    member = model.members[-1]
-    counts = beyond_tolerance(workbench, model, member) and workbench.counts(workbench.change(model, without))
-    return counts and not _absurd(model, member)
+    term = model.terms[-1]
+    counts = beyond_tolerance(problem, model, term) and problem.counts(problem.change(model, without))
+    return counts and not _absurd(model, term)
 
 
-def may_be_instead(workbench, model, without):
+def may_be_instead(problem, model, without):
     """Whether the last effect may be what stands in the place of another that counts.
 
     Of one that began it is told already that something did: what made it may be shorter than a response that
     would be told alone. And it may be smaller than what counts, down to half of it.
     """
-    member = model.members[-1]
-    open_to_it = member.onset is not None or beyond_tolerance(workbench, model, member)
-    sizes = {channel: size / _OF_A_RIVAL for channel, size in workbench.change(model, without).items()}
-    return open_to_it and workbench.counts(sizes) and not _absurd(model, member)
+    term = model.terms[-1]
+    open_to_it = term.onset is not None or beyond_tolerance(problem, model, term)
+    sizes = {channel: size / _OF_A_RIVAL for channel, size in problem.change(model, without).items()}
+    return open_to_it and problem.counts(sizes) and not _absurd(model, term)
 
 
-def _absurd(model, member):
+def _absurd(model, term):
     """Whether an effect's own size stands at the end of what is physically possible."""
-    first = member.effect.quantities(model.chain)[0]
-    size, low, high = model.values[f"{member.effect.key}.{first.name}"], first.low, first.high
+    first = term.effect.quantities(model.chain)[0]
+    size, low, high = model.values[f"{term.effect.key}.{first.name}"], first.low, first.high
     if first.log:
         size, low, high = np.log([size, low, high])
     return min(size - low, high - size) < _AT_AN_END * (high - low)
 
 
-def _leaves_most(workbench, model, without, channel):
+def _leaves_most(problem, model, without, channel):
     """Whether without its last effect at least twice as much (mean square) is left over in a channel."""
-    left = [np.nanmean(workbench.residuals(m)[channel] ** 2) for m in (model, without)]
+    left = [np.nanmean(problem.residuals(m)[channel] ** 2) for m in (model, without)]
     return bool(left[1] > _LEFT_WITHOUT * left[0])
 
 
-def beyond_tolerance(workbench, model, member):
+def beyond_tolerance(problem, model, term):
     """Whether an effect, as a model has it, lies beyond what a data sheet leaves open.
 
     Beyond by more than a simulation gets wrong of its size: a sound valve may stand at the edge.
     """
-    late = member.onset is not None
-    edge = {f.name: (1.0 + SHARE_MISTAKEN) * getattr(workbench.tolerance, f.name) for f in fields(Tolerance)}
-    return member.effect.beyond_tolerance(own_values(member, model), model.chain, Tolerance(**edge), late)
+    late = term.onset is not None
+    edge = {f.name: (1.0 + SHARE_MISTAKEN) * getattr(problem.tolerance, f.name) for f in fields(Tolerance)}
+    return term.effect.beyond_tolerance(own_values(term, model), model.chain, Tolerance(**edge), late)

@@ -15,7 +15,7 @@ _SPOILT = {
 }
 
 
-def withheld(judgement, data, recording):
+def suppressed(judgement, data, recording):
     """Judgement without a rest, or a mere mismatch, that the data may have made.
 
     What a historian took from a signal is predictable, as missing physics is, and no effect explains it;

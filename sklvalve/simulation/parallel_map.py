@@ -29,7 +29,7 @@ def _allowed():
     return _threads.get() or min(cpu_count(), _MOST)
 
 
-def side_by_side(function, items):
+def parallel_map(function, items):
     """Results of a function for several items, in their order.
 
     Parameters

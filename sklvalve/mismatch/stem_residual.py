@@ -28,7 +28,7 @@ _TIMES, _EVIDENT = 1.5, 3
 
 
 @dataclass(frozen=True)
-class StemRest:
+class StemResidual:
     """Windows in which the stem strays.
 
     Attributes
@@ -66,7 +66,7 @@ class StemRest:
         )
 
 
-def stem_rest(workbench, model):
+def stem_residual(problem, model):
     r"""Windows of 40 rows in which the recorded stem strays from the simulated one.
 
     .. math:: e > 1.5 \sqrt{\sigma^2 + c^2 + (0.1\, s)^2}
@@ -77,7 +77,7 @@ def stem_rest(workbench, model):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         Fitted for the least error, so that a part of the recording that is sound is fitted well.
 
@@ -86,12 +86,12 @@ def stem_rest(workbench, model):
     rest : StemRest or None
         None where no position is recorded, or none is simulated.
     """
-    if "opening" not in workbench.channels:
+    if "opening" not in problem.channels:
         return None
-    left, shown = workbench.residuals(model)["opening"], model.predictions["opening"]
-    sound = np.hypot(sensor_noise(workbench.recording["opening"]), workbench.least("opening"))
+    left, shown = problem.residuals(model)["opening"], model.predictions["opening"]
+    sound = np.hypot(sensor_noise(problem.recording["opening"]), problem.least("opening"))
     rows, asked, strays, squares = np.zeros(len(left), dtype=bool), 0, 0, []
-    for low, high in workbench.recording.spans:
+    for low, high in problem.recording.spans:
         for start in range(low + _WINDOW, high - _WINDOW + 1, _WINDOW):
             window = slice(start, start + _WINDOW)
             if np.isfinite(left[window]).sum() < _WINDOW // 2:
@@ -102,4 +102,4 @@ def stem_rest(workbench, model):
                 rows[window], strays = True, strays + 1
                 squares.append(square)
     size = float(np.sqrt(np.mean(squares))) if squares else 0.0
-    return StemRest(rows, strays, asked, size)
+    return StemResidual(rows, strays, asked, size)

@@ -8,7 +8,7 @@ import pytest
 
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.damadics import make_damadics, valve_sheet
-from sklvalve.mismatch.stem_rest import P_VALUE, stem_rest
+from sklvalve.mismatch.stem_residual import P_VALUE, stem_residual
 from sklvalve.report import summary_sentence
 from sklvalve.report.headline import headline
 
@@ -16,7 +16,7 @@ ROWS, NOISE = 800, 0.001
 
 
 class Bench:
-    """As much of a workbench as is asked, with a rest of one's own."""
+    """As much of a problem as is asked, with a rest of one's own."""
 
     channels = ("opening", "flow")
 
@@ -32,7 +32,7 @@ class Bench:
         return {"opening": self.rest}
 
     def asked(self):
-        return stem_rest(self, SimpleNamespace(predictions={"opening": self.shown}))
+        return stem_residual(self, SimpleNamespace(predictions={"opening": self.shown}))
 
 
 class _Recording(dict):

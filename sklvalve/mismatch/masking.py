@@ -6,7 +6,7 @@ from sklvalve.mismatch.gathering import settled
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 
 
-def sifted(whole, recording, data):
+def masked(whole, recording, data):
     """Recordings without the rows that the findings about their data speak against.
 
     Rows behind those used are screened for themselves, and only for values that stand still or pile up;

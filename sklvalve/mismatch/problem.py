@@ -32,7 +32,7 @@ _INADEQUACY = 0.2
 _LARGEST = 2.0
 
 
-class Workbench(Sharing, Sizes):
+class Problem(Sharing, Sizes):
     """One recording, its calibration, its noise, and the fits made so far.
 
     Parameters
@@ -45,7 +45,7 @@ class Workbench(Sharing, Sizes):
         Rows that may be used.
     valve : Valve, default=None
         Data sheet; that of the recording unless given.
-    held : sequence of Member, default=()
+    held : sequence of Term, default=()
         Effects that are part of every hypothesis, calibrated with it and never judged.
     held_values : dict, default=None
         Values of their parameters to begin with.
@@ -73,9 +73,9 @@ class Workbench(Sharing, Sizes):
         # of an actuator that most rows bear out; `calibrated` finds it
         self.sound_values: dict = {}
 
-    def chain(self, members, recording=None):
-        """Chain with the effects of a hypothesis, for the recording of the workbench or another one."""
-        effects, onsets = self.physics_of(members)
+    def chain(self, terms, recording=None):
+        """Chain with the effects of a hypothesis, for the recording of the problem or another one."""
+        effects, onsets = self.physics_of(terms)
         if recording is None:
             return self.plain.beside(effects, onsets)
         return chain_for(
@@ -87,18 +87,18 @@ class Workbench(Sharing, Sizes):
             choking=self.choking and "p1" in recording and "p2" in recording,
         )
 
-    def holding(self, members, model):
-        """Workbench of the same recording whose simulation holds these effects, as if they had been declared.
+    def holding(self, terms, model):
+        """Problem of the same recording whose simulation holds these effects, as if they had been declared.
 
         Parameters
         ----------
-        members : sequence of Member
+        terms : sequence of Term
         model : Model
             Whose values they begin with.
         """
         other = copy(self)
-        other.held = (*self.held, *members)
-        keys = tuple(f"{m.effect.key}." for m in members)
+        other.held = (*self.held, *terms)
+        keys = tuple(f"{m.effect.key}." for m in terms)
         begun = {name: value for name, value in model.values.items() if name.startswith(keys)}
         other.held_values = self.held_values | begun
         other.plain = other.chain((), self.recording)
@@ -106,17 +106,17 @@ class Workbench(Sharing, Sizes):
         other._known, other._learnt, other.sound_values = {}, {}, {}
         return other
 
-    def physics_of(self, members):
+    def physics_of(self, terms):
         """Effects of a hypothesis, those held included, and the onsets of those that have one."""
-        every = (*self.held, *members)
+        every = (*self.held, *terms)
         return [m.effect for m in every], {m.effect.key: m.times for m in every if m.onset is not None}
 
-    def fit(self, members, *, start=None, attempt=0, hold=None, rows=None, max_steps=20):
+    def fit(self, terms, *, start=None, attempt=0, hold=None, rows=None, max_steps=20):
         """Fit of a hypothesis.
 
         Parameters
         ----------
-        members : sequence of Member
+        terms : sequence of Term
         start : Model, default=None
             Whose values the fit begins with.
         attempt : int, default=0
@@ -124,24 +124,24 @@ class Workbench(Sharing, Sizes):
         hold : str, default=None
             Prefix of calibration parameters to leave as `start` has them.
         rows : ndarray of bool, default=None
-            Rows to use; those of the workbench unless given.
+            Rows to use; those of the problem unless given.
         max_steps : int, default=20
 
         Returns
         -------
         model : Model
         """
-        members = tuple(members)
+        terms = tuple(terms)
         rows = self.rows if rows is None else rows
-        chain = self.chain(members)
+        chain = self.chain(terms)
         begin = dict(start.values) if start is not None else {}
         values, spreads, predictions, likelihood = {}, {}, {}, 0.0
-        for channels in self._groups(members):
-            own = self._telling(members, channels)
-            fixed = self._told_elsewhere(members, channels, values)
+        for channels in self._groups(terms):
+            own = self._telling(terms, channels)
+            fixed = self._told_elsewhere(terms, channels, values)
             asked = (
                 channels,
-                _signs(self._touching(members, channels)),
+                _signs(self._touching(terms, channels)),
                 tuple(fixed.items()),
                 attempt if own else 0,
                 hold,
@@ -161,14 +161,14 @@ class Workbench(Sharing, Sizes):
             spreads |= fit.spreads
             predictions |= fit.predictions
             likelihood += fit.log_likelihood
-        return Model(members, chain, values, predictions, likelihood, spreads)
+        return Model(terms, chain, values, predictions, likelihood, spreads)
 
     def _origin(self, chain, begin, own, channels):
         """Where a fit begins: equal questions from equal starts have equal answers, whoever asks first."""
         return tuple(begin.get(p.name) for p in self.parameters(chain, channels, own))
 
-    def _fit_group(self, chain, channels, members, begin, attempt, hold, fixed, rows, max_steps):
-        parameters = self.parameters(chain, channels, members, attempt)
+    def _fit_group(self, chain, channels, terms, begin, attempt, hold, fixed, rows, max_steps):
+        parameters = self.parameters(chain, channels, terms, attempt)
         if hold is not None:
             fixed = fixed | {
                 p.name: begin[p.name] for p in parameters if p.name.startswith(hold) and p.name in begin
@@ -186,11 +186,11 @@ class Workbench(Sharing, Sizes):
         misfits : list of Misfit
             One for each group of channels that share parameters and hold one of `channels`.
         """
-        groups = [g for g in self._groups(model.members) if set(g) & set(channels)]
+        groups = [g for g in self._groups(model.terms) if set(g) & set(channels)]
         return [
             Misfit(
                 model.chain,
-                self.parameters(model.chain, group, self._telling(model.members, group)),
+                self.parameters(model.chain, group, self._telling(model.terms, group)),
                 group,
                 self.noise,
                 fixed=model.values,
@@ -199,12 +199,10 @@ class Workbench(Sharing, Sizes):
             for group in groups
         ]
 
-    def simulate(self, members, values):
+    def simulate(self, terms, values):
         """A hypothesis with given values, simulated and not fitted."""
-        chain = self.chain(members)
-        return Model(
-            tuple(members), chain, values, simulate_channels(chain, values, self.channels), np.nan, {}
-        )
+        chain = self.chain(terms)
+        return Model(tuple(terms), chain, values, simulate_channels(chain, values, self.channels), np.nan, {})
 
     def residuals(self, model):
         """Recorded minus simulated, by channel."""
@@ -222,7 +220,7 @@ class Workbench(Sharing, Sizes):
         """
         left, noise = self.residuals(model), {}
         for c in self.channels:
-            untouched = not self._touching(model.members, (c,))
+            untouched = not self._touching(model.terms, (c,))
             if untouched and not anew and (c, cautious) in self._learnt:
                 noise[c] = self._learnt[c, cautious]
                 continue
@@ -245,7 +243,7 @@ class Workbench(Sharing, Sizes):
         return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
     @contextmanager
-    def every_row_alike(self, model, rows=slice(None)):
+    def homoscedastic(self, model, rows=slice(None)):
         """Noise of one size in all rows; the best explanation's makes little of a poor one's errors.
 
         The size is that of the residual in `rows`.
@@ -263,12 +261,12 @@ class Workbench(Sharing, Sizes):
 
     def least_squares(self, model):
         """A hypothesis fitted for the least error itself, also from its effects' own starts."""
-        own = tuple(f"{m.effect.key}." for m in model.members)
+        own = tuple(f"{m.effect.key}." for m in model.terms)
         bare = {name: value for name, value in model.values.items() if not own or not name.startswith(own)}
-        with self.every_row_alike(model):
-            fits = [self.fit(model.members, start=model, max_steps=15)]
+        with self.homoscedastic(model):
+            fits = [self.fit(model.terms, start=model, max_steps=15)]
             for k in range(2 if own and self.coupled else 0):
-                anew = self.fit(model.members, start=replace(model, values=bare), attempt=k, max_steps=15)
+                anew = self.fit(model.terms, start=replace(model, values=bare), attempt=k, max_steps=15)
                 fits.append(anew)
         return max(fits, key=lambda fitted: fitted.log_likelihood)
 
@@ -282,7 +280,7 @@ class Workbench(Sharing, Sizes):
         """
         if not self.sound_values:
             return model
-        return self.judged(self.simulate(model.members, model.values | self.sound_values))
+        return self.judged(self.simulate(model.terms, model.values | self.sound_values))
 
     def judged(self, model):
         """A simulated hypothesis with its log likelihood, the distance from the priors included."""
@@ -292,5 +290,5 @@ class Workbench(Sharing, Sizes):
         return replace(model, log_likelihood=-cost)
 
 
-def _signs(members):
-    return tuple(sorted((m.sign for m in members), key=str))
+def _signs(terms):
+    return tuple(sorted((m.sign for m in terms), key=str))

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import worth
+from sklvalve.mismatch.hypothesis import penalised_likelihood
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
-from sklvalve.simulation.side_by_side import side_by_side
+from sklvalve.simulation.parallel_map import parallel_map
 
 # steps of a rough fit; so many effects are fitted to the end
 _STEPS = 6
@@ -25,29 +25,29 @@ _FITTED = 4
 _LEFT = 0.5
 
 
-def much_is_left(workbench, model):
+def much_is_left(problem, model):
     """Whether a hypothesis without any actuator effect leaves more of the opening than counts.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
 
     Returns
     -------
     much : bool
     """
-    if "opening" not in workbench.channels or any(m.effect.stage in ACTUATOR_STAGES for m in model.members):
+    if "opening" not in problem.channels or any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
         return False
-    return _left_of_opening(workbench, model) > workbench.least("opening") ** 2
+    return _left_of_opening(problem, model) > problem.least("opening") ** 2
 
 
-def afresh(workbench, model, effects):
+def restarted(problem, model, effects):
     """Hypotheses with one actuator effect more, wherever the calibration of the hypothesis so far lies.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model : Model
         The hypothesis so far.
     effects : sequence of Effect
@@ -57,59 +57,61 @@ def afresh(workbench, model, effects):
     -------
     found : list of Model
         Those that leave half of the opening's residual or less (mean square), what leaves least first, under
-        the noise of the workbench.
+        the noise of the problem.
     """
     bent = [e for e in effects if e.stage in ACTUATOR_STAGES]
     if not bent:
         return []
-    bases = [model, *([workbench.sound(model)] if workbench.sound_values else [])]
+    bases = [model, *([problem.sound(model)] if problem.sound_values else [])]
     met = {}
-    with workbench.every_row_alike(model):
+    with problem.homoscedastic(model):
         for base in bases:
-            begin = workbench.fit(model.members, start=base, max_steps=_STEPS)
+            begin = problem.fit(model.terms, start=base, max_steps=_STEPS)
             # each from every calibration: none leaves a race in which it stands once
-            for m in screened(workbench, begin, bent, always=bent):
-                met.setdefault(m.members[-1].effect.key, []).append(m)
-        best = sorted(met.values(), key=lambda each: max(worth(workbench, m) for m in each), reverse=True)
+            for m in screened(problem, begin, bent, always=bent):
+                met.setdefault(m.terms[-1].effect.key, []).append(m)
+        best = sorted(
+            met.values(), key=lambda each: max(penalised_likelihood(problem, m) for m in each), reverse=True
+        )
         near = [m for each in best[:_FITTED] for m in each]
-        rough = list(side_by_side(lambda m: workbench.fit(m.members, start=m, max_steps=_STEPS), near))
+        rough = list(parallel_map(lambda m: problem.fit(m.terms, start=m, max_steps=_STEPS), near))
         chosen = {}
-        for m in sorted(rough, key=lambda m: worth(workbench, m), reverse=True):
-            chosen.setdefault(m.members[-1].effect.key, m)
-        fitted = list(side_by_side(lambda m: _to_the_end(workbench, model, m), chosen.values()))
-    fitted = list(side_by_side(lambda m: _judged(workbench, m), fitted))
-    most = _LEFT * _left_of_opening(workbench, model)
-    left = [(_left_of_opening(workbench, m), m) for m in fitted]
+        for m in sorted(rough, key=lambda m: penalised_likelihood(problem, m), reverse=True):
+            chosen.setdefault(m.terms[-1].effect.key, m)
+        fitted = list(parallel_map(lambda m: _to_the_end(problem, model, m), chosen.values()))
+    fitted = list(parallel_map(lambda m: _judged(problem, m), fitted))
+    most = _LEFT * _left_of_opening(problem, model)
+    left = [(_left_of_opening(problem, m), m) for m in fitted]
     return [m for rest, m in sorted(left, key=lambda each: each[0]) if rest <= most]
 
 
-def _judged(workbench, model):
-    """A hypothesis under the noise of the workbench, fitted from more than where white noise has led it.
+def _judged(problem, model):
+    """A hypothesis under the noise of the problem, fitted from more than where white noise has led it.
 
     Where the simulated stem hunts, no step of a fit gains anything: so the positioner is begun anew too, as
     it stands in a data sheet and as most rows have it.
     """
     anew = {name: value for name, value in model.values.items() if name != "actuator_loop"}
     starts = [model.values, anew]
-    if workbench.sound_values:
-        starts.append(model.values | workbench.sound_values)
-    fits = [workbench.fit(model.members, start=replace(model, values=values)) for values in starts]
-    most = max(2.0 * _left_of_opening(workbench, model), 0.0)
-    near = [m for m in fits if _left_of_opening(workbench, m) <= most]
+    if problem.sound_values:
+        starts.append(model.values | problem.sound_values)
+    fits = [problem.fit(model.terms, start=replace(model, values=values)) for values in starts]
+    most = max(2.0 * _left_of_opening(problem, model), 0.0)
+    near = [m for m in fits if _left_of_opening(problem, m) <= most]
     return max(near or fits[:1], key=lambda m: m.log_likelihood)
 
 
-def _left_of_opening(workbench, model):
+def _left_of_opening(problem, model):
     """Mean square of what a hypothesis leaves of the opening, beyond the sensor's own noise."""
-    floor = workbench.noise["opening"].floor
-    return float(np.nanmean(workbench.residuals(model)["opening"] ** 2)) - floor**2
+    floor = problem.noise["opening"].floor
+    return float(np.nanmean(problem.residuals(model)["opening"] ** 2)) - floor**2
 
 
-def _to_the_end(workbench, model, rough):
-    last = rough.members[-1]
-    fitted = workbench.fit(rough.members, start=rough)
+def _to_the_end(problem, model, rough):
+    last = rough.terms[-1]
+    fitted = problem.fit(rough.terms, start=rough)
     if last.onset is None:
         return fitted
     rest = replace(model, values=fitted.values)
-    begun = fit_with_onset(workbench, rest, last.effect, onset=last.onset, max_steps=15)
-    return to_the_sample(workbench, max(fitted, begun, key=lambda m: m.log_likelihood))
+    begun = fit_with_onset(problem, rest, last.effect, onset=last.onset, max_steps=15)
+    return to_the_sample(problem, max(fitted, begun, key=lambda m: m.log_likelihood))

@@ -88,12 +88,12 @@ class LeftOver:
         return bool(self.size > wide and self._chance_of(self.size / wide) < _OF_ALPHA * alpha)
 
 
-def held_against_noise(workbench, explanation, model, findings, alpha):
+def held_against_noise(problem, explanation, model, findings, alpha):
     """What a hypothesis leaves over of the flow, and what that says of the findings, or of there being none.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     explanation : Explanation
     model : Model
         The hypothesis that was searched out.
@@ -109,23 +109,23 @@ def held_against_noise(workbench, explanation, model, findings, alpha):
         Where no effect on the flow is named, one of the catalogue that would explain what is left over makes
         it doubtful that there is something else.
     """
-    left = left_over(workbench, model, explanation.nominal)
+    left = left_over(problem, model, explanation.nominal)
     if imitates_any_course(findings):
         return left, REFUTED
-    if _leaves_little(workbench, left, findings, alpha):
+    if _leaves_little(problem, left, findings, alpha):
         return left, FINE
-    if _of_flow(workbench, findings):
+    if _of_flow(problem, findings):
         return left, REFUTED if left.clearly else DOUBTFUL
-    known = known_effect_explains(workbench, explanation.nominal, explanation.effects)
+    known = known_effect_explains(problem, explanation.nominal, explanation.effects)
     return left, DOUBTFUL if known else REFUTED
 
 
-def is_fine(workbench, nominal, model, findings, alpha):
+def is_fine(problem, nominal, model, findings, alpha):
     """Whether the noise says nothing against a hypothesis; what else there may be is not looked for.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     nominal, model : Model
     findings : list of Finding
     alpha : float
@@ -134,43 +134,43 @@ def is_fine(workbench, nominal, model, findings, alpha):
     -------
     fine : bool
     """
-    left = left_over(workbench, model, nominal)
-    return not imitates_any_course(findings) and _leaves_little(workbench, left, findings, alpha)
+    left = left_over(problem, model, nominal)
+    return not imitates_any_course(findings) and _leaves_little(problem, left, findings, alpha)
 
 
-def _leaves_little(workbench, left, findings, alpha):
+def _leaves_little(problem, left, findings, alpha):
     if left is None or not left.too_much:
         return True
-    return not _of_flow(workbench, findings) and not left.is_no_wander(alpha)
+    return not _of_flow(problem, findings) and not left.is_no_wander(alpha)
 
 
-def _of_flow(workbench, findings):
-    return any("flow" in workbench.channels_touched(f.member.effect) for f in findings)
+def _of_flow(problem, findings):
+    return any("flow" in problem.channels_touched(f.term.effect) for f in findings)
 
 
-def known_effect_explains(workbench, nominal, effects):
+def known_effect_explains(problem, nominal, effects):
     """Whether one effect of the catalogue leaves no more than it may, however little noise it is given.
 
     The search judges by noise that may wander; what is rare, small or slow can hide in that.
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     nominal : Model
     effects : sequence of Effect
     """
-    able = [e for e in effects if "flow" in workbench.channels_touched(e)]
-    with workbench.every_row_alike(nominal):
-        begin = workbench.fit((), start=nominal, max_steps=6)
+    able = [e for e in effects if "flow" in problem.channels_touched(e)]
+    with problem.homoscedastic(nominal):
+        begin = problem.fit((), start=nominal, max_steps=6)
         best: dict = {}
-        for m in screened(workbench, begin, able):
-            best.setdefault(m.members[-1].effect.key, m)
-        fits = [workbench.fit(m.members, start=m, max_steps=10) for m in list(best.values())[:_FITTED]]
-    told = [left_over(workbench, m, nominal) for m in fits]
+        for m in screened(problem, begin, able):
+            best.setdefault(m.terms[-1].effect.key, m)
+        fits = [problem.fit(m.terms, start=m, max_steps=10) for m in list(best.values())[:_FITTED]]
+    told = [left_over(problem, m, nominal) for m in fits]
     return any(left is not None and not left.too_much for left in told)
 
 
-def left_over(workbench, model, nominal):
+def left_over(problem, model, nominal):
     r"""What a hypothesis leaves over of the flow beside what it may.
 
     With :math:`\sigma` the quick noise of the flow, :math:`c` the size from which on an effect counts and
@@ -182,7 +182,7 @@ def left_over(workbench, model, nominal):
 
     Parameters
     ----------
-    workbench : Workbench
+    problem : Problem
     model, nominal : Model
         The hypothesis, and the calibrated simulation without any effect (the same where none was found).
 
@@ -192,11 +192,11 @@ def left_over(workbench, model, nominal):
         None where nothing can be said: without flow or position, where nothing tells the pressure drop, or
         where too few rows are at rest.
     """
-    recording = workbench.recording
-    if "flow" not in workbench.channels or workbench.coupled or drop_is_unknown(recording):
+    recording = problem.recording
+    if "flow" not in problem.channels or problem.coupled or drop_is_unknown(recording):
         return None
-    span = workbench.spans["flow"]
-    rest = workbench.residuals(model)["flow"] / span
+    span = problem.spans["flow"]
+    rest = problem.residuals(model)["flow"] / span
     shown = model.predictions["flow"] / span
     quiet = np.abs(np.gradient(np.nan_to_num(shown))) < _MOVES
     slow = _means(rest, quiet)
@@ -206,7 +206,7 @@ def left_over(workbench, model, nominal):
     if noise is None:
         return None
     explained = _rms(_means(shown - nominal.predictions["flow"] / span, quiet))
-    parts = noise, _INADEQUACY * workbench.least("flow"), SHARE_MISTAKEN * explained
+    parts = noise, _INADEQUACY * problem.least("flow"), SHARE_MISTAKEN * explained
     allowed, size = float(np.sqrt(np.sum(np.square(parts)))), _rms(slow)
     return LeftOver("flow", size, noise, allowed, effective_number(slow))
 
@@ -221,7 +221,7 @@ def imitates_any_course(findings):
     ----------
     findings : list of Finding
     """
-    slow = [f for f in findings if f.member.effect.grows or "temperature" in f.member.effect.needs]
+    slow = [f for f in findings if f.term.effect.grows or "temperature" in f.term.effect.needs]
     return len(slow) > 1
 
 
