@@ -24,7 +24,7 @@ _RULES = {
     "data_quality": "not made by the data",
     "forecast": "improves forecasts",
     "black_box": "forecasts as well as a black box",
-    "probability": "such names held before",
+    "probability": "likely enough by blind tests",
 }
 
 
