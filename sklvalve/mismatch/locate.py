@@ -120,7 +120,7 @@ def course_of_cause(problem, model, cause):
 
 def _slopes_of_calibration(problem, model, cause):
     """Derivatives of the whitened residuals of a cause's channels with regard to all but its own size."""
-    own, channels, columns = f"{cause.member.effect.key}.", list(cause.before), []
+    own, channels, columns = f"{cause.term.effect.key}.", list(cause.before), []
     misfits = problem.misfits(model, channels)
     still, priors = np.zeros(len(model.chain.clock)), [0] * len(misfits)
     for i, misfit in enumerate(misfits):
