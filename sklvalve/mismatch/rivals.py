@@ -116,7 +116,7 @@ def without_rival(problem, finding, model, rejected):
 
 
 def _others_in_place(problem, model, rest, without, others, term, seen):
-    """Other effects in the place of one, each from the best of two calibrations, as (Member, Model)."""
+    """Other effects in the place of one, each from the best of two calibrations, as (Term, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
     bare = problem.judged(problem.simulate(rest, model.values))
     found = {}
@@ -184,7 +184,7 @@ def weighed(problem, places, without):
     Parameters
     ----------
     problem : Problem
-    places : list of (Member, Model)
+    places : list of (Term, Model)
     without : Model
         The hypothesis without any of them.
     """
