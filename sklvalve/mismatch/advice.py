@@ -133,7 +133,7 @@ def _problem_of(
 ) -> tuple[Problem, list[dict[str, Any]]]:
     """The problem that a finder has diagnosed, its noise not yet learnt, and the findings about its data."""
     ours = finder.simulation if isinstance(finder.simulation, ValveSimulation) else None
-    whole = gathered(X, simulation=ours, given=finder.simulation if ours is None else None)
+    whole = gathered(X, simulation=ours, external=finder.simulation if ours is None else None)
     recording = whole.slice(0, rows_to_use(whole, until))
     data = with_seized_stems(screen_recording(recording), recording)
     _, recording = masked(recording, recording, data)

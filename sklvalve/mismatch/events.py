@@ -124,7 +124,7 @@ def evident_events(problem: Problem, effects: Sequence[Effect], alpha: float) ->
     return events if events.may_name else None
 
 
-def worth_searching(effects: Sequence[Effect], events: Events | None) -> list[Effect]:
+def effects_to_search(effects: Sequence[Effect], events: Events | None) -> list[Effect]:
     """Effects still to be searched: beside events, of those that move the stem the ones that look alike.
 
     Parameters
@@ -188,10 +188,10 @@ def _moves_the_stem(effect: Effect) -> bool:
 
 
 def simulated(model: Model) -> Model:
-    """A hypothesis without what is told by its events and not simulated."""
+    """A hypothesis without what its events name, which is not simulated."""
     return replace(model, terms=tuple(m for m in model.terms if m.effect not in EVENTS))
 
 
-def told_by_events(findings: Iterable[Finding]) -> bool:
-    """Whether any of some findings is told by events."""
+def named_by_events(findings: Iterable[Finding]) -> bool:
+    """Whether any of some findings is named by its events."""
     return any(f.term.effect in EVENTS for f in findings)

@@ -24,7 +24,7 @@ _CHANNELS = ("opening", "flow")
 
 
 def gathered(
-    X: Any, y: ArrayLike | None = None, *, simulation: ValveSimulation | None = None, given: Any = None
+    X: Any, y: ArrayLike | None = None, *, simulation: ValveSimulation | None = None, external: Any = None
 ) -> Recording:
     """One recording of what a finder is given.
 
@@ -35,7 +35,7 @@ def gathered(
         Flow [SI], where X is a single frame without it.
     simulation : ValveSimulation or None
         Whose sheet a frame takes.
-    given : regressor or callable or None
+    external : regressor or callable or None
         The user's own simulation.
 
     Returns
@@ -50,10 +50,10 @@ def gathered(
     """
     valve = None if simulation is None else simulation.valve
     if not isinstance(X, (list, tuple)):
-        return with_given(as_recording(X, y, valve), given)
+        return with_given(as_recording(X, y, valve), external)
     if y is not None:
         raise InputError("several recordings hold their own flow; give no y beside them")
-    return join_recordings([with_given(as_recording(x, None, valve), given) for x in X])
+    return join_recordings([with_given(as_recording(x, None, valve), external) for x in X])
 
 
 def settled(recording: Recording) -> Recording:

@@ -124,7 +124,7 @@ def held_against_noise(
         it doubtful that there is something else.
     """
     left = left_over(problem, model, explanation.nominal)
-    if imitates_any_course(findings):
+    if imitates_any_time_profile(findings):
         return left, REFUTED
     if left is None or _leaves_little(problem, left, findings, alpha):
         return left, FINE
@@ -151,7 +151,7 @@ def is_fine(
     fine : bool
     """
     left = left_over(problem, model, nominal)
-    return not imitates_any_course(findings) and _leaves_little(problem, left, findings, alpha)
+    return not imitates_any_time_profile(findings) and _leaves_little(problem, left, findings, alpha)
 
 
 def _leaves_little(
@@ -229,7 +229,7 @@ def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None
     return LeftOver("flow", size, noise, allowed, effective_number(slow))
 
 
-def imitates_any_course(findings: Sequence[Finding]) -> bool:
+def imitates_any_time_profile(findings: Sequence[Finding]) -> bool:
     """Whether several effects are named that follow time or temperature and nothing else.
 
     Two slow time profiles add up to nearly any third, each with a size of its own: they are found together
