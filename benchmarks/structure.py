@@ -101,9 +101,16 @@ def _module(path):
 
 
 def _imports(path, tree):
-    """Modules of the core that one imports, where it stands or later."""
-    found = {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.module}
-    return {m for m in found if m.startswith("sklvalve.mismatch.")} - {_module(path)}
+    """Modules of the core that one imports, where it stands or later; not those for its annotations alone."""
+    unrun = {n for block in ast.walk(tree) if _is_for_types(block) for n in ast.walk(block)}
+    imports = [n for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n not in unrun]
+    modules = {n.module for n in imports if n.module}
+    return {m for m in modules if m.startswith("sklvalve.mismatch.")} - {_module(path)}
+
+
+def _is_for_types(node):
+    """Whether a block holds what type checkers read and no program runs."""
+    return isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING"
 
 
 def _in_cycles(graph):

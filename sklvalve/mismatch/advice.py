@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The next test for a diagnosed recording, within limits that the user gives."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
 from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
@@ -15,8 +20,19 @@ from sklvalve.mismatch.rivals import find_rivals
 from sklvalve.recording import InputError, screen_recording
 from sklvalve.simulation import ValveSimulation
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.finder import MissingPhysicsFinder
+    from sklvalve.mismatch.hypothesis import Term
+    from sklvalve.mismatch.plan import TestPlan
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.programs import TestLimits
+    from sklvalve.mismatch.rivals import Finding
 
-def plan_next_test(finder, X, *, limits=None, until=None):
+
+def plan_next_test(
+    finder: MissingPhysicsFinder, X: Any, *, limits: TestLimits | None = None, until: int | None = None
+) -> TestPlan | None:
     """Program of the command, or sensor, that would tell apart what a diagnosis leaves open.
 
     Programs of a small library are simulated with each explanation of the class, and every other one is
@@ -81,7 +97,9 @@ def plan_next_test(finder, X, *, limits=None, until=None):
         return planned(problem, findings, limits)
 
 
-def reopened(finder, X, *, names=(), until=None):
+def reopened(
+    finder: MissingPhysicsFinder, X: Any, *, names: Iterable[str] = (), until: int | None = None
+) -> tuple[Problem, list[Finding]]:
     """The problem of a fitted finder and its findings, fitted once more.
 
     Parameters
@@ -98,25 +116,44 @@ def reopened(finder, X, *, names=(), until=None):
     findings : list of Finding
         Empty where nothing was found.
     """
+    problem, data = _problem_of(finder, X, until)
+    terms = _simulated_terms(finder, problem)
+    if not terms:
+        return problem, []
+    model = problem.simulate(terms, finder.corrected_simulation_.values_)
+    for _ in range(2):
+        problem.learn_noise(model, anew=True)
+        model = problem.fit(terms, start=model)
+    effects = _effects_to_weigh(finder, problem, data, names)
+    return problem, find_rivals(problem, model, effects, None)
+
+
+def _problem_of(
+    finder: MissingPhysicsFinder, X: Any, until: int | None
+) -> tuple[Problem, list[dict[str, Any]]]:
+    """The problem that a finder has diagnosed, its noise not yet learnt, and the findings about its data."""
     ours = finder.simulation if isinstance(finder.simulation, ValveSimulation) else None
-    whole = gathered(X, simulation=ours, given=finder.simulation if ours is None else None)
+    whole = gathered(X, simulation=ours, external=finder.simulation if ours is None else None)
     recording = whole.slice(0, rows_to_use(whole, until))
     data = with_seized_stems(screen_recording(recording), recording)
     _, recording = masked(recording, recording, data)
-    problem = prepared_problem(recording, ours, finder.tolerance)
-    found = finder.corrected_simulation_
-    onsets = found.onsets or {}
-    # what was told by events is not simulated
-    simulated = [e for e in found.effects if e not in EVENTS and not is_in(e, problem.held)]
-    members = tuple(begun(e, onsets.get(e.key)) for e in simulated)
-    if not members:
-        return problem, []
-    model = problem.simulate(members, found.values_)
-    for _ in range(2):
-        problem.learn_noise(model, anew=True)
-        model = problem.fit(members, start=model)
-    told = {m["name"] for entry in finder.diagnosis_.content["effects"] for m in entry["members"]}
-    own = [] if isinstance(finder.effects, str) else [e for e in finder.effects if not isinstance(e, str)]
-    effects, _ = candidates(problem, [*sorted(told | set(names)), *own], data)
-    effects = [e for e in effects if e.name in told | set(names)]
-    return problem, find_rivals(problem, model, effects, None)
+    return prepared_problem(recording, ours, finder.tolerance), data
+
+
+def _simulated_terms(finder: MissingPhysicsFinder, problem: Problem) -> tuple[Term, ...]:
+    """Effects that a diagnosis has added to the simulation; those that events show are not simulated."""
+    corrected = finder.corrected_simulation_
+    onsets = corrected.onsets or {}
+    simulated = [e for e in corrected.effects if e not in EVENTS and not is_in(e, problem.held)]
+    return tuple(begun(e, onsets.get(e.key)) for e in simulated)
+
+
+def _effects_to_weigh(
+    finder: MissingPhysicsFinder, problem: Problem, data: list[dict[str, Any]], names: Iterable[str]
+) -> list[Effect]:
+    """Effects that a diagnosis names, and further ones by name."""
+    wanted = {m["name"] for entry in finder.diagnosis_.content["effects"] for m in entry["members"]}
+    wanted |= set(names)
+    of_user = [] if isinstance(finder.effects, str) else [e for e in finder.effects if not isinstance(e, str)]
+    effects, _ = candidates(problem, [*sorted(wanted), *of_user], data)
+    return [e for e in effects if e.name in wanted]

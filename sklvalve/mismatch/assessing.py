@@ -1,16 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How sure each finding is: its probability where that was checked, its grade, whether it may be named."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from sklvalve.mismatch.checked_kind import few_signals, unchecked
 from sklvalve.mismatch.grade import WEAK, grade_of
 from sklvalve.mismatch.origins import ORIGINS
 from sklvalve.mismatch.probability import Grounds, is_coarse, probability_of
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.recording import Recording
+
 # of a recording, its first rows: a valve, its line and its meter settle from what was before
 _AT_FIRST = 0.02
 
 
-def assessed(entries, verdict, p_value, skills, data, problem):
+def assessed(
+    entries: list[dict[str, Any]],
+    verdict: str,
+    p_value: float | None,
+    skills: dict[str, float | None],
+    data: list[dict[str, Any]],
+    problem: Problem,
+) -> tuple[list[dict[str, Any]], str, list[str]]:
     """Entries of diagnosis.json with how sure they are, and the verdict that this leaves.
 
     Parameters
@@ -42,13 +57,7 @@ def assessed(entries, verdict, p_value, skills, data, problem):
     kind, few, coarse = unchecked(problem), few_signals(problem.recording), is_coarse(data)
     made = []
     for k, entry in enumerate(entries):
-        late = _is_late(entry, problem.recording)
-        evidence = {
-            **entry["evidence"],
-            "skill": None if late else _skill(entry, skills),
-            "late": late,
-            "at_first": _is_at_first(entry, problem.recording),
-        }
+        evidence = _evidence(entry, skills, problem.recording)
         grounds = Grounds(
             entry["members"][0]["name"],
             1.0 if p_value is None else p_value,
@@ -57,25 +66,7 @@ def assessed(entries, verdict, p_value, skills, data, problem):
             may_vanish=bool(evidence["vanishes"]),
             few_signals=few,
         )
-        whole = min(entry["probability"], 1.0) * probability_of(grounds)
-        members = [
-            member
-            | {
-                "probability": None
-                if kind
-                else round(whole * member["probability"] / entry["probability"], 4)
-            }
-            for member in entry["members"]
-        ]
-        made.append(
-            entry
-            | {
-                "members": members,
-                "probability": None if kind else round(whole, 4),
-                "grade": grade_of(whole, grounds, evidence, kind),
-                "evidence": evidence,
-            }
-        )
+        made.append(_graded(entry, grounds, evidence, kind))
     if verdict != "named":
         return made, verdict, []
     weak = [entry for entry in made if entry["grade"]["level"] == WEAK]
@@ -85,7 +76,38 @@ def assessed(entries, verdict, p_value, skills, data, problem):
     return [entry for entry in made if entry not in weak], verdict, [_doubt(entry) for entry in weak]
 
 
-def _doubt(entry):
+def _evidence(entry: dict[str, Any], skills: dict[str, float | None], recording: Recording) -> dict[str, Any]:
+    """Evidence of an entry, with its skill on rows ahead and whether it begins too late for one."""
+    late = _is_late(entry, recording)
+    return {
+        **entry["evidence"],
+        "skill": None if late else _skill(entry, skills),
+        "late": late,
+        "at_first": _is_at_first(entry, recording),
+    }
+
+
+def _graded(entry: dict[str, Any], grounds: Grounds, evidence: dict[str, Any], kind: str) -> dict[str, Any]:
+    """An entry with its grade, and with probabilities where no `kind` of recording forbids them."""
+    whole = min(entry["probability"], 1.0) * probability_of(grounds)
+    alternatives = [
+        alternative
+        | {
+            "probability": None
+            if kind
+            else round(whole * alternative["probability"] / entry["probability"], 4)
+        }
+        for alternative in entry["members"]
+    ]
+    return entry | {
+        "members": alternatives,
+        "probability": None if kind else round(whole, 4),
+        "grade": grade_of(whole, grounds, evidence, kind),
+        "evidence": evidence,
+    }
+
+
+def _doubt(entry: dict[str, Any]) -> str:
     """Why the strongest finding is no name, in a sentence that says which it is."""
     name, reason = entry["members"][0]["name"].replace("_", " "), entry["grade"]["reason"]
     # what was not checked is said once, beside the grade
@@ -93,20 +115,20 @@ def _doubt(entry):
     return f"{name.capitalize()} is too uncertain to be named: {reason[:1].lower()}{reason[1:]}"
 
 
-def _skill(entry, skills):
+def _skill(entry: dict[str, Any], skills: dict[str, float | None]) -> float | None:
     """Largest skill among the channels that a finding changes; None where none is known."""
     known = [skills.get(channel) for channel in entry["size"]]
     return max((skill for skill in known if skill is not None), default=None)
 
 
-def _is_late(entry, recording):
+def _is_late(entry: dict[str, Any], recording: Recording) -> bool:
     """Whether a finding begins behind the last origin of the forecasts, which cannot know of it."""
     if entry["onset"] is None:
         return False
     return bool(entry["onset"] >= recording.time[int(ORIGINS[-2] * len(recording))] - recording.time[0])
 
 
-def _is_at_first(entry, recording):
+def _is_at_first(entry: dict[str, Any], recording: Recording) -> bool:
     """Whether a finding acts in the first rows alone, where what was before the recording still shows."""
     episodes = entry.get("spells") or []
     return bool(episodes and episodes[-1][1] <= _AT_FIRST * (recording.time[-1] - recording.time[0]))

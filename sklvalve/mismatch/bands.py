@@ -1,13 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Mean residual in every part of the operating range, with bands that hold for all parts at once."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import norm
 from scipy.stats import t as student
 
 from sklvalve.mismatch.cells import Cells
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.noise import NoiseModel
+    from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
+
+    Noise = NoiseModel | NoiseOfPieces
+    Part = tuple[Noise, np.ndarray, Sequence[np.ndarray], Sequence[Cells]]
 
 # stretches whose scatter the bands are made of: longer than what whitening leaves of the noise's memory
 _STRETCH_ROWS = 30
@@ -40,17 +51,19 @@ class Band:
     gain: float
 
     @property
-    def beyond(self):
+    def beyond(self) -> np.ndarray:
         """By how much each mean is sure to differ from nought [SI]; zero inside the band."""
         return np.maximum(np.abs(self.mean) - self.half, 0.0)
 
 
-def simultaneous_bands(parts, *, alpha, random_state=0):
+def simultaneous_bands(
+    parts: Sequence[Part], *, alpha: float, random_state: int = 0
+) -> list[list[list[Band]]]:
     """Bands for the mean residuals of several channels, partitions and residuals.
 
     Parameters
     ----------
-    parts : sequence of (noise, rest, several, partitions)
+    parts : sequence of (noise, residual, several, partitions)
         For each channel its `NoiseModel`; the residual that is left when all is explained, whose scatter the
         bands are made of, ndarray of shape (n,), NaN in gaps; residuals to be looked at, a list of such
         arrays; a list of `Cells`.
@@ -72,14 +85,10 @@ def simultaneous_bands(parts, *, alpha, random_state=0):
     Kato, Annals of Statistics 41 (2013) 2786), which keeps the correlation of overlapping cells and what
     whitening left of that of the rows.
     """
-    fits = [[_Fit(*part, cells) for cells in part[-1]] for part in parts]
+    fits = [_fits_of(*part) for part in parts]
     every = [fit for channel in fits for fit in channel]
     if not every:
         return [[[] for _ in several] for _, _, several, _ in parts]
-    for channel in fits:
-        excess = max(1.0, float(np.mean(np.concatenate([fit.scatter for fit in channel] or [np.ones(1)]))))
-        for fit in channel:
-            fit.settle(excess)
     critical = _largest(every, alpha, random_state)
     return [
         [[fit.band(i, critical) for fit in channel] for i in range(len(several))]
@@ -87,17 +96,30 @@ def simultaneous_bands(parts, *, alpha, random_state=0):
     ]
 
 
+def _fits_of(
+    noise: Noise, residual: np.ndarray, several: Sequence[np.ndarray], partitions: Sequence[Cells]
+) -> list[_Fit]:
+    """Fits of one channel, partition by partition, with their spreads."""
+    fits = [_Fit(noise, residual, several, cells) for cells in partitions]
+    excess = max(1.0, float(np.mean(np.concatenate([fit.scatter for fit in fits] or [np.ones(1)]))))
+    for fit in fits:
+        fit.settle(excess)
+    return fits
+
+
 class _Fit:
     """Means of the cells of one partition, and what the stretches of a noise contribute to them."""
 
-    def __init__(self, noise, rest, several, partitions, cells):
+    def __init__(
+        self, noise: Noise, residual: np.ndarray, several: Sequence[np.ndarray], cells: Cells
+    ) -> None:
         self.cells = cells
-        columns = np.stack([noise.whiten(_indicator(cells, k, rest)) for k in range(cells.count)], axis=1)
-        own = columns.T @ columns
+        columns = np.stack([noise.whiten(_indicator(cells, k, residual)) for k in range(cells.count)], axis=1)
+        gram = columns.T @ columns
         # cells in gaps alone hold nothing
-        own[np.diag_indices_from(own)] += 1e-9 * np.trace(own) / len(own) + 1e-300
-        self._inverse = np.linalg.inv(own)
-        left = noise.whiten(rest)
+        gram[np.diag_indices_from(gram)] += 1e-9 * np.trace(gram) / len(gram) + 1e-300
+        self._inverse = np.linalg.inv(gram)
+        left = noise.whiten(residual)
         spikes = left - np.clip(left, -_SPIKE, _SPIKE)
         starts = _stretches(len(left))
         self.stretches = self._inverse @ np.add.reduceat(columns * (left - spikes)[:, None], starts).T
@@ -109,28 +131,28 @@ class _Fit:
         self.means = [self._inverse @ each for each in towards]
         self.gains = [0.5 * float(each @ mean) for each, mean in zip(towards, self.means, strict=True)]
 
-    def settle(self, excess):
+    def settle(self, excess: float) -> None:
         """Spreads of the means, held to the scatter of all cells where few stretches speak."""
         held = (self._rests_on * self.scatter + _HELD_BY * excess) / (self._rests_on + _HELD_BY)
         self.spread = np.sqrt(np.diag(self._inverse) * np.maximum(held, 1.0))
 
-    def band(self, i, critical):
+    def band(self, i: int, critical: float) -> Band:
         # a spread from few stretches is itself uncertain
         wide = student.isf(norm.sf(critical), self._rests_on + _HELD_BY)
         return Band(self.cells, self.means[i], wide * self.spread, self.gains[i])
 
 
-def _indicator(cells, k, rest):
-    return np.where(np.isfinite(rest), (cells.cell == k).astype(float), np.nan)
+def _indicator(cells: Cells, k: int, residual: np.ndarray) -> np.ndarray:
+    return np.where(np.isfinite(residual), (cells.cell == k).astype(float), np.nan)
 
 
-def _stretches(n):
+def _stretches(n: int) -> np.ndarray:
     """First row of each stretch."""
     many = int(np.clip(n // _STRETCH_ROWS, _FEWEST_STRETCHES, _MOST_STRETCHES))
     return np.unique(np.linspace(0, n, many, endpoint=False).astype(int))
 
 
-def _largest(fits, alpha, random_state):
+def _largest(fits: list[_Fit], alpha: float, random_state: int) -> float:
     """Quantile of the largest standardised mean of any cell under noise alone."""
     drawn = np.concatenate([fit.stretches for fit in fits])
     drawn /= np.maximum(np.sqrt((drawn**2).sum(axis=1)), 1e-300)[:, None]

@@ -7,21 +7,38 @@ over. But a property is part of the sound valve. So it joins the calibration, as
 what is behind it is searched and judged as a first finding.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any, cast
 
 from sklvalve.mismatch.detect import p_value_of_one
-from sklvalve.mismatch.explain import penalised_under_own_noise
+from sklvalve.mismatch.explain import penalised_across_noises
 from sklvalve.mismatch.hypothesis import Term, is_in
 from sklvalve.mismatch.prove import cross_validated, holds_out
 from sklvalve.mismatch.relevance import may_explain
 from sklvalve.mismatch.rivals import Finding, find_rivals
 from sklvalve.mismatch.verdict import class_of
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.explain import Explanation
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.null_reference import Covariates
+    from sklvalve.mismatch.problem import Problem
+
 # so many properties may lie one behind the other
 _MOST = 2
 
 
-def judged_behind(problem, effects, judge_on, alpha):
+def judged_behind(
+    problem: Problem,
+    effects: Sequence[Effect],
+    judge_on: Callable[[Problem, Sequence[Effect]], tuple[Explanation, Covariates, Judgement]],
+    alpha: float,
+) -> Judgement:
     """Judgement of a recording, with what lies behind the actuator's properties where that is named.
 
     Parameters
@@ -40,22 +57,25 @@ def judged_behind(problem, effects, judge_on, alpha):
     judged : Judgement
     """
     explanation, covariates, judged = judge_on(problem, effects)
-    bench, behind = problem, None
+    holding: Problem = problem
+    behind: tuple[Problem, Judgement, dict[str, Any]] | None = None
     for _ in range(_MOST):
-        held = _property_in_front(bench, explanation, covariates, alpha)
-        if held is None and bench is problem:
-            held = _likelier_alone(bench, explanation, effects, covariates, alpha)
+        held = _property_in_front(holding, explanation, covariates, alpha)
+        if held is None and holding is problem:
+            held = _likelier_alone(holding, explanation, effects, covariates, alpha)
         if held is None:
             break
-        bench = bench.holding((held,), _alone(bench, held, explanation.nominal))
-        left = [e for e in effects if not is_in(e, bench.held)]
-        explanation, covariates, found = judge_on(bench, left)
-        if found.verdict == "named":
-            behind = bench, found, bench.noise
+        holding = holding.holding((held,), _alone(holding, held, explanation.nominal))
+        left = [e for e in effects if not is_in(e, holding.held)]
+        explanation, covariates, judged_beside = judge_on(holding, left)
+        if judged_beside.verdict == "named":
+            behind = holding, judged_beside, holding.noise
     return judged if behind is None else _joined(problem, judged, effects, *behind)
 
 
-def _property_in_front(problem, explanation, covariates, alpha):
+def _property_in_front(
+    problem: Problem, explanation: Explanation, covariates: Covariates, alpha: float
+) -> Term | None:
     """The strongest thing found, where a sheet might have declared it and chance makes none as strong."""
     if not explanation.findings:
         return None
@@ -68,7 +88,13 @@ def _property_in_front(problem, explanation, covariates, alpha):
     return term if p_value_of_one(finding, problem, covariates) <= alpha else None
 
 
-def _likelier_alone(problem, explanation, effects, covariates, alpha):
+def _likelier_alone(
+    problem: Problem,
+    explanation: Explanation,
+    effects: Sequence[Effect],
+    covariates: Covariates,
+    alpha: float,
+) -> Term | None:
     """A property that by itself explains more than the strongest finding does; else None.
 
     The search takes up first what gains most under the noise that the nominal simulation leaves, which hides
@@ -78,26 +104,26 @@ def _likelier_alone(problem, explanation, effects, covariates, alpha):
         return None
     front, nominal, noise = explanation.findings[0].term, explanation.nominal, problem.noise
     touched = set(problem.channels_touched(front.effect))
-    best, likeliest = None, penalised_under_own_noise(problem, _alone(problem, front, nominal, keep=True))
+    best, likeliest = None, penalised_across_noises(problem, _alone(problem, front, nominal, keep=True))
     for effect in effects:
         if not effect.declared_as or not touched & set(problem.channels_touched(effect)):
             continue
         model = _alone(problem, Term(effect), nominal, keep=True)
         without = problem.fit((), start=nominal)
         gain = model.log_likelihood - without.log_likelihood
-        found = Finding(model.terms[0], [], gain, problem.change(model, without))
-        rare = p_value_of_one(found, problem, covariates) <= alpha
+        finding = Finding(model.terms[0], [], gain, problem.change(model, without))
+        rare = p_value_of_one(finding, problem, covariates) <= alpha
         if (
             rare
             and may_explain(problem, model, without)
-            and penalised_under_own_noise(problem, model) > likeliest
+            and penalised_across_noises(problem, model) > likeliest
         ):
-            best, likeliest = model.terms[0], penalised_under_own_noise(problem, model)
+            best, likeliest = model.terms[0], penalised_across_noises(problem, model)
     problem.use_noise(noise)
     return best
 
 
-def _alone(problem, term, nominal, *, keep=False):
+def _alone(problem: Problem, term: Term, nominal: Model, *, keep: bool = False) -> Model:
     """A property fitted without what else was found, that may have bent it; `keep` its own noise."""
     noise, model = problem.noise, problem.fit((term,), start=nominal)
     for _ in range(2):
@@ -108,31 +134,43 @@ def _alone(problem, term, nominal, *, keep=False):
     return model
 
 
-def _joined(problem, judged, effects, bench, found, noise):
-    """What was found behind the properties that `bench` holds, and those beside it."""
-    own = tuple(m for m in bench.held if m not in problem.held)
+def _joined(
+    problem: Problem,
+    judged: Judgement,
+    effects: Sequence[Effect],
+    holding: Problem,
+    judged_beside: Judgement,
+    noise: dict[str, Any],
+) -> Judgement:
+    """What was found behind the properties that the problem `holding` holds, and those beside it."""
+    added = tuple(m for m in holding.held if m not in problem.held)
     before = problem.noise
     problem.use_noise(noise)
-    with_own = {}
+    with_added: dict[Model, Model] = {}
 
-    def whole(model):
-        if model not in with_own:
-            with_own[model] = replace(model, terms=(*own, *model.terms))
-        return with_own[model]
+    def whole(model: Model) -> Model:
+        if model not in with_added:
+            with_added[model] = replace(model, terms=(*added, *model.terms))
+        return with_added[model]
 
-    model = whole(found.model)
+    model = whole(cast("Model", judged_beside.model))
     if not holds_out(problem, judged.nominal, model):
         problem.use_noise(before)
         return judged
-    behind = [replace(f, rivals=[replace(r, model=whole(r.model)) for r in f.rivals]) for f in found.findings]
-    properties = find_rivals(problem, model, effects, None, of=own)
+    behind = [
+        replace(f, rivals=[replace(r, model=whole(r.model)) for r in f.rivals])
+        for f in judged_beside.findings
+    ]
+    properties = find_rivals(problem, model, effects, None, of=added)
     return replace(
-        found,
-        p_value=min(p for p in (judged.p_value, found.p_value) if p is not None),
+        judged_beside,
+        p_value=min(p for p in (judged.p_value, judged_beside.p_value) if p is not None),
         findings=sorted([*behind, *properties], key=lambda f: f.gain, reverse=True),
         nominal=judged.nominal,
         model=model,
         evidence=judged.evidence,
-        comparison=found.comparison.behind(judged.comparison),
-        tried=None if found.unknown is None else cross_validated(problem, model, found.unknown),
+        comparison=judged_beside.comparison.behind(judged.comparison),
+        tried=None
+        if judged_beside.unknown is None
+        else cross_validated(problem, model, judged_beside.unknown),
     )

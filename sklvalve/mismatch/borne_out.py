@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How often names held on sealed records, as the numbers of a calibration."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 
 
@@ -25,9 +27,9 @@ class Numbers:
 
     intercept: float
     of_name: float
-    of_grounds: tuple
-    few_signals: tuple
-    held: dict = field(default_factory=dict)
+    of_grounds: tuple[float, float, float, float]
+    few_signals: tuple[float, float]
+    held: dict[str, tuple[int, int]] = field(default_factory=dict)
 
 
 #: Of a mismatch that is usual among those found; says only where the intercept is taken.

@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Contiguous boxes of the operating range, made of cells whose mean residual leaves its band."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.mismatch.cells import Cells
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.bands import Band
 
 # of the largest mean: less is not where something acts
 _FAIR_SHARE = 0.25
@@ -26,22 +33,22 @@ class Box:
     """
 
     cells: Cells
-    low: tuple
-    high: tuple
+    low: tuple[int, ...]
+    high: tuple[int, ...]
 
     @property
-    def rows(self):
+    def rows(self) -> np.ndarray:
         """Rows within the box, ndarray of bool."""
         at = self.cells.at
         inside = np.all((at >= np.array(self.low)) & (at <= np.array(self.high)), axis=1)
         return np.append(inside, False)[self.cells.cell]
 
-    def range(self, i):
+    def range(self, i: int) -> tuple[float, float]:
         """Bounds in one of its signals [SI]."""
         edges = self.cells.edges[i]
         return float(edges[self.low[i]]), float(edges[self.high[i] + 1])
 
-    def region(self, recorded=None):
+    def region(self, recorded: np.ndarray | None = None) -> dict[str, Any]:
         """The entry of diagnosis.json.
 
         Parameters
@@ -55,7 +62,7 @@ class Box:
             ends = np.nanquantile(recorded[rows], [0.02, 0.98])
             low, high = min(low, float(ends[0])), max(high, float(ends[1]))
         signals = self.cells.signals
-        entry = {"signal": signals[0], "low": low, "high": high, "direction": None}
+        entry: dict[str, Any] = {"signal": signals[0], "low": low, "high": high, "direction": None}
         if signals[1:] == ("direction",) and self.low[1] == self.high[1]:
             entry["direction"] = _WAYS[self.low[1]]
         entry["share"] = float(np.mean(rows))
@@ -65,7 +72,7 @@ class Box:
         return entry
 
 
-def rows_in(boxes, n):
+def rows_in(boxes: Sequence[Box], n: int) -> np.ndarray:
     """Rows in any of some boxes."""
     inside = np.zeros(n, dtype=bool)
     for box in boxes:
@@ -73,12 +80,12 @@ def rows_in(boxes, n):
     return inside
 
 
-def covered(boxes):
+def covered(boxes: Sequence[Box]) -> float:
     """Share of the rows in any of some boxes."""
     return float(np.mean(rows_in(boxes, len(boxes[0].cells.cell)))) if boxes else 0.0
 
 
-def boxes_of(band):
+def boxes_of(band: Band) -> list[Box]:
     """Boxes of cells that leave the band, by a fair share of the largest mean, the fullest first.
 
     Parameters
@@ -107,22 +114,23 @@ def boxes_of(band):
             grid = np.repeat(
                 np.where(both, np.abs(grid).sum(axis=1), -np.abs(grid).sum(axis=1))[:, None], 2, 1
             )
-    found = []
-    while len(found) < _MOST_BOXES and (grid > 0).any():
+    boxes: list[Box] = []
+    while len(boxes) < _MOST_BOXES and (grid > 0).any():
         low, high = _fullest(grid)
-        found.append(Box(cells, low, high))
+        boxes.append(Box(cells, low, high))
         grid[tuple(slice(a, b + 1) for a, b in zip(low, high, strict=True))] = -1
-    return found
+    return boxes
 
 
-def _fullest(grid):
+def _fullest(grid: np.ndarray) -> tuple[tuple[int, ...], tuple[int, ...]]:
     """The box with most rows that belong in it, less those that do not."""
     if grid.ndim == 1:
         grid = grid[:, None]
         low, high = _fullest(grid)
         return low[:1], high[:1]
     sums = np.pad(grid.cumsum(axis=0).cumsum(axis=1), ((1, 0), (1, 0)))
-    best, most = None, -np.inf
+    best: tuple[tuple[int, ...], tuple[int, ...]] = ((0, 0), (0, 0))
+    most = -np.inf
     for a, c in product(range(grid.shape[0]), range(grid.shape[1])):
         for b, d in product(range(a, grid.shape[0]), range(c, grid.shape[1])):
             held = sums[b + 1, d + 1] - sums[a, d + 1] - sums[b + 1, c] + sums[a, c]

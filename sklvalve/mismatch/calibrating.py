@@ -1,10 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The nominal simulation, calibrated, and the noise that it leaves."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from sklvalve.mismatch.first_guess import first_guess
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.problem import Problem
 
-def calibrated(problem):
+
+def calibrated(problem: Problem) -> Model:
     """The simulation without any further effect, calibrated from several starts; the noise is learnt from it.
 
     Parameters
@@ -28,7 +36,7 @@ def calibrated(problem):
     return model
 
 
-def _from_sound(problem, model):
+def _from_sound(problem: Problem, model: Model) -> Model | None:
     """The calibration begun anew from a sound actuator, which may lie in another valley."""
     if not problem.sound_values:
         return None

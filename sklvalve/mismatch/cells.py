@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Cells of the operating range: rows by opening, pressure ratio, temperature, rate and direction."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.simulation.stages import first_order_lag
+
+if TYPE_CHECKING:
+    from sklvalve.simulation.chain import Chain
 
 # bins by rows and by width together: what acts on few rows near a seat has bins of its own
 _FINE, _ROUGH = 12, 6
@@ -36,18 +42,18 @@ class Cells:
         Bins of each cell that has rows enough, in the order of the signals.
     """
 
-    signals: tuple
-    edges: tuple
+    signals: tuple[str, ...]
+    edges: tuple[np.ndarray, ...]
     cell: np.ndarray
     at: np.ndarray
 
     @property
-    def count(self):
+    def count(self) -> int:
         """Number of cells."""
         return len(self.at)
 
 
-def cells_of(chain, values, channel, simulated):
+def cells_of(chain: Chain, values: dict[str, float], channel: str, simulated: np.ndarray) -> list[Cells]:
     """Partitions of the rows in which a residual of one channel may stand out.
 
     Parameters
@@ -68,7 +74,7 @@ def cells_of(chain, values, channel, simulated):
     return cells_of_signals(signals_of(chain, values, channel, simulated), channel)
 
 
-def cells_of_signals(signals, channel):
+def cells_of_signals(signals: dict[str, np.ndarray], channel: str) -> list[Cells]:
     """Partitions by each signal, by opening and direction, and for a flow by opening and pressure together.
 
     Parameters
@@ -81,50 +87,65 @@ def cells_of_signals(signals, channel):
     -------
     partitions : list of Cells
     """
-    found = []
+    partitions = []
     for name, signal in signals.items():
         edges = _edges(signal, _FINE)
         if len(edges) > 2:
-            found.append(_partition((name,), (signal,), (edges,)))
-    moving = signals.get("opening")
-    if moving is not None:
-        way = direction_of_travel(moving)
-        edges = _edges(moving, _ROUGH)
-        if len(edges) > 2 and np.any(way > 0) and np.any(way < 0):
-            pair = ("opening", "direction"), (moving, way), (edges, np.array([-1.0, 0.0, 1.0]))
-            found.append(_partition(*pair))
+            partitions.append(_partition((name,), (signal,), (edges,)))
+    if "opening" in signals:
+        partitions += _by_direction(signals["opening"])
+        if channel == "flow":
+            partitions += _by_pressure(signals)
+    return [cells for cells in partitions if cells.count > 1]
+
+
+def _by_direction(opening: np.ndarray) -> list[Cells]:
+    """The partition by opening and direction; none where the stem does not travel both ways."""
+    way = direction_of_travel(opening)
+    edges = _edges(opening, _ROUGH)
+    if len(edges) <= 2 or not np.any(way > 0) or not np.any(way < 0):
+        return []
+    ways = np.array([-1.0, 0.0, 1.0])
+    return [_partition(("opening", "direction"), (opening, way), (edges, ways))]
+
+
+def _by_pressure(signals: dict[str, np.ndarray]) -> list[Cells]:
+    """The partition by opening and pressure together; none where no pressure is known."""
     beside = next((s for s in ("pressure_ratio", "dp") if s in signals), None)
-    if moving is not None and beside is not None and channel == "flow":
-        edges = tuple(_edges(signals[s], _ROUGH, by_width=False) for s in ("opening", beside))
-        if min(map(len, edges)) > 2:
-            found.append(_partition(("opening", beside), (moving, signals[beside]), edges))
-    return [cells for cells in found if cells.count > 1]
+    if beside is None:
+        return []
+    edges = tuple(_edges(signals[s], _ROUGH, by_width=False) for s in ("opening", beside))
+    if min(map(len, edges)) <= 2:
+        return []
+    return [_partition(("opening", beside), (signals["opening"], signals[beside]), edges)]
 
 
-def signals_of(chain, values, channel, simulated):
+def signals_of(
+    chain: Chain, values: dict[str, float], channel: str, simulated: np.ndarray
+) -> dict[str, np.ndarray]:
     """Signals by which a channel's residual is sorted, by name, in SI, without those that stand still."""
     # beside a flow that the user simulated the command stands for an opening that was not recorded
-    given = "simulated_flow" in chain.recording
-    found = {}
+    external = "simulated_flow" in chain.recording
+    signals: dict[str, np.ndarray] = {}
     if channel == "opening":
-        found["opening"] = simulated
+        signals["opening"] = simulated
     elif chain.measured is not None or chain.command is not None:
-        driven = chain.measured is not None or given
-        found["opening"] = chain.drive(values) if driven else chain.opening(values)
+        driven = chain.measured is not None or external
+        signals["opening"] = chain.drive(values) if driven else chain.opening(values)
     if channel == "flow":
         if chain.pressure_ratio is not None:
-            found["pressure_ratio"] = chain.pressure_ratio
+            signals["pressure_ratio"] = chain.pressure_ratio
         elif chain.has_pressures:
-            found["dp"] = chain.dp
-        found["flow"] = simulated
+            signals["dp"] = chain.dp
+        signals["flow"] = simulated
     if "temperature" in chain.recording:
-        found["temperature"] = chain.recording["temperature"]
-    if "opening" in found:
-        found["rate"] = rate_of_travel(found["opening"], chain.time)
-    return {name: signal for name, signal in found.items() if _moves(signal)}
+        signals["temperature"] = chain.recording["temperature"]
+    if "opening" in signals:
+        signals["rate"] = rate_of_travel(signals["opening"], chain.time)
+    return {name: signal for name, signal in signals.items() if _moves(signal)}
 
 
-def rate_of_travel(opening, time):
+def rate_of_travel(opening: np.ndarray, time: np.ndarray) -> np.ndarray:
     """Rate of travel [1/s], a mean that forgets within some seconds: errors of a response go with that."""
     known = np.isfinite(opening)
     if not known.any():
@@ -136,7 +157,7 @@ def rate_of_travel(opening, time):
     return np.where(known, (filled - behind) / forgets, np.nan)
 
 
-def direction_of_travel(opening):
+def direction_of_travel(opening: np.ndarray) -> np.ndarray:
     """Way of the last travel that was no noise: 0.5 opening, -0.5 closing; NaN before the first."""
     way, last = np.full(len(opening), np.nan), np.nan
     high, low = -np.inf, np.inf
@@ -154,7 +175,7 @@ def direction_of_travel(opening):
     return way
 
 
-def _moves(signal):
+def _moves(signal: np.ndarray) -> bool:
     known = signal[np.isfinite(signal)]
     if len(known) < 2 * _FEWEST_ROWS:
         return False
@@ -162,7 +183,7 @@ def _moves(signal):
     return high - low > _STANDS_STILL * max(abs(low), abs(high))
 
 
-def _edges(signal, many, *, by_width=True):
+def _edges(signal: np.ndarray, many: int, *, by_width: bool = True) -> np.ndarray:
     """Edges of bins by rows, and by width where wished, with rows enough in each."""
     known = np.sort(signal[np.isfinite(signal)])
     fewest = max(_FEWEST_ROWS, _LEAST_SHARE * len(known))
@@ -184,7 +205,9 @@ def _edges(signal, many, *, by_width=True):
     return np.array([*kept, high])
 
 
-def _partition(names, signals, edges):
+def _partition(
+    names: tuple[str, ...], signals: tuple[np.ndarray, ...], edges: tuple[np.ndarray, ...]
+) -> Cells:
     """Cells of one or two signals; those with few rows are left out."""
     known = np.all([np.isfinite(s) for s in signals], axis=0)
     shape = tuple(len(e) - 1 for e in edges)

@@ -8,7 +8,11 @@ simulation. All of it is whitened by a noise that is learnt from what is left wh
 or a wander would take it up.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.stats import chi2
@@ -16,6 +20,11 @@ from scipy.stats import chi2
 from sklvalve.mismatch.noise_of_pieces import noise_of
 from sklvalve.mismatch.step_search import StepSearch
 from sklvalve.simulation.calibration import drop_is_unknown
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.recording import Recording
 
 # rows at either end of a recording, or of one that was joined, of which nothing is said
 _FEWEST = 20
@@ -57,14 +66,14 @@ class Change:
 
     channel: str
     row: int
-    within: tuple
+    within: tuple[int, int]
     size: float
     response: float
     p_value: float
     spread: float = 1.0
 
 
-def find_change(problem, model):
+def find_change(problem: Problem, model: Model) -> Change | None:
     """The clearest change that a simulation leaves over, of all its channels.
 
     Parameters
@@ -80,15 +89,15 @@ def find_change(problem, model):
     """
     # what an unrecorded drop does to a flow is no change of the valve
     unseen = ("flow",) if drop_is_unknown(problem.recording) else ()
-    found = [change_in(problem, model, c) for c in problem.channels if c not in unseen]
-    found = [each for each in found if each is not None]
-    if not found:
+    tried = [change_in(problem, model, c) for c in problem.channels if c not in unseen]
+    changes = [change for change in tried if change is not None]
+    if not changes:
         return None
-    best = min(found, key=lambda each: each.p_value)
+    best = min(changes, key=lambda each: each.p_value)
     return replace(best, p_value=min(len(problem.channels) * best.p_value, 1.0))
 
 
-def change_in(problem, model, channel):
+def change_in(problem: Problem, model: Model, channel: str) -> Change | None:
     """The clearest change of one channel; None where it has too few rows."""
     left = problem.residuals(model)[channel]
     shown, n = model.predictions[channel], len(problem.recording)
@@ -102,14 +111,14 @@ def change_in(problem, model, channel):
     places = places[_comparable(left, shown, places)]
     if not len(places):
         return None
-    rest, search = left, None
+    residual = left
     for cautious in (True, False, False):
         noise = noise_of(
-            problem.recording, rest, shown, model.chain.step, channel, cautious=cautious, **settings
+            problem.recording, residual, shown, model.chain.step, channel, cautious=cautious, **settings
         )
         search = StepSearch(noise, left, steady, about)
         row, gain, response_too = search.best(places)
-        made, rest = search.split(row, response_too)
+        made, residual = search.split(row, response_too)
     spread = _MODEL * search.inflation(places)
     freedom = 2 if response_too else 1
     p_value = min(_INDEPENDENT * float(chi2.sf(gain / spread, freedom)), 1.0)
@@ -121,7 +130,7 @@ def change_in(problem, model, channel):
     return Change(channel, row, within, size, slope, max(p_value, 1e-12), spread)
 
 
-def size_of(left, shown, row):
+def size_of(left: np.ndarray, shown: np.ndarray, row: int) -> float | None:
     """Median by which a signal differs after a row from before, at equal simulated values [SI].
 
     None where most of what comes after has no equal before: that is another place, and no other time.
@@ -138,7 +147,7 @@ def size_of(left, shown, row):
     return float(np.average(differences, weights=weights))
 
 
-def _comparable(left, shown, rows):
+def _comparable(left: np.ndarray, shown: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Whether most of what comes after each row has its equals before, at equal simulated values."""
     seen, cell = np.isfinite(left), _cells(shown)
     before = np.zeros((len(left) + 1, _CELLS), dtype=int)
@@ -148,15 +157,15 @@ def _comparable(left, shown, rows):
     return (equal > 0) & (equal >= 0.5 * new.sum(axis=1))
 
 
-def _cells(shown):
+def _cells(shown: np.ndarray) -> np.ndarray:
     """Which of some cells of the simulated signal each row lies in."""
     edges = np.linspace(np.nanmin(shown), np.nanmax(shown) + 1e-12, _CELLS + 1)
     return np.clip(np.searchsorted(edges, shown, side="right") - 1, 0, _CELLS - 1)
 
 
-def _places(spans, n):
+def _places(spans: Sequence[tuple[int, int]], n: int) -> np.ndarray:
     """Rows at which a change is tried first; not where one recording was joined to the next."""
-    found = [
+    places = [
         np.linspace(
             low + max(_FEWEST, _FIRST * (high - low)), high - _FEWEST, max(int(_PLACES * (high - low) / n), 4)
         )
@@ -166,51 +175,64 @@ def _places(spans, n):
     # the last rows of a recording tell of a change by their number: they are tried densely
     low, high = spans[-1]
     if high - low > 4 * _FEWEST:
-        found.append(np.linspace(high - 0.04 * (high - low), high - _FEWEST, 40))
-    rows = np.concatenate(found).astype(int) if found else np.empty(0, dtype=int)
+        places.append(np.linspace(high - 0.04 * (high - low), high - _FEWEST, 40))
+    rows = np.concatenate(places).astype(int) if places else np.empty(0, dtype=int)
     return np.unique(rows[rows >= _FEWEST])
 
 
-def _steady_columns(problem, model, channel):
+def _steady_columns(problem: Problem, model: Model, channel: str) -> np.ndarray:
     """What a simulation gets wrong of a valve that stays as it is, as columns over the rows."""
     recording, n = problem.recording, len(problem.recording)
     shown = _filled(model.predictions[channel])
-    columns = [np.linspace(-1.0, 1.0, n)]
+    columns = [np.linspace(-1.0, 1.0, n), *_bent(recording, channel, shown), *_late(shown), _last_way(shown)]
+    for role in ("p1", "p2", "temperature", "supply_pressure"):
+        if role in recording and role not in problem.channels:
+            columns.append(_filled(recording[role]))
+    # each recording has a level of its own; centred, these would lose the one that all have
+    levels = [((np.arange(n) >= low) & (np.arange(n) < high)).astype(float) for low, high in recording.spans]
+    return np.stack([*levels, *(c for c in map(_standardised, columns) if np.any(c))], axis=1)
+
+
+def _standardised(column: np.ndarray) -> np.ndarray:
+    """A column about its mean, in its standard deviations; one of a single value stays as it is."""
+    centred = column - (column.mean() if np.ptp(column) > 0.0 else 0.0)
+    return centred / max(float(np.std(centred)), 1e-30) if np.std(centred) > 0.0 else centred
+
+
+def _bent(recording: Recording, channel: str, shown: np.ndarray) -> list[np.ndarray]:
+    """Curves over the signals that a simulation of a channel follows."""
+    columns = []
     for driver in _drivers(recording, channel, shown):
         columns.append(driver)
         knots = np.quantile(driver, np.linspace(0.0, 1.0, _KNOTS + 2)[1:-1])
         columns += [np.maximum(driver - k, 0.0) for k in np.unique(knots)]
-    for lag in _LAGS:
-        late = np.concatenate([np.full(min(lag, n), shown[0]), shown[: max(n - lag, 0)]])
-        columns.append(shown - late)
-    columns.append(_last_way(shown))
-    for role in ("p1", "p2", "temperature", "supply_pressure"):
-        if role in recording and role not in problem.channels:
-            columns.append(_filled(recording[role]))
-    made = [c - (c.mean() if np.ptp(c) > 0.0 else 0.0) for c in columns]
-    scaled = [c / max(float(np.std(c)), 1e-30) if np.std(c) > 0.0 else c for c in made]
-    # each recording has a level of its own; centred, these would lose the one that all have
-    levels = [((np.arange(n) >= low) & (np.arange(n) < high)).astype(float) for low, high in recording.spans]
-    return np.stack([*levels, *(c for c in scaled if np.any(c))], axis=1)
+    return columns
 
 
-def _drivers(recording, channel, shown):
+def _late(shown: np.ndarray) -> list[np.ndarray]:
+    """What answers late leaves over, for lags of some lengths."""
+    n = len(shown)
+    delayed = [np.concatenate([np.full(min(lag, n), shown[0]), shown[: max(n - lag, 0)]]) for lag in _LAGS]
+    return [shown - each for each in delayed]
+
+
+def _drivers(recording: Recording, channel: str, shown: np.ndarray) -> list[np.ndarray]:
     """Signals over which a simulation of a channel may be bent."""
     role = "opening" if channel == "flow" and "opening" in recording else "command"
     return [shown, *([_filled(recording[role])] if role in recording else [])]
 
 
-def _filled(values):
+def _filled(values: np.ndarray) -> np.ndarray:
     seen = np.isfinite(values)
     return np.interp(np.arange(len(values)), np.flatnonzero(seen), values[seen])
 
 
-def _last_way(shown):
+def _last_way(shown: np.ndarray) -> np.ndarray:
     """Which way a signal went last, beyond a hundredth of its range: lost motion leaves that over."""
     least, held, way = 0.01 * np.ptp(shown), shown[0], 0.0
-    found = np.zeros(len(shown))
+    ways = np.zeros(len(shown))
     for k, value in enumerate(shown):
         if abs(value - held) > least:
             way, held = float(np.sign(value - held)), value
-        found[k] = way
-    return found
+        ways[k] = way
+    return ways

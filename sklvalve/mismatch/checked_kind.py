@@ -5,7 +5,15 @@ That was done on simulated valves with a data sheet, in liquid, driven by air: 2
 second, of command, flow, opening and both pressures, or of all but one of the last three.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 from sklvalve.mismatch.effects.gas_expansion import GasExpansion
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.recording import Recording
 
 #: Half of the fewest and twice the most rows that were checked, between which the share that holds did not
 #: change with them; and so with the time between rows [s].
@@ -14,12 +22,12 @@ SAMPLE_TIME = (0.5, 2.0)
 _MAY_LACK = ("opening", "p1", "p2")
 
 
-def few_signals(recording):
+def few_signals(recording: Recording) -> bool:
     """Whether the opening or a pressure is not recorded."""
     return any(role not in recording for role in _MAY_LACK)
 
 
-def unchecked(problem):
+def unchecked(problem: Problem) -> str:
     """Why it was not checked how often names hold on recordings such as this one.
 
     Parameters
@@ -34,7 +42,7 @@ def unchecked(problem):
     recording, chain, valve = problem.recording, problem.plain, problem.valve
     low, high = SAMPLE_TIME
     answers = (
-        (_is_given(recording), "simulations other than the package's own"),
+        (_is_external(recording), "simulations other than the package's own"),
         (bool(recording.pieces), "several recordings at once"),
         (GasExpansion().possible(chain), "gas"),
         ("flow" not in recording or "command" not in recording, "recordings without flow or command"),
@@ -47,5 +55,5 @@ def unchecked(problem):
     return next((reason for is_so, reason in answers if is_so), "")
 
 
-def _is_given(recording):
+def _is_external(recording: Recording) -> bool:
     return "simulated_flow" in recording or "simulated_opening" in recording

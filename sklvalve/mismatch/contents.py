@@ -12,7 +12,7 @@ from sklvalve.mismatch.dated import change_entry
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.compare import EMPTY, Comparison
 from sklvalve.mismatch.describing import described, scales_of
-from sklvalve.mismatch.events import events_of, told_by_events
+from sklvalve.mismatch.events import events_of, named_by_events
 from sklvalve.mismatch.kinds import kind_of_class, with_kinds
 from sklvalve.mismatch.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test import next_test
@@ -146,7 +146,7 @@ def flagged_rows(problem, judgement):
         flagged = flagged | acting_rows(problem, near, problem.simulate((), near.values))
     for seen in (judgement.strays, judgement.pulses):
         flagged = flagged if seen is None else flagged | seen.rows
-    events = events_of(problem.recording) if told_by_events(judgement.findings) else None
+    events = events_of(problem.recording) if named_by_events(judgement.findings) else None
     if events is not None:
         flagged = flagged | events.flagged
     onset = onset_of(judgement)

@@ -1,17 +1,29 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A rest that comes back in time: a cycle of one period, which no signal that was recorded drives.
+"""A residual that comes back in time: a cycle of one period, which no signal that was recorded drives.
 
 The wander of a meter has no period. So a cycle is told by likelihood: of the noise with a cycle beside it
 against that of the noise alone, each with its own quick part and wander, over all periods that were tried.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.noise_of_pieces import noise_of
 from sklvalve.simulation.robust import robust_cost, robust_weights
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.noise import NoiseModel
+    from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
+    from sklvalve.mismatch.problem import Problem
+
+    Noise = NoiseModel | NoiseOfPieces
 
 # cycles in the recording at the least, and the shortest period in rows and in seconds
 _FEWEST_CYCLES, _FEWEST_ROWS, _SHORTEST = 4, 40, 60.0
@@ -26,7 +38,7 @@ _BETWEEN = 41
 
 @dataclass(frozen=True)
 class Cycle:
-    """A cycle of the rest of a channel.
+    """A cycle in the residual of a channel.
 
     Parameters
     ----------
@@ -40,7 +52,7 @@ class Cycle:
     p_value: float
 
 
-def find_cycle(problem, model, channel):
+def find_cycle(problem: Problem, model: Model, channel: str) -> Cycle | None:
     """Look for a cycle in what a model leaves over of a channel.
 
     Parameters
@@ -69,7 +81,8 @@ def find_cycle(problem, model, channel):
         role=channel,
         **problem.noise_settings(channel),
     )
-    filtered, best = _Filtered(noise, left), (0.0, None)
+    filtered = _Filtered(noise, left)
+    best: tuple[float, float] = (0.0, np.nan)
     # as high everywhere, or growing with the signal
     for height in (np.ones_like(simulated), np.nan_to_num(simulated / np.nanmax(np.abs(simulated)))):
         waves = partial(_waves, clock, height)
@@ -80,7 +93,7 @@ def find_cycle(problem, model, channel):
         # between the frequencies that the length of the recording holds apart
         near = frequencies[k] + np.linspace(-1.0, 1.0, _BETWEEN) / length
         frequency = near[int(np.argmax([filtered.fitted(waves(f))[1] for f in near]))]
-        gain = _gain_with_own_noise(learn, left, waves(frequency))
+        gain = _gain_with_noise_refitted(learn, left, waves(frequency))
         if gain > best[0]:
             best = gain, 1.0 / frequency
     gain, period = best
@@ -90,7 +103,7 @@ def find_cycle(problem, model, channel):
     return Cycle(float(f"{period:.5g}"), float(-np.expm1(tries * np.log1p(-np.exp(-gain)))))
 
 
-def _waves(clock, height, frequency):
+def _waves(clock: np.ndarray, height: np.ndarray, frequency: float) -> np.ndarray:
     angle = 2.0 * np.pi * frequency * clock
     return np.column_stack([height * np.cos(angle), height * np.sin(angle)])
 
@@ -98,13 +111,13 @@ def _waves(clock, height, frequency):
 class _Filtered:
     """Residuals through the noise's filter, rows weighed as the robust loss weighs them."""
 
-    def __init__(self, noise, left):
+    def __init__(self, noise: Noise, left: np.ndarray) -> None:
         self._noise, self._gap = noise, ~np.isfinite(left)
         white = noise.whiten(left)
         self._weights = np.sqrt(robust_weights(white))
         self._target = self._weights * white
 
-    def fitted(self, waves):
+    def fitted(self, waves: np.ndarray) -> tuple[np.ndarray, float]:
         """Sizes of a cycle's waves, and what they add to the log likelihood while the noise stays."""
         whitened = [self._noise.whiten(np.where(self._gap, np.nan, each)) for each in waves.T]
         columns = self._weights[:, None] * np.column_stack(whitened)
@@ -113,7 +126,7 @@ class _Filtered:
         return size, 0.5 * float(self._target @ self._target - left @ left)
 
 
-def _gain_with_own_noise(learn, left, waves):
+def _gain_with_noise_refitted(learn: Callable[..., Noise], left: np.ndarray, waves: np.ndarray) -> float:
     """What a cycle adds where the noise is learnt anew, without it and beside it."""
     alone = learn(residuals=left)
     size, _ = _Filtered(alone, left).fitted(waves)
@@ -123,15 +136,21 @@ def _gain_with_own_noise(learn, left, waves):
     return _cost(alone, left) - _cost(beside, left - waves @ size)
 
 
-def _cost(noise, left):
+def _cost(noise: Noise, left: np.ndarray) -> float:
     return robust_cost(noise.whiten(left)) + noise.log_spread
 
 
-def _driven(simulated, left, waves, frequencies, k):
+def _driven(
+    simulated: np.ndarray,
+    left: np.ndarray,
+    waves: Callable[[float], np.ndarray],
+    frequencies: np.ndarray,
+    k: int,
+) -> bool:
     """Whether the simulated signal itself swings at a period, so that a small error of it would as well."""
     seen = np.isfinite(simulated) & np.isfinite(left)
 
-    def height(signal, i):
+    def height(signal: np.ndarray, i: int) -> float:
         columns = waves(frequencies[i])[seen]
         return float(np.hypot(*np.linalg.lstsq(columns, signal[seen] - np.mean(signal[seen]), rcond=None)[0]))
 

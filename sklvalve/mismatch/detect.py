@@ -6,7 +6,11 @@ of fifty. So no textbook law says how strong evidence gets by chance. Healthy re
 through the whole search, and the p-value is the share of them that looked as far from their simulation.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.stats import chi2
@@ -14,6 +18,11 @@ from scipy.stats import chi2
 from sklvalve.mismatch.null_reference import EFFECTS, REST, Covariates, survival
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.explain import Explanation
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding
 
 # a healthy simulation is wrong by about this share of what counts as an effect
 _WRONG = 0.1
@@ -36,7 +45,7 @@ class Evidence:
         What the learnt rest makes of it; None where no rest could be learnt.
     covariates : Covariates
         What chance depends on.
-    strengths : dict, default={}
+    effect_strengths : dict, default={}
         Effect key -> standard deviations as `effect_strength` has them, of the effects tried beyond
         their tolerance and of those found.
     """
@@ -44,10 +53,10 @@ class Evidence:
     effects: float
     rest: float | None
     covariates: Covariates
-    effect_strengths: dict = field(default_factory=dict, compare=False, repr=False)
+    effect_strengths: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
 
 
-def effect_strength(deviations, size):
+def effect_strength(deviations: float, size: float) -> float:
     r"""Size of a change in its standard deviations, noise and what a healthy simulation gets wrong together.
 
     .. math:: t = \left(\frac{1}{z^2} + \frac{w^2}{s^2}\right)^{-1/2}
@@ -65,13 +74,13 @@ def effect_strength(deviations, size):
 
     Returns
     -------
-    strength : float
+    effect_strength : float
         At least 0.
 
     Examples
     --------
-    >>> from sklvalve.mismatch.detect import strength
-    >>> round(strength(3.0, 100.0), 2), round(strength(100.0, 1.0), 2)
+    >>> from sklvalve.mismatch.detect import effect_strength
+    >>> round(effect_strength(3.0, 100.0), 2), round(effect_strength(100.0, 1.0), 2)
     (3.0, 9.95)
     """
     if not (deviations > 0.0 and size > 0.0):
@@ -79,20 +88,20 @@ def effect_strength(deviations, size):
     return float(1.0 / np.hypot(1.0 / deviations, _WRONG / size))
 
 
-def effect_strengths(explanation, problem):
+def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, float]:
     """Strength of each effect beyond tolerance, of those found and those tried at the first step, by key.
 
     The deviations of an effect are the root of twice the log likelihood that it gains.
     """
     seen = [(key, *tried) for key, tried in explanation.tried.items()]
     seen += [(f.term.effect.key, f.gain, f.sizes) for f in explanation.findings]
-    effect_strengths = {}
+    by_key: dict[str, float] = {}
     for key, gain, sizes in seen:
-        effect_strengths[key] = max(effect_strengths.get(key, 0.0), _effect_strength(gain, sizes, problem))
-    return effect_strengths
+        by_key[key] = max(by_key.get(key, 0.0), _effect_strength(gain, sizes, problem))
+    return by_key
 
 
-def p_value_of_one(finding, problem, covariates):
+def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -> float:
     """Share of healthy recordings in which the strongest effect is as strong as this one, or stronger.
 
     Each effect relative to what is usual for it.
@@ -111,16 +120,16 @@ def p_value_of_one(finding, problem, covariates):
     return mismatch_p_value(Evidence(EFFECTS.relative(alone), None, covariates))
 
 
-def _effect_strength(gain, sizes, problem):
+def _effect_strength(gain: float, sizes: dict[str, float], problem: Problem) -> float:
     return effect_strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(sizes, problem))
 
 
-def in_counts(sizes, problem):
+def in_counts(sizes: dict[str, float], problem: Problem) -> float:
     """Sizes of a change by channel as one: the largest, in multiples of what counts in its channel [1]."""
     return max((size / problem.least(c) for c, size in sizes.items()), default=0.0)
 
 
-def covariates_of(problem, data=()):
+def covariates_of(problem: Problem, data: Sequence[dict[str, Any]] = ()) -> Covariates:
     """What chance depends on, known before the search: its noise and how the valve moved.
 
     Parameters
@@ -148,13 +157,13 @@ def covariates_of(problem, data=()):
     )
 
 
-def _held(problem, data, roles):
+def _held(problem: Problem, data: Sequence[dict[str, Any]], roles: tuple[str, ...]) -> float:
     """Logarithm of one plus the widest dead band of some signals, in multiples of what counts."""
     bands = [_left_out(problem, each) for each in data if each["role"] in roles]
     return float(np.log1p(max(bands, default=0.0)))
 
 
-def _left_out(problem, finding):
+def _left_out(problem: Problem, finding: dict[str, Any]) -> float:
     """Dead band of a historian, in multiples of what counts in the channel that it changes most [1]."""
     role, band, recording = finding["role"], finding.get("size"), problem.recording
     # of lines and slower scans, which have no size, no healthy recording of the reference tells
@@ -167,7 +176,7 @@ def _left_out(problem, finding):
     return moved / problem.tolerated("flow") if np.isfinite(moved) else 0.0
 
 
-def mismatch_p_value(evidence):
+def mismatch_p_value(evidence: Evidence) -> float:
     """Share of healthy recordings that look as far from their simulation as this one, or further.
 
     The strength of the effects and that of the learnt rest are each held against their own among healthy
@@ -184,18 +193,21 @@ def mismatch_p_value(evidence):
         Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger either
         part, the smaller. Never below 1e-12.
     """
-    looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (REST, evidence.rest, 1.0 - _FOR_EFFECTS)]
     if evidence.rest is None:
         looks = [(EFFECTS, evidence.effects, 1.0)]
+    else:
+        looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (REST, evidence.rest, 1.0 - _FOR_EFFECTS)]
     # 1 - (1 - p)^(1 / weight), exact for a small p as well
     p_values = [
-        -np.expm1(np.log1p(-min(survival(table, found, evidence.covariates), 1.0 - 1e-16)) / weight)
-        for table, found, weight in looks
+        -np.expm1(np.log1p(-min(survival(table, strongest, evidence.covariates), 1.0 - 1e-16)) / weight)
+        for table, strongest, weight in looks
     ]
     return float(np.clip(min(p_values), _LEAST_P_VALUE, 1.0))
 
 
-def p_value_of_what_counts(findings, tried, problem):
+def p_value_of_what_counts(
+    findings: Sequence[Finding], tried: dict[str, tuple[float, dict[str, float]]], problem: Problem
+) -> float:
     """Probability that chance lifts an effect that does not count as far above what counts.
 
     The hypothesis is that no effect is larger than what counts in practice: the likelihood ratio of each

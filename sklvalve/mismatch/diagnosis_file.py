@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A diagnosis in a file: its JSON and its traces as plain arrays, in one zip archive that any tool opens."""
 
+from __future__ import annotations
+
 import io
 import json
 import os
@@ -8,6 +10,7 @@ import tempfile
 import zipfile
 from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +22,7 @@ _CONTENT, _TRACES = "diagnosis.json", "traces.json"
 _ARRAY = "array in"
 
 
-def write_diagnosis(text, traces, path):
+def write_diagnosis(text: str, traces: dict[str, Any], path: str | os.PathLike[str]) -> None:
     """Write a diagnosis to a file, whole or not at all.
 
     Parameters
@@ -36,7 +39,8 @@ def write_diagnosis(text, traces, path):
     InputError
         If the file cannot be written, or a trace is no plain data.
     """
-    path, arrays = Path(path), {}
+    path = Path(path)
+    arrays: dict[str, np.ndarray] = {}
     try:
         plain = json.dumps({"format": _FORMAT, "traces": _without_arrays(traces, arrays)})
     except (TypeError, ValueError) as error:
@@ -60,7 +64,7 @@ def write_diagnosis(text, traces, path):
         ) from None
 
 
-def read_diagnosis(path):
+def read_diagnosis(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Content and traces of a file of `write_diagnosis`; nothing in it is executed.
 
     Returns
@@ -94,7 +98,7 @@ def read_diagnosis(path):
         ) from None
 
 
-def _without_arrays(value, arrays):
+def _without_arrays(value: Any, arrays: dict[str, np.ndarray]) -> Any:
     """The value as plain data, its arrays put aside by name."""
     if isinstance(value, dict):
         if not all(isinstance(key, str) for key in value):
@@ -111,7 +115,7 @@ def _without_arrays(value, arrays):
     return value.item() if isinstance(value, np.generic) else value
 
 
-def _with_arrays(value, archive):
+def _with_arrays(value: Any, archive: zipfile.ZipFile) -> Any:
     if isinstance(value, list):
         return [_with_arrays(each, archive) for each in value]
     if not isinstance(value, dict):
@@ -121,7 +125,7 @@ def _with_arrays(value, archive):
     return {key: _with_arrays(each, archive) for key, each in value.items()}
 
 
-def _as_bytes(values):
+def _as_bytes(values: np.ndarray) -> bytes:
     buffer = io.BytesIO()
     np.save(buffer, values, allow_pickle=False)
     return buffer.getvalue()

@@ -6,6 +6,8 @@ late and slow, and sticks nowhere: friction asks how large the error is, not how
 and lets the stem go faster than any motor runs.
 """
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +24,7 @@ _FOLLOWS, _AS_WELL = 1.0 / 3.0, 0.1
 _RUN, _OF_RUNS, _ONE_SPEED = 4, 0.7, 0.15
 
 
-def rows_between_readings(position):
+def rows_between_readings(position: np.ndarray) -> int:
     """Rows after which a held position is read anew; 1 where it is read in every row.
 
     Parameters
@@ -45,7 +47,7 @@ def rows_between_readings(position):
     return held if in_time >= _REGULAR else 1
 
 
-def rows_late(command, position, noise):
+def rows_late(command: np.ndarray, position: np.ndarray, noise: float) -> int:
     """Rows between a step of the command and the first movement, where they are the same for every step.
 
     Parameters
@@ -77,7 +79,7 @@ def rows_late(command, position, noise):
     return int(np.ceil(middle + max(_ALIKE * middle, 2.0))) if np.mean(alike) >= _MOST else 0
 
 
-def _rows_behind(command, position):
+def _rows_behind(command: np.ndarray, position: np.ndarray) -> int:
     """Delay by which a stem follows a command that moves all the time; 0 where none makes a difference."""
     longest = min(_LONGEST, len(position) // 4)
     if longest < 1:
@@ -90,7 +92,7 @@ def _rows_behind(command, position):
     return int(delays[best]) if off[best] <= _FOLLOWS * off[0] else 0
 
 
-def way_in_a_row(position, noise):
+def way_in_a_row(position: np.ndarray, noise: float) -> float:
     """How far a stem gets in one row whenever it runs, where that is one speed; 0 where it is none.
 
     Parameters
@@ -119,7 +121,7 @@ def way_in_a_row(position, noise):
     return usual if np.mean(np.abs(ways - usual) <= _ONE_SPEED * usual + 2.0 * noise) >= _OF_RUNS else 0.0
 
 
-def _runs(signs):
+def _runs(signs: np.ndarray) -> list[tuple[int, int]]:
     """First row and end of each stretch of one sign other than nought."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0.0], signs, [0.0]])) != 0.0)
-    return [(a, b) for a, b in pairwise(edges) if signs[a] != 0.0]
+    return [(a, b) for a, b in pairwise(edges.tolist()) if signs[a] != 0.0]

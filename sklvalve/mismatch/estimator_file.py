@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a model file holds of an estimator that is no finder: its parts as plain data, and a trial of them."""
 
+from __future__ import annotations
+
 import warnings
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from sklearn.utils.validation import check_is_fitted
@@ -11,6 +15,9 @@ from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.mismatch.plain_estimator import estimator_of, plain_of
 from sklvalve.recording import InputError
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.effects import Effect
+
 FORMAT = "sklvalve.estimator/1"
 # rows of a trial, and how far a result may be from that of another machine, of the largest
 _ROWS, _EQUAL = 8, 1e-6
@@ -18,7 +25,7 @@ _ROWS, _EQUAL = 8, 1e-6
 _USUAL = {"p1": 6e5, "p2": 4e5, "temperature": 300.0, "flow": 1e-3, "simulated_flow": 1e-3}
 
 
-def content_of_estimator(model, rows=None):
+def content_of_estimator(model: Any, rows: Any = None) -> dict[str, Any]:
     """The content of a model file.
 
     Parameters
@@ -51,7 +58,7 @@ def content_of_estimator(model, rows=None):
     return content
 
 
-def _ordered(rows, model):
+def _ordered(rows: Any, model: Any) -> np.ndarray:
     """Rows of a trial; columns with names stand as the model wants them."""
     names = getattr(model, "feature_names_in_", None)
     if names is not None and hasattr(rows, "columns"):
@@ -59,7 +66,7 @@ def _ordered(rows, model):
     return np.asarray(rows, dtype=np.float64)[:_ROWS]
 
 
-def estimator_of_content(content, known):
+def estimator_of_content(content: dict[str, Any], known: dict[str, Effect]) -> Any:
     """The estimator of a content, tried; ``ValueError`` with a few words where it is unsound.
 
     Parameters
@@ -89,7 +96,7 @@ def estimator_of_content(content, known):
     return model
 
 
-def _require_working(model):
+def _require_working(model: Any) -> None:
     """``ValueError`` where a model fails on rows made up; what physics refuses of them is no failure."""
     if not getattr(model, "n_features_in_", None):
         return
@@ -101,7 +108,7 @@ def _require_working(model):
             raise ValueError("it fails on any rows") from error
 
 
-def _made_up(model):
+def _made_up(model: Any) -> np.ndarray:
     X = np.repeat(np.linspace(0.1, 0.9, _ROWS)[:, None], int(model.n_features_in_), axis=1)
     for k, name in enumerate(getattr(model, "feature_names_in_", ())):
         if name in _USUAL:
@@ -109,7 +116,7 @@ def _made_up(model):
     return X
 
 
-def _result(model, X):
+def _result(model: Any, X: np.ndarray) -> np.ndarray:
     """What a model makes of rows: its prediction, or what it turns them into."""
     names = getattr(model, "feature_names_in_", None)
     table = X if names is None else _frame(X, names)
@@ -124,7 +131,7 @@ def _result(model, X):
     )
 
 
-def _frame(X, names):
+def _frame(X: np.ndarray, names: Iterable[str]) -> Any:
     try:
         from pandas import DataFrame
     except ImportError:

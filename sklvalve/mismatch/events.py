@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Effects named by events in the recording: slips of the stem, or its hunting, which no simulation times."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,6 +16,12 @@ from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.rivals import Finding, Rival
 from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.simulation.given import ACTUATOR_STAGES
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.recording import Recording
 
 #: Recordings of two simulated plants without friction, a bent rod or play in the feedback, on which the rules
 #: were made: none of them shows such events.
@@ -53,27 +63,27 @@ class Events:
     sizes: np.ndarray
     flagged: np.ndarray
 
-    names_wanted: frozenset = frozenset(e.name for e in EVENTS)
+    names_wanted: frozenset[str] = frozenset(e.name for e in EVENTS)
 
     @property
-    def forms(self):
+    def forms(self) -> list[Effect]:
         """Effects that make such events, of those wanted, the likeliest first."""
         shares = _SHARES[self.kind]
-        found = [e for e in EVENTS if e.key in shares and e.name in self.names_wanted]
-        return sorted(found, key=lambda e: -shares[e.key])
+        able = [e for e in EVENTS if e.key in shares and e.name in self.names_wanted]
+        return sorted(able, key=lambda e: -shares[e.key])
 
     @property
-    def may_name(self):
+    def may_name(self) -> bool:
         """Whether the effects wanted make most of such events: the others would have to take the name."""
         shares = _SHARES[self.kind]
         return (1.0 - P_VALUE) * sum(shares[e.key] for e in self.forms) >= IN_CLASS
 
     @property
-    def names(self):
+    def names(self) -> set[str]:
         return {e.name for e in self.forms}
 
 
-def events_of(recording):
+def events_of(recording: Recording) -> Events | None:
     """Evident events of a recording, slips before hunting; None where there are none."""
     if "command" not in recording or "opening" not in recording:
         return None
@@ -92,8 +102,8 @@ def events_of(recording):
     return None
 
 
-def evident_events(problem, effects, alpha):
-    """Events of the stem, where they may be told.
+def evident_events(problem: Problem, effects: Sequence[Effect], alpha: float) -> Events | None:
+    """Events of the stem, where they may name an effect.
 
     Parameters
     ----------
@@ -107,14 +117,14 @@ def evident_events(problem, effects, alpha):
     -------
     events : Events or None
     """
-    found = None if alpha < P_VALUE else events_of(problem.recording)
-    if found is None:
+    events = None if alpha < P_VALUE else events_of(problem.recording)
+    if events is None:
         return None
-    found = replace(found, names_wanted=frozenset(e.name for e in effects))
-    return found if found.may_name else None
+    events = replace(events, names_wanted=frozenset(e.name for e in effects))
+    return events if events.may_name else None
 
 
-def worth_searching(effects, events):
+def effects_to_search(effects: Sequence[Effect], events: Events | None) -> list[Effect]:
     """Effects still to be searched: beside events, of those that move the stem the ones that look alike.
 
     Parameters
@@ -129,10 +139,12 @@ def worth_searching(effects, events):
     return [e for e in effects if events is None or not _moves_the_stem(e) or e.alike == _ALIKE]
 
 
-def with_events(model, events, problem, random_state=0):
+def with_events(
+    model: Model, events: Events, problem: Problem, random_state: int = 0
+) -> tuple[Finding, Model]:
     """A fitted hypothesis with what its events tell, and the finding of it: every effect that makes them.
 
-    What the hypothesis simulates stays as it is, because the moments of the events are not simulated.
+    What the hypothesis simulates stays as it is, because the instants of the events are not simulated.
 
     Parameters
     ----------
@@ -166,20 +178,20 @@ def with_events(model, events, problem, random_state=0):
     return Finding(rivals[0].term, rivals, 0.0, {"opening": size}), rivals[0].model
 
 
-def beside_events(findings):
+def beside_events(findings: Iterable[Finding]) -> list[Finding]:
     """Findings that events do not explain: those that do not move the stem, and are no play."""
     return [f for f in findings if not (_moves_the_stem(f.term.effect) or f.term.effect.alike == _ALIKE)]
 
 
-def _moves_the_stem(effect):
+def _moves_the_stem(effect: Effect) -> bool:
     return effect.block == _BLOCK or effect.stage in ACTUATOR_STAGES
 
 
-def simulated(model):
-    """A hypothesis without what is told by its events and not simulated."""
+def simulated(model: Model) -> Model:
+    """A hypothesis without what its events name, which is not simulated."""
     return replace(model, terms=tuple(m for m in model.terms if m.effect not in EVENTS))
 
 
-def told_by_events(findings):
-    """Whether any of some findings is told by events."""
+def named_by_events(findings: Iterable[Finding]) -> bool:
+    """Whether any of some findings is named by its events."""
     return any(f.term.effect in EVENTS for f in findings)

@@ -6,8 +6,11 @@ parameters and calibration answer: as far as the present recording leaves them o
 says, and within their bounds.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,6 +19,10 @@ from sklvalve.mismatch.hypothesis import Model, Term
 from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.robust import robust_cost, robust_weights, step_inside
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.programs import Program
 
 # of the reweighting; and cost below which there is nothing to tell
 _ROUNDS, _NOTHING = 3, 0.1
@@ -37,10 +44,10 @@ class Explanation:
     name: str
     probability: float
     model: Model
-    misfits: list
+    misfits: list[Misfit]
 
     @property
-    def terms(self):
+    def terms(self) -> tuple[Term, ...]:
         """Effects that go on: what grows from the recording's first row on does so in the test too."""
         first = float(self.model.chain.clock[0])
         return tuple(
@@ -48,17 +55,17 @@ class Explanation:
         )
 
     @cached_property
-    def groups(self):
+    def groups(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """For each group of channels: where its parameters stand, and the curvature of the cost there."""
-        found = []
+        groups = []
         for misfit in self.misfits:
             vector = misfit.vector
             z = vector.pack(self.model.values)
             errors = misfit.errors(z)
             slopes = misfit.slopes(z, errors)
             curvature = slopes.T @ (robust_weights(errors)[:, None] * slopes)
-            found.append((z, curvature + np.diag(1e-9 / vector.scale**2)))
-        return found
+            groups.append((z, curvature + np.diag(1e-9 / vector.scale**2)))
+        return groups
 
 
 class Advisor:
@@ -74,18 +81,20 @@ class Advisor:
         Log likelihood that the first explanation adds to `without`.
     """
 
-    def __init__(self, problem, explanations, without, gain):
+    def __init__(
+        self, problem: Problem, explanations: list[Explanation], without: Explanation | None, gain: float
+    ) -> None:
         self.problem, self.explanations, self.without, self.gain = problem, explanations, without, gain
 
     @cached_property
-    def _present_record(self):
+    def _present_record(self) -> Present:
         return Present(self.problem)
 
-    def records(self, program, sensor=None):
+    def records(self, program: Program, sensor: str | None = None) -> list[ForecastRecord]:
         """The record that a program would give, for each explanation taken for true."""
         return [ForecastRecord(self._present_record, program, e, sensor) for e in self.explanations]
 
-    def distances(self, program, sensor=None, rounds=1):
+    def distances(self, program: Program, sensor: str | None = None, rounds: int = 1) -> np.ndarray:
         """Distance D of every explanation from every other after a test.
 
         Parameters
@@ -119,30 +128,30 @@ class Advisor:
         # but the present recording, by itself, still tells what it tells
         return np.maximum(self._pooled(costs), self._now)
 
-    def now(self):
+    def now(self) -> np.ndarray:
         """Distances that the present recording gives, without a sign: the larger of both ways."""
         return self._now.copy()
 
     @cached_property
-    def _now(self):
+    def _now(self) -> np.ndarray:
         k = len(self.explanations)
         one_way = self._pooled(np.zeros((k, k + 1)))
         return np.maximum(one_way, one_way.T)
 
-    def _pooled(self, costs):
+    def _pooled(self, costs: np.ndarray) -> np.ndarray:
         """Distances from the present recording and the test together."""
         k = len(self.explanations)
         likelihood = [e.model.log_likelihood for e in self.explanations]
-        found = np.zeros((k, k))
+        distances = np.zeros((k, k))
         for i in range(k):
             gain = self.gain + likelihood[i] - likelihood[0]
             gain += costs[i, k] if self.without else 0.0
             for j in range(k):
                 if i != j:
-                    found[i, j] = distance(likelihood[i], likelihood[j] - costs[i, j], gain)
-        return found
+                    distances[i, j] = distance(likelihood[i], likelihood[j] - costs[i, j], gain)
+        return distances
 
-    def spread_after(self, program, name):
+    def spread_after(self, program: Program, name: str) -> tuple[float, ...]:
         """Standard deviation of a parameter of the first explanation before and after a test.
 
         Parameters
@@ -163,15 +172,15 @@ class Advisor:
 
 
 class Answer:
-    """How a rival explains a foreseen record.
+    """How a rival explains a forecast record.
 
     Parameters
     ----------
-    record : Foreseen
+    record : ForecastRecord
     rival : Explanation
     """
 
-    def __init__(self, record, rival):
+    def __init__(self, record: ForecastRecord, rival: Explanation) -> None:
         self.record, self.rival = record, rival
         self.chain = record.chain_of(rival)
         self.misfits = [
@@ -179,25 +188,25 @@ class Answer:
             for m in rival.misfits
         ]
 
-    def errors(self, misfit, z):
+    def errors(self, misfit: Misfit, z: np.ndarray) -> np.ndarray:
         """Whitened errors of a group, those of a sensor that is new included."""
         errors = misfit.whitened(misfit.predictions(z))
         if self.record.sensor is None:
             return errors
         return np.concatenate([errors, self.record.sensed(self.chain.opening(misfit.values(z)))])
 
-    def slopes(self):
+    def slopes(self) -> list[np.ndarray]:
         """Derivatives of the errors where the rival's parameters stand, group by group."""
         pairs = zip(self.misfits, self.rival.groups, strict=True)
         return [self._slopes_at(misfit, z) for misfit, (z, _) in pairs]
 
-    def _slopes_at(self, misfit, z):
+    def _slopes_at(self, misfit: Misfit, z: np.ndarray) -> np.ndarray:
         base = self.errors(misfit, z)
         moved, reach = misfit.neighbours(z)
         columns = [(self.errors(misfit, m) - base) / r for m, r in zip(moved, reach, strict=True)]
         return np.stack(columns, axis=1)
 
-    def least(self, slopes, rounds):
+    def least(self, slopes: list[np.ndarray], rounds: int) -> float:
         """Least cost that the rival reaches, by simulation; what the present recording says is counted in."""
         total = 0.0
         for misfit, columns, (z, curvature) in zip(self.misfits, slopes, self.rival.groups, strict=True):
@@ -222,7 +231,14 @@ class Answer:
         return float(total)
 
 
-def _step(slopes, errors, curvature, at, lowest, highest):
+def _step(
+    slopes: np.ndarray,
+    errors: np.ndarray,
+    curvature: np.ndarray,
+    at: np.ndarray,
+    lowest: np.ndarray,
+    highest: np.ndarray,
+) -> np.ndarray:
     """Step of parameters to the least cost of errors in proportion to them and of a quadratic about zero."""
     step = np.zeros(len(at))
     for _ in range(_ROUNDS):

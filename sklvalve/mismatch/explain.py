@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which physics: effects taken up one by one, each fitted together with the calibration, and their rivals."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
 from sklvalve.mismatch.hypothesis import Model, Term, is_in, penalised_likelihood
@@ -15,6 +19,14 @@ from sklvalve.mismatch.scatter import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding
+
+    Report = Callable[[float], object]
+    Tried = dict[str, tuple[float, dict[str, float]]]
 
 # of the effects screened, so many are fitted with the whole calibration free
 _FITTED = 4
@@ -43,12 +55,20 @@ class Explanation:
 
     nominal: Model
     model: Model
-    findings: list
-    tried: dict = field(default_factory=dict)
-    effects: tuple = ()
+    findings: list[Finding]
+    tried: Tried = field(default_factory=dict)
+    effects: tuple[Effect, ...] = ()
 
 
-def explain(problem, nominal, effects, *, threshold, most=4, report=None):
+def explain(
+    problem: Problem,
+    nominal: Model,
+    effects: Sequence[Effect],
+    *,
+    threshold: float,
+    most: int = 4,
+    report: Report | None = None,
+) -> Explanation:
     """Search of the effects that the recording asks for.
 
     Parameters
@@ -70,12 +90,12 @@ def explain(problem, nominal, effects, *, threshold, most=4, report=None):
     -------
     explanation : Explanation
     """
-    model, tried, seen = nominal, {}, {}
-    model = _taken_up(problem, model, effects, threshold, most, tried, seen, report)
+    search = _Search(problem, effects, threshold, most, report)
+    model = search.taken_up(nominal)
     for last in (False, False, True):
         model = _what_stands(problem, model, threshold)
-        findings = find_rivals(problem, model, effects, report, seen)
-        better = _better_in_place(problem, findings) or _simpler(problem, findings, seen, threshold)
+        findings = find_rivals(problem, model, effects, report, search.seen)
+        better = _better_in_place(problem, findings) or _simpler(problem, findings, search.seen, threshold)
         if better is None or last:
             break
         noise = problem.noise
@@ -87,76 +107,109 @@ def explain(problem, nominal, effects, *, threshold, most=4, report=None):
             break
         problem.learn_noise(stood, cautious=True)
         stood = problem.fit(stood.terms, start=stood)
-        model = _taken_up(problem, stood, effects, threshold, most, tried, seen, report)
+        model = search.taken_up(stood)
     nominal = problem.fit((), start=nominal)
-    return Explanation(nominal, model, findings, tried, tuple(effects))
+    return Explanation(nominal, model, findings, search.tried, tuple(effects))
 
 
-def _what_stands(problem, model, threshold):
+def _what_stands(problem: Problem, model: Model, threshold: float) -> Model:
     """What remains of a hypothesis that is judged by the noise it leaves."""
     problem.learn_noise(model)
     model = problem.fit(model.terms, start=model)
     return _drop_what_no_longer_counts(problem, model, threshold, last_too=True)
 
 
-def _taken_up(problem, model, effects, threshold, most, tried, seen, report):
-    """A hypothesis with one effect after the other taken up, as long as they matter.
+class _Search:
+    """Effects taken up one after the other, and what was met on the way.
 
-    `tried` and `seen` are filled: what the first effects would gain, and the best fit met of every effect.
+    Parameters
+    ----------
+    problem, effects, threshold, most, report
+        As `explain` takes them.
+
+    Attributes
+    ----------
+    tried : dict
+        Effect key -> what the effect would gain as the first one, and sizes.
+    seen : dict
+        Effect key -> the best fit met of the effect.
     """
-    first = not tried and not model.terms
-    while len(model.terms) < most:
-        found = _step(problem, model, effects, report, len(model.terms) / (most + 1))
-        for m in found[:_FITTED]:
-            seen.setdefault(m.terms[-1].effect.key, m)
-        if first and not model.terms:
+
+    def __init__(
+        self,
+        problem: Problem,
+        effects: Sequence[Effect],
+        threshold: float,
+        most: int,
+        report: Report | None,
+    ) -> None:
+        self.problem, self.effects, self.threshold = problem, effects, threshold
+        self.most, self.report = most, report
+        self.tried: Tried = {}
+        self.seen: dict[str, Model] = {}
+
+    def taken_up(self, model: Model) -> Model:
+        """A hypothesis with one effect after the other taken up, as long as they matter."""
+        first = not self.tried and not model.terms
+        while len(model.terms) < self.most:
+            settled = self._next_effect(model, first=first and not model.terms)
+            if settled is None:
+                break
+            model = _drop_what_no_longer_counts(self.problem, settled, self.threshold)
+            self.problem.learn_noise(model, cautious=True)
+            model = self.problem.fit(model.terms, start=model)
+        return model
+
+    def _next_effect(self, model: Model, *, first: bool) -> Model | None:
+        """A hypothesis with one effect more that matters; else None."""
+        problem = self.problem
+        done = len(model.terms) / (self.most + 1)
+        candidates = _step(problem, model, self.effects, self.report, done)
+        for m in candidates[:_FITTED]:
+            self.seen.setdefault(m.terms[-1].effect.key, m)
+        if first:
             # what a data sheet leaves open is no mismatch, however clear it is
-            beyond = [m for m in found if beyond_tolerance(problem, m, m.terms[-1])]
+            beyond = [m for m in candidates if beyond_tolerance(problem, m, m.terms[-1])]
             for m in beyond:
                 gain = m.log_likelihood - model.log_likelihood
-                tried[m.terms[-1].effect.key] = gain, problem.change(m, model)
-        promising = [m for m in found if is_relevant(problem, m, model, threshold)]
-        settled = _first_that_counts(problem, model, promising, threshold, tried)
+                self.tried[m.terms[-1].effect.key] = gain, problem.change(m, model)
+        promising = [m for m in candidates if is_relevant(problem, m, model, self.threshold)]
+        settled = self._first_that_counts(model, promising)
         if settled is None and much_is_left(problem, model):
-            found = restarted(problem, model, [e for e in effects if not is_in(e, model.terms)])
-            seen |= {m.terms[-1].effect.key: m for m in found}
-            settled = _first_that_counts(problem, model, found, threshold, tried)
-        if settled is None:
-            break
-        model = _drop_what_no_longer_counts(problem, settled, threshold)
-        problem.learn_noise(model, cautious=True)
-        model = problem.fit(model.terms, start=model)
-    return model
+            elsewhere = restarted(problem, model, [e for e in self.effects if not is_in(e, model.terms)])
+            self.seen |= {m.terms[-1].effect.key: m for m in elsewhere}
+            settled = self._first_that_counts(model, elsewhere)
+        return settled
+
+    def _first_that_counts(self, model: Model, candidates: Sequence[Model]) -> Model | None:
+        """The first hypothesis with one effect more that matters under its own noise too; else None."""
+        problem = self.problem
+        for chosen in candidates[:_TRIED]:
+            settled, without = _with_noise_refitted(problem, chosen, model)
+            if is_relevant(problem, settled, without, self.threshold):
+                return settled
+            # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
+            if not model.terms and may_explain(problem, settled, without):
+                gain = settled.log_likelihood - without.log_likelihood
+                self.tried[chosen.terms[-1].effect.key] = gain, problem.change(settled, without)
+            problem.learn_noise(model, cautious=True)
+        return None
 
 
-def _first_that_counts(problem, model, found, threshold, tried):
-    """Of some hypotheses with one effect more the first that matters under its own noise too; else None."""
-    for chosen in found[:_TRIED]:
-        settled, without = _under_its_own_noise(problem, chosen, model)
-        if is_relevant(problem, settled, without, threshold):
-            return settled
-        # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
-        if not model.terms and may_explain(problem, settled, without):
-            gain = settled.log_likelihood - without.log_likelihood
-            tried[chosen.terms[-1].effect.key] = gain, problem.change(settled, without)
-        problem.learn_noise(model, cautious=True)
-    return None
-
-
-def _under_its_own_noise(problem, chosen, before):
+def _with_noise_refitted(problem: Problem, chosen: Model, before: Model) -> tuple[Model, Model]:
     """A hypothesis by the noise that it leaves itself, and the same without its last effect."""
     settled = _settle(problem, chosen)
     return settled, problem.fit(settled.terms[:-1], start=before)
 
 
-def _better_in_place(problem, findings):
+def _better_in_place(problem: Problem, findings: Sequence[Finding]) -> Model | None:
     """A hypothesis with a rival in the place of an effect, where the recording prefers it; else None."""
     for finding in findings:
-        own = next(r for r in finding.rivals if r.term is finding.term)
+        best = next(r for r in finding.rivals if r.term is finding.term)
         for rival in finding.rivals:
             # of two that cannot be told apart either may stand in front: no reason to fit all again
             same = rival.term.effect.name == finding.term.effect.name
-            if same or rival.probability <= _CLEARLY * own.probability:
+            if same or rival.probability <= _CLEARLY * best.probability:
                 break
             without = problem.fit(rival.model.terms[:-1], start=rival.model)
             if may_explain(problem, rival.model, without):
@@ -164,7 +217,9 @@ def _better_in_place(problem, findings):
     return None
 
 
-def _simpler(problem, findings, seen, threshold):
+def _simpler(
+    problem: Problem, findings: Sequence[Finding], seen: dict[str, Model], threshold: float
+) -> Model | None:
     """A hypothesis with a rival in place of one effect that leaves no need for another one; else None.
 
     What a poor choice among rivals gets wrong may pass for a second effect.
@@ -175,27 +230,30 @@ def _simpler(problem, findings, seen, threshold):
             for other in rival.model.terms:
                 if other is rival.term:
                     continue
-                rest = tuple(m for m in rival.model.terms if m is not other)
-                starts = [rival.model] + [seen[m.effect.key] for m in rest if m.effect.key in seen]
-                fits = [problem.fit(rest, start=start) for start in starts]
+                others = tuple(m for m in rival.model.terms if m is not other)
+                starts = [rival.model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
+                fits = [problem.fit(others, start=start) for start in starts]
                 without = max(fits, key=lambda m: m.log_likelihood)
-                full = problem.fit((*rest, other), start=rival.model)
+                full = problem.fit((*others, other), start=rival.model)
                 if not is_relevant(problem, full, without, threshold):
                     return without
     return None
 
 
-def _step(problem, model, effects, report, done):
+def _step(
+    problem: Problem, model: Model, effects: Sequence[Effect], report: Report | None, done: float
+) -> list[Model]:
     """Hypotheses with one effect more, best first: all screened, the most promising fitted."""
     usable = [e for e in effects if not is_in(e, model.terms)]
-    bent, also = [e for e in usable if e.stage in ACTUATOR_STAGES], []
+    bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
+    also: list[tuple[Model, list[Effect]]] = []
     if bent and not any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
         # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
         also = [(problem.sound(model), bent)]
     shown = report and (lambda share: report(done + 0.1 * share))
     rough = _best_of_each(problem, screened(problem, model, usable, also=also, report=shown))
     onset = rough[0].terms[-1].onset if rough else None
-    refined = []
+    refined: list[Model] = []
     for m in parallel_map(lambda m: _refine(problem, model, m, onset), rough[:_FITTED]):
         refined.append(m)
         if report:
@@ -203,75 +261,75 @@ def _step(problem, model, effects, report, done):
     return sorted(refined + rough[_FITTED:], key=lambda m: penalised_likelihood(problem, m), reverse=True)
 
 
-def _best_of_each(problem, tried):
+def _best_of_each(problem: Problem, tried: Iterable[Model]) -> list[Model]:
     """Of every effect its best hypothesis, the best first."""
-    best = {}
+    best: dict[str, Model] = {}
     for m in sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True):
         best.setdefault(m.terms[-1].effect.key, m)
     return list(best.values())
 
 
-def _refine(problem, before, model, other_onset):
+def _refine(problem: Problem, before: Model, model: Model, other_onset: float | None) -> Model:
     """The last effect with the whole calibration free; one that begins, also from where the best one does."""
     last = model.terms[-1]
     if last.onset is None:
         return intermittent(problem, problem.fit(model.terms, start=model))
-    rest = Model(before.terms, before.chain, model.values, before.predictions, before.log_likelihood, {})
+    without = Model(before.terms, before.chain, model.values, before.predictions, before.log_likelihood, {})
     onsets = {last.onset, last.onset if other_onset is None else other_onset}
-    fits = [fit_with_onset(problem, rest, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
+    fits = [fit_with_onset(problem, without, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
     best = to_the_sample(problem, max(fits, key=lambda m: m.log_likelihood))
     return intermittent(problem, best)
 
 
-def _settle(problem, model):
+def _settle(problem: Problem, model: Model) -> Model:
     """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
     model = _in_turn(problem, model)
     last = model.terms[-1]
     if last.onset is not None:
         # begun where the hypothesis stands: without the effect the calibration may lie in another valley
-        rest = replace(problem.fit(model.terms[:-1], start=model), values=model.values)
-        begun = fit_with_onset(problem, rest, last.effect, onset=last.onset, max_steps=15)
+        without = replace(problem.fit(model.terms[:-1], start=model), values=model.values)
+        begun = fit_with_onset(problem, without, last.effect, onset=last.onset, max_steps=15)
         model = max(model, begun, key=lambda m: m.log_likelihood)
         model = _throughout_if_likelier(problem, model)
     return _intermittent_if_likelier(problem, model)
 
 
-def _intermittent_if_likelier(problem, model):
+def _intermittent_if_likelier(problem: Problem, model: Model) -> Model:
     """The same effect in spells where that is likelier, each judged by its own noise."""
     spelled = intermittent(problem, model)
     if spelled is model:
         return model
-    noise, steady = problem.noise, penalised_under_own_noise(problem, model)
+    noise, steady = problem.noise, penalised_across_noises(problem, model)
     spelled = _in_turn(problem, spelled)
-    if penalised_under_own_noise(problem, spelled) > steady:
+    if penalised_across_noises(problem, spelled) > steady:
         return spelled
     problem.use_noise(noise)
     return model
 
 
-def _in_turn(problem, model):
+def _in_turn(problem: Problem, model: Model) -> Model:
     for _ in range(2):
         problem.learn_noise(model)
         model = problem.fit(model.terms, start=model)
     return model
 
 
-def _throughout_if_likelier(problem, model):
+def _throughout_if_likelier(problem: Problem, model: Model) -> Model:
     """The same effect without its onset, where that is likelier when each is judged by its own noise.
 
     Under the noise of a simulation that lacks the effect, an onset may hide rows in which the effect is
     modelled poorly: what is left there is no stranger than the nominal's own errors. So an onset that gains
     little beside the effect itself must gain in more than one or two events.
     """
-    noise, with_onset = problem.noise, penalised_under_own_noise(problem, model)
-    *rest, last = model.terms
-    throughout = _in_turn(problem, problem.fit((*rest, Term(last.effect)), start=model))
-    gained = with_onset - penalised_under_own_noise(problem, throughout)
+    noise, with_onset = problem.noise, penalised_across_noises(problem, model)
+    *others, last = model.terms
+    throughout = _in_turn(problem, problem.fit((*others, Term(last.effect)), start=model))
+    gained = with_onset - penalised_across_noises(problem, throughout)
     if gained < 0.0:
         return throughout
     learnt = problem.noise
     problem.use_noise(noise)
-    bare = problem.fit(rest, start=model)
+    bare = problem.fit(others, start=model)
     little = gained < SHARE_MISTAKEN * (model.log_likelihood - bare.log_likelihood)
     if little and gain_in_spreads(problem, model, throughout) < SPREADS:
         problem.use_noise(learnt)
@@ -279,12 +337,14 @@ def _throughout_if_likelier(problem, model):
     return model
 
 
-def penalised_under_own_noise(problem, model):
+def penalised_across_noises(problem: Problem, model: Model) -> float:
     """As `penalised_likelihood`, but comparable between noises: wide noise costs what it makes likelier."""
     return penalised_likelihood(problem, model) - sum(problem.noise[c].log_spread for c in problem.channels)
 
 
-def _drop_what_no_longer_counts(problem, model, threshold, *, last_too=False):
+def _drop_what_no_longer_counts(
+    problem: Problem, model: Model, threshold: float, *, last_too: bool = False
+) -> Model:
     for term in model.terms if last_too else model.terms[:-1]:
         without = problem.fit(tuple(m for m in model.terms if m is not term), start=model)
         again = problem.fit((*without.terms, term), start=model)

@@ -20,7 +20,7 @@ from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.compare import compared
 from sklvalve.mismatch.detect import covariates_of
 from sklvalve.mismatch.diagnosis import Diagnosis
-from sklvalve.mismatch.events import evident_events, worth_searching
+from sklvalve.mismatch.events import effects_to_search, evident_events
 from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
@@ -213,7 +213,7 @@ class MissingPhysicsFinder(BaseEstimator):
     def _fit(self, X, y, until):
         ours = self.simulation if isinstance(self.simulation, ValveSimulation) else None
         given = self.simulation if ours is None else None
-        whole = gathered(X, y, simulation=ours, given=given)
+        whole = gathered(X, y, simulation=ours, external=given)
         used = rows_to_use(whole, until)
         seed = self._seed()
         self._say("reading", 0.0)
@@ -301,7 +301,7 @@ class MissingPhysicsFinder(BaseEstimator):
 
     def _judge(self, problem, effects, events, data, seed, nominal=None):
         """Search among the effects, and the judgement on what it finds."""
-        alpha, considered = float(self.alpha), worth_searching(effects, events)
+        alpha, considered = float(self.alpha), effects_to_search(effects, events)
 
         def judge_on(bench, candidates):
             first = nominal if bench is problem and nominal is not None else calibrated(bench)

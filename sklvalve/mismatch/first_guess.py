@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Where the calibration begins: near enough that its fits end in the right valley."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.stats import qmc
 
@@ -9,12 +14,16 @@ from sklvalve.simulation.calibration import apparent_kv
 from sklvalve.simulation.fitting import MAJORITY, SOFT, PlainNoise, fit_chain
 from sklvalve.simulation.parameters import ParameterVector
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.simulation.fitting import Loss
+
 _DRAWS = 64
 # a row this near its simulation is met, share of travel [1]
 _CLOSE = 0.003
 
 
-def first_guess(problem):
+def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:
     """Values to begin with: the actuator's landscape has side valleys, so several are tried.
 
     Parameters
@@ -30,7 +39,8 @@ def first_guess(problem):
         from the simulation, the best fit to all rows bends the actuator to make up for it. Empty where no
         position is recorded.
     """
-    recording, first, sound = problem.recording, dict(problem.held_values), {}
+    recording, first = problem.recording, dict(problem.held_values)
+    sound: dict[str, float] = {}
     if "flow" in problem.channels and not problem.trim.known:
         opening = recording.get("opening")
         opening = recording["command"] if opening is None else opening
@@ -41,7 +51,7 @@ def first_guess(problem):
     return Model((), problem.plain, first, {}, np.nan, {}), sound
 
 
-def _actuator(problem):
+def _actuator(problem: Problem) -> tuple[dict[str, float], dict[str, float]]:
     parameters = problem.calibration(("opening",))
     vector = ParameterVector(parameters)
     low, high = vector.low, vector.high
@@ -53,7 +63,7 @@ def _actuator(problem):
     starts = [begin | {"actuator_delay": share * scan} for share in (0.02, 0.5, 1.0)]
     starts.append(vector.values(draws[int(np.argmin(losses))]))
 
-    def fits(scale, starts, loss):
+    def fits(scale: float, starts: Iterable[dict[str, float]], loss: Loss) -> list[dict[str, float]]:
         noise = {"opening": PlainNoise(scale)}
         made = [
             fit_chain(
@@ -75,6 +85,6 @@ def _actuator(problem):
     return coarse[0], fits(_CLOSE, (coarse[0], *starts[:2]), MAJORITY)[0]
 
 
-def _opening_loss(problem, values):
+def _opening_loss(problem: Problem, values: dict[str, float]) -> float:
     gap = np.abs(problem.recording["opening"] - problem.plain.opening(values))
     return float(np.nanmean(np.minimum(gap, 0.1)))

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The record that a program of the command would give, were an explanation true."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import nnls
@@ -10,6 +14,18 @@ from sklvalve.mismatch.noise import NoiseModel, movement
 from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
 from sklvalve.simulation.calibration import span_of
 from sklvalve.simulation.chain import ATMOSPHERE
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.excitation import Explanation
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.programs import Program
+    from sklvalve.recording import Recording
+    from sklvalve.simulation.chain import Chain
+    from sklvalve.simulation.fitting import PlainNoise
+
+    Noise = NoiseModel | NoiseOfPieces | PlainNoise
+    _Makeup = tuple[Noise, float, np.ndarray | None, float]
 
 # what a stem sensor that is yet to be fitted would have: rms of its noise, of its wander, of its zero [1]
 _SENSOR, _WANDER, _ZERO = 0.0025, 0.0005, 0.005
@@ -28,13 +44,13 @@ class Present:
         Its noise stays as it is as long as records are foreseen.
     """
 
-    def __init__(self, problem):
+    def __init__(self, problem: Problem) -> None:
         self.problem, recording = problem, problem.recording
         self.medians = {role: float(np.nanmedian(recording[role])) for role in recording}
         self.surroundings = Surroundings(recording)
-        self._makeups = {}
+        self._makeups: dict[tuple[Model, str], _Makeup] = {}
 
-    def noise_of(self, model, channel, signal, step):
+    def noise_of(self, model: Model, channel: str, signal: np.ndarray, step: float) -> Noise:
         """Noise of a channel, where a model holds, for another signal."""
         if (model, channel) not in self._makeups:
             self._makeups[model, channel] = _makeup(self.problem, model, channel)
@@ -60,7 +76,9 @@ class ForecastRecord:
         Channel -> noise model.
     """
 
-    def __init__(self, present, program, truth, sensor=None):
+    def __init__(
+        self, present: Present, program: Program, truth: Explanation, sensor: str | None = None
+    ) -> None:
         problem = present.problem
         self.problem, self.sensor = problem, sensor
         recording, values = problem.recording, truth.model.values
@@ -101,10 +119,10 @@ class ForecastRecord:
             zero = self._sensor.whiten(np.ones(n))
             self._zero = zero / np.sqrt(zero @ zero + _ZERO**-2)
 
-    def _put(self, signals):
+    def _put(self, signals: dict[str, np.ndarray]) -> None:
         self.recording = replace(self.recording, signals=self.recording.signals | signals)
 
-    def _leave_out(self, flow):
+    def _leave_out(self, flow: np.ndarray) -> None:
         """Rows in which a meter would have to show less than it does: most end a little below zero."""
         seen = self.problem.recording["flow"]
         least = min(float(np.nanmin(seen)), -_BELOW_ZERO * span_of(seen))
@@ -112,11 +130,11 @@ class ForecastRecord:
         if isinstance(noise, NoiseModel) and np.any(flow < least):
             self.noise["flow"] = replace(noise, white=np.where(flow < least, np.inf, noise.white))
 
-    def chain_of(self, explanation):
+    def chain_of(self, explanation: Explanation) -> Chain:
         """Stages of an explanation bound to this record."""
         return self.problem.chain(explanation.terms, self.recording)
 
-    def sensed(self, opening):
+    def sensed(self, opening: np.ndarray) -> np.ndarray:
         """Whitened errors of an opening at the new sensor, whose zero nobody knows."""
         errors = self._sensor.whiten(self._seen - opening)
         return errors - self._zero * (self._zero @ errors)
@@ -125,8 +143,8 @@ class ForecastRecord:
 class Surroundings:
     """How pressures stand for a flow: by what the recording shows, never beyond what it has seen."""
 
-    def __init__(self, recording):
-        self.known = {}
+    def __init__(self, recording: Recording) -> None:
+        self.known: dict[str, tuple[float, ...]] = {}
         if "p1" not in recording or "p2" not in recording:
             return
         self.drop = float(np.nanmedian(np.abs(recording["p1"] - recording["p2"])))
@@ -142,12 +160,12 @@ class Surroundings:
             slope = slope if sign * slope > 0.0 else 0.0
             self.known[role] = (*middle, slope, *np.quantile(y, (0.01, 0.99)))
 
-    def shift(self, role, share):
+    def shift(self, role: str, share: float | np.ndarray) -> np.ndarray:
         """How far a pressure is moved for a share of the drop [Pa]; into no vacuum that was not there."""
         lowest = self.known[role][3]
         return np.maximum(share * self.drop, min(ATMOSPHERE - lowest, 0.0))
 
-    def moved(self, signals, program):
+    def moved(self, signals: Mapping[str, np.ndarray], program: Program) -> dict[str, np.ndarray]:
         """Signals with the pressures that go with their flow, and the program's moves of them."""
         signals = dict(signals)
         for role, (x, y, slope, low, high) in self.known.items():
@@ -162,7 +180,7 @@ class Surroundings:
         return signals
 
 
-def _makeup(problem, model, channel):
+def _makeup(problem: Problem, model: Model, channel: str) -> _Makeup:
     """Noise of a channel, the largest value of its signal, how it goes with that, and its least variance."""
     noise, past = problem.noise[channel], model.predictions[channel]
     if isinstance(noise, NoiseOfPieces):
@@ -179,16 +197,23 @@ def _makeup(problem, model, channel):
     return noise, largest, shares * size / scale, 0.1 * float(noise.white[seen].min())
 
 
-def _noise_like(noise, largest, shares, least, signal, step):
+def _noise_like(
+    noise: Noise,
+    largest: float,
+    shares: np.ndarray | None,
+    least: float,
+    signal: np.ndarray,
+    step: float,
+) -> Noise:
     """Noise of another signal: its white part grows with that as it did in the recording."""
-    if shares is None:
+    if shares is None or not isinstance(noise, NoiseModel):
         return noise
     steps = np.full(len(signal), step)
     white = np.maximum(_shapes(signal, steps, largest) @ shares, least)
     return NoiseModel(white, steps, noise.fast_time, noise.fast_size, noise.slow_time, noise.slow_size)
 
 
-def _shapes(signal, step, largest):
+def _shapes(signal: np.ndarray, step: np.ndarray, largest: float) -> np.ndarray:
     """What the white variance is made of: a constant, the size of the signal, and its movement."""
     level = np.nan_to_num(signal / largest) ** 2
     return np.stack([np.ones(len(signal)), level, movement(signal, step) ** 2], axis=1)

@@ -1,6 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What else a correction must stand: beyond the range of its fit, where nothing acts, beside its rivals."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, cast
+
 import numpy as np
 
 from sklvalve.mismatch.events import simulated
@@ -11,12 +16,30 @@ from sklvalve.mismatch.refitting import lines_of, refitted
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.simulation import learnt_rest
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Rival
+    from sklvalve.recording import Recording
+
+    Predictions = dict[str, np.ndarray]
+    Entries = dict[str, dict[str, Any]]
+
 # of the range that the opening covers, at both ends left out of the fit
 _END = 0.15
 _FEWEST_INSIDE, _FEWEST_OUTSIDE = 120, 40
 
 
-def further_proof(problem, whole, judged, made, held, flagged, spans):
+def further_proof(
+    problem: Problem,
+    whole: Recording,
+    judged: Judgement,
+    made: dict[str, Predictions],
+    held: np.ndarray,
+    flagged: np.ndarray,
+    spans: Sequence[slice],
+) -> dict[str, dict[str, Any]]:
     """Entries beside the errors of held-out rows, for each channel.
 
     Parameters
@@ -40,37 +63,73 @@ def further_proof(problem, whole, judged, made, held, flagged, spans):
         the opening's range, rmse outside it), ``elsewhere`` (rmse where nothing acts), and ``ruled_out`` (the
         best explanation that was ruled out, and its rmse), in the recording's own units.
     """
-    rival = _best_ruled_out(judged)
-    others = None
-    if rival is not None:
-        ahead = len(whole) > len(problem.recording)
-        others = run(problem, rival.model, whole) if ahead else forecast(problem, rival.model, spans)
-    inside, outside = _ranges(problem.recording)
-    beyond = None if inside is None else _beyond(problem, judged, inside)
-    entries = {}
-    for c in problem.channels:
-        unit = whole.per_si(c)
-        entry = {}
-        if beyond is not None:
-            low, high, driver = _limits(problem.recording)
-            rmse = {kind: _rmse(problem.recording[c] - v[c], outside, unit) for kind, v in beyond.items()}
-            if None not in rmse.values():
-                entry["extrapolation"] = {"signal": driver, "fitted_from": low, "to": high, "rmse": rmse}
-        if len(whole) == len(flagged) and (held & ~flagged).sum() >= _FEWEST_OUTSIDE:
-            rows = held & ~flagged
-            kinds = ("nominal", "corrected")
-            rmse = {kind: _rmse(whole[c] - made[kind][c], rows, unit) for kind in kinds}
-            if None not in rmse.values():
-                entry["elsewhere"] = {"rows": int(rows.sum()), "rmse": rmse}
-        if others is not None and c in problem.channels_touched(rival.term.effect):
-            error = _rmse(whole[c] - others[c], held, unit)
-            if error is not None:
-                entry["ruled_out"] = {"name": rival.term.effect.name, "rmse": error}
-        entries[c] = entry
+    entries: dict[str, dict[str, Any]] = {c: {} for c in problem.channels}
+    ruled_out = _ruled_out(problem, whole, judged, held, spans)
+    extrapolation = _extrapolation(problem, whole, judged)
+    for part in (extrapolation, _elsewhere(problem, whole, made, held, flagged), ruled_out):
+        for c, entry in part.items():
+            entries[c] |= entry
     return entries
 
 
-def _best_ruled_out(judged):
+def _extrapolation(problem: Problem, whole: Recording, judged: Judgement) -> Entries:
+    """Errors outside the range of a fit, by channel."""
+    recording = problem.recording
+    inside, outside = _ranges(recording)
+    limits = _limits(recording)
+    if inside is None or outside is None or limits is None:
+        return {}
+    beyond, (low, high, driver) = _beyond(problem, judged, inside), limits
+    entries = {}
+    for c in problem.channels:
+        unit = whole.per_si(c)
+        rmse = {kind: _rmse(recording[c] - v[c], outside, unit) for kind, v in beyond.items()}
+        if None not in rmse.values():
+            made = {"signal": driver, "fitted_from": low, "to": high, "rmse": rmse}
+            entries[c] = {"extrapolation": made}
+    return entries
+
+
+def _elsewhere(
+    problem: Problem,
+    whole: Recording,
+    made: dict[str, Predictions],
+    held: np.ndarray,
+    flagged: np.ndarray,
+) -> Entries:
+    """Errors where nothing of what was found acts, by channel."""
+    if len(whole) != len(flagged) or (held & ~flagged).sum() < _FEWEST_OUTSIDE:
+        return {}
+    rows, entries = held & ~flagged, {}
+    for c in problem.channels:
+        unit, kinds = whole.per_si(c), ("nominal", "corrected")
+        rmse = {kind: _rmse(whole[c] - made[kind][c], rows, unit) for kind in kinds}
+        if None not in rmse.values():
+            entries[c] = {"elsewhere": {"rows": int(rows.sum()), "rmse": rmse}}
+    return entries
+
+
+def _ruled_out(
+    problem: Problem, whole: Recording, judged: Judgement, held: np.ndarray, spans: Sequence[slice]
+) -> Entries:
+    """Errors of the best explanation that was ruled out, for the channels that it changes."""
+    rival = _best_ruled_out(judged)
+    if rival is None:
+        return {}
+    ahead = len(whole) > len(problem.recording)
+    predicted = run(problem, rival.model, whole) if ahead else forecast(problem, rival.model, spans)
+    if predicted is None:
+        return {}
+    effect, entries = rival.term.effect, {}
+    for c in problem.channels:
+        if c in problem.channels_touched(effect):
+            error = _rmse(whole[c] - predicted[c], held, whole.per_si(c))
+            if error is not None:
+                entries[c] = {"ruled_out": {"name": effect.name, "rmse": error}}
+    return entries
+
+
+def _best_ruled_out(judged: Judgement) -> Rival | None:
     """The likeliest rival of the strongest finding that its class does not hold; None without one."""
     if not judged.findings:
         return None
@@ -80,7 +139,7 @@ def _best_ruled_out(judged):
     return min(ruled, key=lambda r: r.distance, default=None)
 
 
-def _limits(recording):
+def _limits(recording: Recording) -> tuple[float, float, str] | None:
     driver = "opening" if "opening" in recording else "command"
     if driver not in recording:
         return None
@@ -89,7 +148,7 @@ def _limits(recording):
     return float(low + end), float(high - end), driver
 
 
-def _ranges(recording):
+def _ranges(recording: Recording) -> tuple[np.ndarray | None, np.ndarray | None]:
     """Rows inside and outside the range to be fitted; (None, None) where there are too few of either."""
     limits = _limits(recording)
     if limits is None:
@@ -101,11 +160,11 @@ def _ranges(recording):
     return (inside, outside) if enough and high - low > 0.05 else (None, None)
 
 
-def _beyond(problem, judged, inside):
+def _beyond(problem: Problem, judged: Judgement, inside: np.ndarray) -> dict[str, Predictions]:
     """Predictions by nominal, corrected and black box, each fitted to the rows inside only."""
-    model = simulated(judged.model)
-    made = {}
-    for kind, fitted in (("nominal", judged.nominal), ("corrected", model)):
+    nominal, model = cast("Model", judged.nominal), simulated(cast("Model", judged.model))
+    made: dict[str, Predictions] = {}
+    for kind, fitted in (("nominal", nominal), ("corrected", model)):
         with problem.homoscedastic(fitted):
             lines = lines_of(problem, fitted)
         again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, inside))
@@ -121,6 +180,6 @@ def _beyond(problem, judged, inside):
     return made | {"black_box": box}
 
 
-def _rmse(left, rows, unit):
+def _rmse(left: np.ndarray, rows: np.ndarray, unit: float) -> float | None:
     left = left[rows & np.isfinite(left)]
     return float(np.sqrt(np.mean(left**2)) * abs(unit)) if len(left) else None

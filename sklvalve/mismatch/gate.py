@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The data gate: what is wrong with the data switches off, blanks or blocks before physics is asked."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,6 +13,13 @@ from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.recording.dead_bands import DeadBand, flow_moved_by
 from sklvalve.recording.standing import stem_may_stand
 from sklvalve.simulation.calibration import span_of
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.recording import Recording
+
+    #: One finding of `screen_recording` about the data.
+    Defect = dict[str, Any]
 
 # columns exchanged or in a wrong unit: whatever shows may be of their making
 _WRONG = ("swapped", "unit_suspect")
@@ -21,7 +32,7 @@ _FINE = {"opening": 0.004}  # and as coarse as this the openings of healthy reco
 _MOVED_IN_HEALTHY = 0.01
 
 
-def with_seized_stems(data, recording):
+def with_seized_stems(data: Sequence[Defect], recording: Recording) -> list[Defect]:
     """Findings, with a mark on an opening that stands still as that of a seized stem does.
 
     Parameters
@@ -39,13 +50,13 @@ def with_seized_stems(data, recording):
     return [each | {"seized": True} if _may_be_seized(each, recording) else each for each in data]
 
 
-def _may_be_seized(finding, recording):
+def _may_be_seized(finding: Defect, recording: Recording) -> bool:
     if finding["finding"] != "frozen" or finding["role"] != "opening":
         return False
     return all(stem_may_stand(recording, *span) for span in finding["rows"] or [(0, None)])
 
 
-def effects_switched_off(data, effects=CATALOGUE):
+def effects_switched_off(data: Sequence[Defect], effects: Iterable[Effect] = CATALOGUE) -> dict[str, str]:
     """Effects that a recording's data cannot speak for.
 
     Parameters
@@ -60,7 +71,7 @@ def effects_switched_off(data, effects=CATALOGUE):
     off : dict
         Effect name -> what is needed instead.
     """
-    off = {}
+    off: dict[str, str] = {}
     for finding in data:
         name, role = finding["finding"], finding["role"]
         if name == "quantised" and finding.get("size", 1.0) < _FINE.get(role, _COUNTS):
@@ -72,7 +83,7 @@ def effects_switched_off(data, effects=CATALOGUE):
     return off
 
 
-def _hides(finding, effect):
+def _hides(finding: Defect, effect: Effect) -> bool:
     """Whether an effect is imitated by a finding, or cannot be seen for it."""
     if effect.standstill and finding.get("seized"):
         return False
@@ -83,7 +94,7 @@ def _hides(finding, effect):
     return role in roles or "any" in roles
 
 
-def _defect(finding):
+def _defect(finding: Defect) -> str:
     """Kind of a defect, as effects name what hides them."""
     if finding["finding"] == "frozen" and finding.get("rows", ()) is None:
         # frozen from first to last row a signal was not measured at all
@@ -91,25 +102,25 @@ def _defect(finding):
     return "held" if held_within_a_band(finding) else finding["finding"]
 
 
-def held_within_a_band(finding):
+def held_within_a_band(finding: Defect) -> bool:
     """Whether a historian left out moves of the stem that are too small to count, and no others."""
     # an opening known within a dead band shows how a stem moves; a flow that a meter damps follows less
     compressed = finding["finding"] == "compressed" and finding["role"] == "opening"
     return compressed and finding.get("size", np.inf) < _COUNTS
 
 
-def tells_a_band(finding):
+def tells_a_band(finding: Defect) -> bool:
     """Whether a finding says within which band an opening or a flow was held, so that it is allowed for."""
     of_flow = (finding["finding"], finding["role"]) == ("compressed", "flow") and finding.get("size")
     return bool(of_flow) or held_within_a_band(finding)
 
 
-def redraws_the_flow(finding):
+def redraws_the_flow(finding: Defect) -> bool:
     """Whether a finding is that the flow was drawn in steps or lines, which leaves the moves of the stem."""
     return finding["finding"] in ("compressed", "quantised") and finding["role"] == "flow"
 
 
-def left_out_is_known(finding, recording):
+def left_out_is_known(finding: Defect, recording: Recording) -> bool:
     """Whether what a historian left out of a signal is allowed for where it is compared, or judged.
 
     That of an opening is allowed for in its comparison (`tells_a_band`). That of flow and pressures is by the
@@ -125,21 +136,21 @@ def left_out_is_known(finding, recording):
     return bool(flow_moved_by(recording, band) <= _MOVED_IN_HEALTHY)
 
 
-def _bands(recording, data):
+def _bands(recording: Recording, data: Iterable[Defect]) -> dict[str, tuple[DeadBand, ...]]:
     """Role -> dead bands of its historian."""
-    bands: dict = {}
+    bands: dict[str, tuple[DeadBand, ...]] = {}
     for each in filter(tells_a_band, data):
         # one that lasts to the last row goes on behind it
         spans = [
             (recording.time[start], recording.time[stop - 1] if stop < len(recording) else np.inf)
             for start, stop in each.get("rows") or ()
         ]
-        told = tuple(DeadBand(*span, each["size"]) for span in spans or [(-np.inf, np.inf)])
-        bands[each["role"]] = bands.get(each["role"], ()) + told
+        known = tuple(DeadBand(*span, each["size"]) for span in spans or [(-np.inf, np.inf)])
+        bands[each["role"]] = bands.get(each["role"], ()) + known
     return bands
 
 
-def _needs(name, role):
+def _needs(name: str, role: str) -> str:
     if name == "swapped":
         return "columns that are not swapped"
     if name == "unit_suspect":
@@ -149,7 +160,7 @@ def _needs(name, role):
     return f"a recording whose {role} is not {name}"
 
 
-def blocking(data):
+def blocking(data: Iterable[Defect]) -> str | None:
     """Say why no physics may be named from a recording before its data are mended; None where it may.
 
     Parameters
@@ -169,8 +180,8 @@ def blocking(data):
     return f"Correct the columns in valve.toml first; until then nothing can be diagnosed: {seen}."
 
 
-def without_findings(recording, data):
-    """Recording without the rows that a sensor did not measure, with clocks set right and dead bands told.
+def without_findings(recording: Recording, data: Sequence[Defect]) -> Recording:
+    """Recording without the rows that a sensor did not measure, its clocks set right, its dead bands known.
 
     Frozen and saturated stretches become NaN in their channel, so that no fit sees them; a channel that is
     saturated in more than six tenths of its rows is left as it is, as is a command, which drives the
@@ -189,28 +200,43 @@ def without_findings(recording, data):
         The one given where there is nothing to be left out.
     """
     signals = dict(recording.signals)
-    for each in data:
-        if each["finding"] not in _MOST_BLANK or each["role"] in (None, "command") or each.get("seized"):
-            continue
-        hidden = np.zeros(len(recording), dtype=bool)
-        for start, stop in each["rows"] or []:
-            hidden[start:stop] = True
+    for each in filter(_may_blank, data):
+        hidden = _hidden(each, len(recording))
         if 0.0 < hidden.mean() <= _MOST_BLANK[each["finding"]]:
             signals[each["role"]] = np.where(hidden, np.nan, signals[each["role"]])
     for each in data:
         if each["finding"] == "clock_shift" and each["role"] in signals and each.get("size"):
-            moved = signals[each["role"]].copy()
-            for start, stop in each["rows"] or [(0, len(recording))]:
-                rows = round(each["size"] / recording.slice(start, stop).sample_time)
-                moved[start:stop] = _moved_back(moved[start:stop], rows, hold=each["role"] == "command")
-            signals[each["role"]] = moved
+            signals[each["role"]] = _with_clock_set_right(recording, signals[each["role"]], each)
     bands = _bands(recording, data)
     if not bands and all(signals[role] is recording.signals[role] for role in signals):
         return recording
     return replace(recording, signals=signals, bands=bands)
 
 
-def _moved_back(values, rows, *, hold):
+def _may_blank(finding: Defect) -> bool:
+    """Whether the rows of a finding may become gaps: those of a command and of a seized stem may not."""
+    blanks = finding["finding"] in _MOST_BLANK and finding["role"] not in (None, "command")
+    return blanks and not finding.get("seized")
+
+
+def _hidden(finding: Defect, n: int) -> np.ndarray:
+    """Of n rows those of a finding, as booleans."""
+    hidden = np.zeros(n, dtype=bool)
+    for start, stop in finding["rows"] or []:
+        hidden[start:stop] = True
+    return hidden
+
+
+def _with_clock_set_right(recording: Recording, values: np.ndarray, finding: Defect) -> np.ndarray:
+    """A signal moved back by what its clock is off, stretch by stretch."""
+    moved = values.copy()
+    for start, stop in finding["rows"] or [(0, len(recording))]:
+        rows = round(finding["size"] / recording.slice(start, stop).sample_time)
+        moved[start:stop] = _moved_back(moved[start:stop], rows, hold=finding["role"] == "command")
+    return moved
+
+
+def _moved_back(values: np.ndarray, rows: int, *, hold: bool) -> np.ndarray:
     places = np.arange(len(values)) + rows
     inside = (places >= 0) & (places < len(values))
     moved = values[np.clip(places, 0, len(values) - 1)]

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a finder is given, one recording or several of one valve, as one recording."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,12 +12,20 @@ from sklvalve.recording import InputError, join_recordings
 from sklvalve.simulation.given_columns import with_given
 from sklvalve.simulation.simulation import as_recording
 
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from sklvalve.recording import Recording
+    from sklvalve.simulation import ValveSimulation
+
 # a stem and a lag forget within this time where they were before [s], and within as many rows
 _FORGOTTEN, _FEWEST_FORGOTTEN = 40.0, 3
 _CHANNELS = ("opening", "flow")
 
 
-def gathered(X, y=None, *, simulation=None, given=None):
+def gathered(
+    X: Any, y: ArrayLike | None = None, *, simulation: ValveSimulation | None = None, external: Any = None
+) -> Recording:
     """One recording of what a finder is given.
 
     Parameters
@@ -24,7 +35,7 @@ def gathered(X, y=None, *, simulation=None, given=None):
         Flow [SI], where X is a single frame without it.
     simulation : ValveSimulation or None
         Whose sheet a frame takes.
-    given : regressor or callable or None
+    external : regressor or callable or None
         The user's own simulation.
 
     Returns
@@ -39,13 +50,13 @@ def gathered(X, y=None, *, simulation=None, given=None):
     """
     valve = None if simulation is None else simulation.valve
     if not isinstance(X, (list, tuple)):
-        return with_given(as_recording(X, y, valve), given)
+        return with_given(as_recording(X, y, valve), external)
     if y is not None:
         raise InputError("several recordings hold their own flow; give no y beside them")
-    return join_recordings([with_given(as_recording(x, None, valve), given) for x in X])
+    return join_recordings([with_given(as_recording(x, None, valve), external) for x in X])
 
 
-def settled(recording):
+def settled(recording: Recording) -> Recording:
     """A recording without the rows in which a simulation settles after each jump of the clock between pieces.
 
     Parameters
@@ -61,7 +72,7 @@ def settled(recording):
     return recording if len(starts) == 1 else without_settling(recording, starts)
 
 
-def without_settling(recording, starts):
+def without_settling(recording: Recording, starts: ArrayLike) -> Recording:
     """A recording whose opening and flow are gaps in the first rows from each start on, but the first.
 
     Parameters

@@ -6,11 +6,19 @@ facts are weighed, and a finding is as strong only where its correction explains
 leaves over, on rows ahead in time.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from sklvalve.mismatch.borne_out import SEALED
 from sklvalve.mismatch.decide.constants import NAMED_FROM
 from sklvalve.mismatch.probability import log_odds_of_name
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.probability import Grounds
 
 WEAK, MODERATE, STRONG = LEVELS = ("weak", "moderate", "strong")
 #: A finding is strong from this probability on.
@@ -22,7 +30,9 @@ EXPLAINS_MOST = 0.75
 _LITTLE = -0.5
 
 
-def grade_of(probability, grounds, evidence, unchecked=""):
+def grade_of(
+    probability: float, grounds: Grounds, evidence: dict[str, Any], unchecked: str = ""
+) -> dict[str, str]:
     """Grade of a finding.
 
     Parameters
@@ -58,7 +68,7 @@ def grade_of(probability, grounds, evidence, unchecked=""):
     return {"level": LEVELS[level], "reason": f"{reason[:1].upper()}{reason[1:]}."}
 
 
-def _why(grounds, evidence, level):
+def _why(grounds: Grounds, evidence: dict[str, Any], level: int) -> str:
     """What speaks most against a finding; of a strong one, what speaks for it."""
     skill = evidence.get("skill")
     if grounds.may_vanish:
@@ -75,7 +85,7 @@ def _why(grounds, evidence, level):
     return f"{words}, and the correction explains {100.0 * min(skill, 1.0):.0f} % of it on forecast rows"
 
 
-def _weakest(grounds):
+def _weakest(grounds: Grounds) -> str:
     """The fact that lowers the probability most."""
     right, many = SEALED.held.get(grounds.leading, (0, 0))
     rarity, beside, coarse, _ = np.multiply(SEALED.of_grounds, grounds.columns)
@@ -95,5 +105,5 @@ def _weakest(grounds):
     )
 
 
-def _either(names):
+def _either(names: Iterable[str]) -> str:
     return " and ".join(name.replace("_kv", " Kv").replace("_", " ") for name in names)

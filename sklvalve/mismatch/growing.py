@@ -1,15 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From when on an effect grows: with another onset it is another signal, so each is fitted."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
 from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Term
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.problem import Problem
 
 # shares of the record: an onset is looked for in steps of a fifth first, then finer
 _COARSE, _FINE = 0.2, 0.01
 
 
-def fit_growing(problem, model, effect, *, onset, **options):
+def fit_growing(problem: Problem, model: Model, effect: Effect, *, onset: float, **options: Any) -> Model:
     """Fit of an effect that grows from a moment within the recording.
 
     The likelihood over the onset has one broad top, for a ramp that begins too early or too late answers with
@@ -34,9 +43,9 @@ def fit_growing(problem, model, effect, *, onset, **options):
     clock = problem.plain.clock
     rows = np.arange(len(clock))
     first, last = (int(share * (len(clock) - 1)) for share in (FIRST_ONSET, LAST_ONSET))
-    fits = {}
+    fits: dict[float, Model] = {}
 
-    def fitted_at(row):
+    def fitted_at(row: float) -> float:
         row = float(np.clip(row, first, last))
         if row not in fits:
             term = Term(effect, float(np.interp(row, rows, clock)))

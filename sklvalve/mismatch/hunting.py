@@ -1,11 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A stem that moves to and fro while its command rests, found window by window."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.stick_slip import sensor_noise
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
 
 # a window, whose straight line is taken off, so that a slow approach is no movement to and fro
 _WINDOW = 20
@@ -42,11 +48,11 @@ class Hunting:
     length: int = _WINDOW
 
     @property
-    def evident(self):
+    def evident(self) -> bool:
         return len(self.rows) >= max(_EVIDENT, _OFTEN * self.quiet)
 
 
-def find_hunting(command, opening):
+def find_hunting(command: ArrayLike, opening: ArrayLike) -> Hunting:
     r"""Windows in which the stem moves to and fro while its command rests.
 
     .. math:: s_x > \max(0.005, 2.5\, \sigma), \quad s_u < 0.3\, s_x
@@ -92,12 +98,12 @@ def find_hunting(command, opening):
     return Hunting(np.flatnonzero(hunts) * _WINDOW, of_stem[hunts], len(resting))
 
 
-def _windows(series):
+def _windows(series: np.ndarray) -> np.ndarray:
     many = len(series) // _WINDOW
     return series[: many * _WINDOW].reshape(many, _WINDOW)
 
 
-def _about_their_line(windows):
+def _about_their_line(windows: np.ndarray) -> np.ndarray:
     """Standard deviation of each window about its own straight line."""
     t = np.arange(_WINDOW) - 0.5 * (_WINDOW - 1)
     centred = windows - windows.mean(axis=1, keepdims=True)

@@ -79,9 +79,7 @@ def test_every_name_is_tested_or_said_why_not(bench):
 
 
 def _calibrated(name, strength, onset=0.0):
-    problem = Problem(
-        record(name, strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",)
-    )
+    problem = Problem(record(name, strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",))
     return problem, calibrated(problem)
 
 

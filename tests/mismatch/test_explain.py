@@ -113,13 +113,13 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
         def learn_noise(self, model, *, cautious=False):
             self.noise = "cautious" if cautious else "its own"
 
-    def taken_up(bench, model, *_):
-        judged.append((bench.noise, model.by))
-        return bench.fit((place,))
+    def taken_up(search, model):
+        judged.append((search.problem.noise, model.by))
+        return search.problem.fit((place,))
 
     bench = Bench()
     better = iter([SimpleNamespace(terms=(place,)), None])
-    monkeypatch.setattr(explain, "_taken_up", taken_up)
+    monkeypatch.setattr(explain._Search, "taken_up", taken_up)
     monkeypatch.setattr(explain, "_what_stands", lambda b, model, _: b.learn_noise(model) or b.fit((place,)))
     monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
     monkeypatch.setattr(explain, "_simpler", lambda *_: None)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
-from sklvalve.mismatch.events import P_VALUE, beside_events, worth_searching
+from sklvalve.mismatch.events import P_VALUE, beside_events, effects_to_search
 from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.report import to_text
@@ -110,4 +110,4 @@ def test_what_moves_the_stem_does_not_stand_beside_its_events():
     found = ("clogging_closing", "friction", "backlash_linkage", "clogging", "flow_meter_bias")
     kept = [key for key in found if beside_events([SimpleNamespace(term=Term(effects[key]))])]
     assert kept == ["clogging", "flow_meter_bias"]
-    assert "clogging_closing" not in [e.key for e in worth_searching(CATALOGUE, "events")]
+    assert "clogging_closing" not in [e.key for e in effects_to_search(CATALOGUE, "events")]

@@ -15,7 +15,7 @@ from sklvalve.mismatch.goodness_of_fit import (
     LeftOver,
     effective_number,
     held_against_noise,
-    imitates_any_course,
+    imitates_any_time_profile,
     left_over,
 )
 from sklvalve.mismatch.hypothesis import Term
@@ -193,7 +193,7 @@ def test_what_a_known_effect_would_explain_is_doubtful_and_what_none_would_refut
 def test_two_slow_courses_imitate_any_other(keys, imitates):
     effects = {effect.key: effect for effect in CATALOGUE}
     findings = [Finding(Term(effects[key]), [], 50.0, {"flow": 0.02}) for key in keys]
-    assert imitates_any_course(findings) is imitates
+    assert imitates_any_time_profile(findings) is imitates
 
 
 @pytest.mark.parametrize(
