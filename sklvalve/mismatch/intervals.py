@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Intervals of parameters: what noise, a simulation that is never right, and the data sheet leave open."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import own_values
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.hypothesis import Model, Term, own_values
 from sklvalve.mismatch.locate import causes_of, course_of_cause
+from sklvalve.simulation import Tolerance
+from sklvalve.simulation.fitting import Misfit
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # of a normal distribution: 95 %
 _WITHIN_95 = 1.96
@@ -15,7 +25,7 @@ _WITHIN_95 = 1.96
 SHARE_OFF = 0.09
 
 
-def interval_of(problem, term, fitted, quantity):
+def interval_of(problem: Problem, term: Term, fitted: Model, quantity: Quantity) -> tuple[float, ...] | None:
     r"""Interval that holds a parameter of an effect with 95 %.
 
     .. math:: h = \sqrt{(1.96\, s)^2 + (1.96\, m)^2} + t
@@ -66,7 +76,7 @@ def interval_of(problem, term, fitted, quantity):
     return tuple(float(np.clip(e, quantity.low, quantity.high)) for e in ends)
 
 
-def _mistaken(problem, term, fitted, key):
+def _mistaken(problem: Problem, term: Term, fitted: Model, key: str) -> float:
     """How far a parameter may be off to make up for what the simulation gets wrong of its effect."""
     rest = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
     own = problem.simulate(fitted.terms, fitted.values)
@@ -87,7 +97,9 @@ def _mistaken(problem, term, fitted, key):
     return 0.0
 
 
-def _slopes(problem, misfit, term, fitted, key):
+def _slopes(
+    problem: Problem, misfit: Misfit, term: Term, fitted: Model, key: str
+) -> tuple[np.ndarray, np.ndarray, int]:
     """Derivatives of simulated signals and of priors; of the parameter first, then of the calibration's."""
     z, names = misfit.vector.pack(fitted.values), misfit.vector.names
     base, prior = misfit.predictions(z), misfit.vector.prior_residuals(z)
@@ -101,7 +113,9 @@ def _slopes(problem, misfit, term, fitted, key):
     return np.stack(slopes, axis=1), np.stack(pulls, axis=1), len(places)
 
 
-def _scaled(problem, one, other, channels):
+def _scaled(
+    problem: Problem, one: dict[str, np.ndarray], other: dict[str, np.ndarray], channels: Sequence[str]
+) -> np.ndarray:
     """Difference of two simulations, channel after channel, in spans and so that its norm is its rms [1]."""
     parts = []
     for c in channels:
@@ -111,7 +125,7 @@ def _scaled(problem, one, other, channels):
     return np.concatenate(parts)
 
 
-def _open(problem, term, fitted, quantity, value):
+def _open(problem: Problem, term: Term, fitted: Model, quantity: Quantity, value: float) -> tuple[float, ...]:
     """How far below and above its value the data sheet, or the onset, leaves the size of an effect open."""
     if quantity.name != term.effect.parameters[0].name:
         return 0.0, 0.0
@@ -125,11 +139,11 @@ def _open(problem, term, fitted, quantity, value):
     return 2 * (_of_sound_valves(problem, term, fitted, quantity),)
 
 
-def _of_sound_valves(problem, term, fitted, quantity):
+def _of_sound_valves(problem: Problem, term: Term, fitted: Model, quantity: Quantity) -> float:
     """Size up to which an effect is a static error within the tolerance; zero where its size is another."""
     chain, values = fitted.chain, own_values(term, fitted)
 
-    def beyond(size, tolerance):
+    def beyond(size: float, tolerance: Tolerance) -> bool:
         return term.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)
 
     given, none = problem.tolerance, replace(problem.tolerance, static_error=0.0)

@@ -6,19 +6,30 @@ before it tell how the valve works and how its signals scatter. Held against tha
 themselves: whether the stem seized, the passage was blocked, the meter failed, or what else began then.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.change import find_change
 from sklvalve.mismatch.effects import CATALOGUE, LATE
-from sklvalve.mismatch.hypothesis import is_in, penalised_likelihood
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.hypothesis import Model, Term, is_in, penalised_likelihood
 from sklvalve.mismatch.noise import NoiseModel
 from sklvalve.mismatch.prove import correction_holds_out, cross_validated
 from sklvalve.mismatch.relevance import may_be_instead
 from sklvalve.mismatch.rivals import Finding, weighed
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.stretches import with_every_row
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.change import Change
+    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.problem import Problem
 
 # from this share of a recording on a change is taken for an event of its end: what begins before is found by
 # the search itself, whose onsets end at 0.96
@@ -37,7 +48,7 @@ _LAGS = 4.0
 _EXPLAINS = 0.5
 
 
-def late_event(problem, model, alpha):
+def late_event(problem: Problem, model: Model, alpha: float) -> Change | None:
     """A change in the last rows of a recording; None where nothing clear changes there.
 
     Parameters
@@ -60,13 +71,13 @@ def late_event(problem, model, alpha):
     return found if stands_out(problem, found, alpha, _ENDS) else None
 
 
-def stands_out(problem, change, alpha, counts=COUNTS):
+def stands_out(problem: Problem, change: Change, alpha: float, counts: float = COUNTS) -> bool:
     """Whether a change is rare enough, and large enough to count."""
     least = counts * problem.least(change.channel) * problem.spans[change.channel]
     return change.p_value <= _OF_ALPHA * alpha and abs(change.size) >= least
 
 
-def before(recording, event):
+def before(recording: Recording, event: Change) -> Recording:
     """The same recording with opening and flow blank from an event on."""
     late = np.arange(len(recording)) >= event.within[0]
     signals = {
@@ -76,7 +87,14 @@ def before(recording, event):
     return replace(recording, signals=signals)
 
 
-def with_late_event(problem, bench, judged, event, effects, alpha):
+def with_late_event(
+    problem: Problem,
+    bench: Problem,
+    judged: Judgement,
+    event: Change,
+    effects: Sequence[Effect],
+    alpha: float,
+) -> Judgement | None:
     """A judgement on the rows before an event, with the event.
 
     Parameters
@@ -128,7 +146,7 @@ def with_late_event(problem, bench, judged, event, effects, alpha):
     return replace(judged, tried=tried, kept=kept, errors=told)
 
 
-def _throughout(noise, row):
+def _throughout(noise: NoiseModel, row: int) -> NoiseModel:
     """Noise of the rows before an event for those behind it as well, which were gaps to it."""
     known = noise.white[:row]
     usual = float(np.median(known[np.isfinite(known)]))
@@ -136,18 +154,18 @@ def _throughout(noise, row):
     return _of(noise, white)
 
 
-def _without(noise, low, high):
+def _without(noise: NoiseModel, low: int, high: int) -> NoiseModel:
     """The same noise with some rows as gaps."""
     rows = np.arange(len(noise.white))
     return _of(noise, np.where((rows >= low) & (rows < high), np.inf, noise.white))
 
 
-def _of(noise, white):
+def _of(noise: NoiseModel, white: np.ndarray) -> NoiseModel:
     slow = noise.slow_time, noise.slow_size, noise.sensor
     return NoiseModel(white, noise.step, noise.fast_time, noise.fast_size, *slow)
 
 
-def _settled(problem, model, event):
+def _settled(problem: Problem, model: Model, event: Change) -> int:
     """First row in which an event has come about: how it does so no effect knows, and nothing hangs on it."""
     left = problem.residuals(model)[event.channel][event.row :]
     end = np.nanmedian(left[len(left) // 2 :])
@@ -159,7 +177,9 @@ def _settled(problem, model, event):
     return event.row + min(max(first, int(np.ceil(lag))), most)
 
 
-def _named(problem, model, event, settled, effects):
+def _named(
+    problem: Problem, model: Model, event: Change, settled: int, effects: Sequence[Effect]
+) -> Finding | None:
     """The finding of what explains the last rows; None where nothing that was tried does."""
     onset = float(model.chain.clock[event.row])
     stuck = [e for e in CATALOGUE if e.standstill and e.possible(model.chain)]
@@ -189,7 +209,9 @@ def _named(problem, model, event, settled, effects):
     return finding if counts and left[0] <= _EXPLAINS * left[1] else None
 
 
-def _no_coincidence(problem, places, own, channel, first):
+def _no_coincidence(
+    problem: Problem, places: list[tuple[Term, Model]], own: set[str], channel: str, first: int
+) -> list[tuple[Term, Model]]:
     """Places where a flow ends at zero: what ends it explains that, any other size meets it by chance.
 
     By a chance of twice what counts: no more than one in a hundred, so that such explanations are left out.
@@ -200,7 +222,7 @@ def _no_coincidence(problem, places, own, channel, first):
     return [place for place in places if place[0].effect.key in own] or places
 
 
-def _left(problem, model, channel, first):
+def _left(problem: Problem, model: Model, channel: str, first: int) -> float:
     """Rms of what a hypothesis leaves over from a row on [SI]."""
     rest = problem.residuals(model)[channel][first:]
     return float(np.sqrt(np.nanmean(rest**2)))

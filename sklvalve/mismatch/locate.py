@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Where in the operating range, and when, what was found acts."""
 
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,9 +13,15 @@ from sklvalve.mismatch.bands import simultaneous_bands
 from sklvalve.mismatch.boxes import boxes_of, covered, rows_in
 from sklvalve.mismatch.cells import cells_of
 from sklvalve.mismatch.episodes import Evidence, TimeProfile, course_of, growing_course
-from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.hypothesis import Model, Term
 from sklvalve.simulation.fitting import left_of
 from sklvalve.simulation.simulation import learnt_rest
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.bands import Band
+    from sklvalve.mismatch.boxes import Box
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.unknown import Unknown
 
 # boxes that hold nearly every row say nothing of where
 _EVERYWHERE = 0.95
@@ -44,7 +54,7 @@ class Cause:
     simulated: dict
 
 
-def acting_rows(problem, model, without):
+def acting_rows(problem: Problem, model: Model, without: Model) -> np.ndarray:
     """Rows in which a model differs from the one without its effect by a good part of the most it does."""
     flagged = np.zeros(len(problem.recording), dtype=bool)
     for channel in problem.channels:
@@ -55,12 +65,12 @@ def acting_rows(problem, model, without):
     return flagged
 
 
-def _acting(gap):
+def _acting(gap: np.ndarray) -> np.ndarray:
     """Rows in which a change is a good part of the most it is."""
     return gap > max(_ACTS * np.quantile(gap, 0.99), 1e-12)
 
 
-def causes_of(problem, model, unknown=None):
+def causes_of(problem: Problem, model: Model, unknown: Unknown | None = None) -> list[Cause]:
     """What was found, thing by thing, each switched off and on in the same simulation.
 
     Parameters
@@ -100,7 +110,7 @@ def causes_of(problem, model, unknown=None):
     return causes
 
 
-def course_of_cause(problem, model, cause):
+def course_of_cause(problem: Problem, model: Model, cause: Cause) -> TimeProfile:
     """When one of the things found acts: a `TimeProfile`."""
     clock = model.chain.clock
     if cause.term is None:
@@ -118,7 +128,7 @@ def course_of_cause(problem, model, cause):
     return growing_course(evidence, clock, acts, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
 
 
-def _slopes_of_calibration(problem, model, cause):
+def _slopes_of_calibration(problem: Problem, model: Model, cause: Cause) -> np.ndarray | None:
     """Derivatives of the whitened residuals of a cause's channels with regard to all but its own size."""
     own, channels, columns = f"{cause.member.effect.key}.", list(cause.before), []
     misfits = problem.misfits(model, channels)
@@ -150,7 +160,15 @@ def _slopes_of_calibration(problem, model, cause):
     return np.stack(stacked, axis=1) if stacked else None
 
 
-def regions_of(problem, model, causes, time_profiles, *, alpha, random_state=0):
+def regions_of(
+    problem: Problem,
+    model: Model,
+    causes: list[Cause],
+    time_profiles: list[TimeProfile],
+    *,
+    alpha: float,
+    random_state: int = 0,
+) -> list[dict[str, Any]]:
     """Boxes of the operating range in which what was found leaves its simultaneous band.
 
     Parameters
@@ -191,7 +209,7 @@ def regions_of(problem, model, causes, time_profiles, *, alpha, random_state=0):
     return [r for i, r in enumerate(found) if r not in found[:i]]
 
 
-def boxes_in(bands, n, rows=None):
+def boxes_in(bands: list[Band], n: int, rows: tuple[np.ndarray, np.ndarray] | None = None) -> list[Box]:
     """Boxes of one partition, in bands of all partitions of a residual.
 
     Parameters
@@ -207,27 +225,36 @@ def boxes_in(bands, n, rows=None):
     if not bands:
         return []
 
-    def trust(band):
+    def trust(band: Band) -> float:
         return _DERIVED if band.cells.signals == ("flow",) else 1.0
 
     if rows is not None:
         acting, during = rows
 
-        def describes(boxes):
+        def describes(boxes: list[Box]) -> float:
             inside = rows_in(boxes, n) & during
             return np.sum(inside & acting) / max(np.sum(inside | acting), 1)
 
         _, best = max(((trust(b) * describes(boxes_of(b)), boxes_of(b)) for b in bands), key=lambda e: e[0])
         return best if describes(best) > np.sum(acting) / max(np.sum(during), 1) else []
 
-    def tells(band):
+    def tells(band: Band) -> float:
         # each mean is a parameter
         return trust(band) * band.gain - 0.5 * band.cells.count * np.log(max(n, 2))
 
     return boxes_of(max(bands, key=tells))
 
 
-def location_of(problem, model, unknown, blocks, *, alpha, random_state=0, aside=()):
+def location_of(
+    problem: Problem,
+    model: Model,
+    unknown: Unknown | None,
+    blocks: list[str],
+    *,
+    alpha: float,
+    random_state: int = 0,
+    aside: Collection[str] = (),
+) -> dict[str, Any]:
     """The location that diagnosis.json tells of what was found.
 
     Parameters
@@ -273,7 +300,7 @@ def location_of(problem, model, unknown, blocks, *, alpha, random_state=0, aside
     return location
 
 
-def _joined(time_profiles):
+def _joined(time_profiles: list[TimeProfile]) -> list[tuple]:
     """Spells of all courses, those that overlap as one: (first row, row behind the last, both ranges)."""
     every = [
         (*spell, *ranges)
@@ -291,5 +318,5 @@ def _joined(time_profiles):
     return found
 
 
-def _seconds(clock, rows):
+def _seconds(clock: np.ndarray, rows: Sequence[int] | None) -> list[float] | None:
     return None if rows is None else [float(clock[min(int(k), len(clock) - 1)]) for k in rows]

@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The slow part of what a simulation leaves over of a channel, and the LS-SVM that predicts it best."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.lssvm.held_out import HeldOutErrors, blocked_errors
+from sklvalve.mismatch.hypothesis import Model
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.rest import rest_inputs
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.unknown import Unknown
 
 _BLOCKS, _GAP = 8, 3
 _MOST_POINTS, _FEWEST_POINTS = 700, 60
@@ -19,7 +28,7 @@ _MEMORY = (10, 40)
 _WARMING = (150.0, 600.0)
 
 
-def static_inputs(chain, model_values, channel):
+def static_inputs(chain: Chain, model_values: dict[str, float], channel: str) -> dict[str, np.ndarray]:
     """Signals that a rest may hang on: name -> values."""
     recording, given = chain.recording, f"simulated_{channel}"
     names = ["command"] if channel == "opening" else ["opening"]
@@ -42,7 +51,9 @@ def static_inputs(chain, model_values, channel):
     return steady
 
 
-def cyclic_inputs(chain, model_values, static, period):
+def cyclic_inputs(
+    chain: Chain, model_values: dict[str, float], static: dict[str, np.ndarray], period: float
+) -> dict[str, np.ndarray]:
     """Signals that a cycle hangs on: its two waves, and what the simulated signal is driven by."""
     names = [f"cosine {period:.6g} s", f"sine {period:.6g} s"]
     waves = dict(zip(names, rest_inputs(chain, model_values, names).T, strict=True))
@@ -61,7 +72,9 @@ class SlowRest:
     cycles: bool = False
 
 
-def low_pass_residual(problem, model, channel, rows=None, period=None):
+def low_pass_residual(
+    problem: Problem, model: Model, channel: str, rows: np.ndarray | None = None, period: float | None = None
+) -> SlowRest | None:
     """The rest and its inputs, thinned to stretches in which nothing moves fast; None if there are few."""
     inputs = static_inputs(model.chain, model.values, channel)
     if period is not None:
@@ -87,7 +100,7 @@ def low_pass_residual(problem, model, channel, rows=None, period=None):
     return SlowRest(X[keep], y[keep], tuple(inputs), gap, remembers, period is not None)
 
 
-def _thinned(values, keep, width):
+def _thinned(values: np.ndarray, keep: np.ndarray, width: int) -> np.ndarray:
     """Means over stretches of `width` rows, rows outside `keep` left out."""
     n = len(values) // width
     table = np.where(keep, values, np.nan)[: n * width].reshape(n, width)
@@ -111,7 +124,7 @@ class TunedRest:
     skill: float
     predicted: np.ndarray
 
-    def correction(self, channel, span):
+    def correction(self, channel: str, span: float) -> dict[str, Any]:
         """Fitted to every row, as plain data."""
         self.regressor.fit(self.Z, self.slow.y)
         return {
@@ -127,7 +140,7 @@ class TunedRest:
         }
 
 
-def tuned(slow):
+def tuned(slow: SlowRest) -> TunedRest:
     """Inputs and LS-SVM that predict held-out blocks best."""
     X, y, names = slow.X, slow.y, slow.names
     centre, scale = X.mean(axis=0), X.std(axis=0) + 1e-12
@@ -142,7 +155,7 @@ def tuned(slow):
     return best
 
 
-def _trials(slow):
+def _trials(slow: SlowRest) -> list[tuple[list[int], float, float]]:
     """Inputs, width of the kernel and weight of the errors to be tried."""
     every = list(range(slow.X.shape[1]))
     if slow.cycles:
@@ -165,13 +178,13 @@ def _trials(slow):
     return trials + [([*first, i], 0.1, 100.0) for i in late]
 
 
-def held_out_errors(regressor, Z, slow):
+def held_out_errors(regressor: LSSVMRegressor, Z: np.ndarray, slow: SlowRest) -> HeldOutErrors:
     edges = np.linspace(0, len(Z), _BLOCKS + 1).astype(int)
     blocks = [slice(low, high) for low, high in pairwise(edges)]
     return blocked_errors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=slow.gap)
 
 
-def skills(held_out, Y):
+def skills(held_out: HeldOutErrors, Y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Share of each target's variance that is predicted on held-out blocks, and the predictions."""
     left = held_out(Y)
     spread = np.sum((Y - Y.mean(axis=0)) ** 2, axis=0)
@@ -180,7 +193,9 @@ def skills(held_out, Y):
     return 1.0 - share, Y - left
 
 
-def learn_residual(problem, model, unknown, rows=None):
+def learn_residual(
+    problem: Problem, model: Model, unknown: Unknown, rows: np.ndarray | None = None
+) -> dict[str, Any] | None:
     """The rest of a channel as an LS-SVM of slow signals, tuned and fitted on some rows and no others.
 
     Parameters

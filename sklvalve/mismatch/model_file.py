@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Models on disk: plain numbers, texts and arrays, read back without running code."""
 
+from __future__ import annotations
+
 import json
 import os
 import secrets
+from collections.abc import Sequence
+from os import PathLike
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
+from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted
 
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.estimator_file import FORMAT, content_of_estimator, estimator_of_content
 from sklvalve.mismatch.finder import MissingPhysicsFinder
 from sklvalve.mismatch.packed_model import require_plain_archive
@@ -24,7 +32,7 @@ _FORMAT = "sklvalve.model/1"
 _LARGEST = 256 << 20  # bytes
 
 
-def save_model(path, model, *, rows=None):
+def save_model(path: str | PathLike[str], model: Any, *, rows: ArrayLike | None = None) -> None:
     """Save what a finder found, or another fitted estimator, as a skops file of plain data.
 
     Parameters
@@ -76,7 +84,7 @@ def save_model(path, model, *, rows=None):
         raise
 
 
-def _content_of(model, rows):
+def _content_of(model: Any, rows: ArrayLike | None) -> dict[str, Any]:
     if isinstance(model, MissingPhysicsFinder):
         check_is_fitted(model, "diagnosis_")
     if not isinstance(model, BaseEstimator):
@@ -84,7 +92,7 @@ def _content_of(model, rows):
     return content_of_estimator(model, rows)
 
 
-def _content_of_finder(finder):
+def _content_of_finder(finder: MissingPhysicsFinder) -> dict[str, Any]:
     if not hasattr(finder, "corrected_simulation_"):
         raise InputError(
             "this finder diagnosed a loop without pressures, and there is no simulation to save; save the "
@@ -106,7 +114,7 @@ def _content_of_finder(finder):
     return content
 
 
-def _content_of_given(given):
+def _content_of_given(given: Any) -> dict[str, Any] | None:
     """The user's own simulation, without which the corrected one cannot go on; refused here and not then."""
     if given is None:
         return None
@@ -121,7 +129,7 @@ def _content_of_given(given):
         ) from error
 
 
-def load_model(path, effects=()):
+def load_model(path: str | PathLike[str], effects: Sequence[Effect] = ()) -> Any:
     """Load a model file; nothing in it is executed.
 
     Parameters
@@ -166,7 +174,7 @@ def load_model(path, effects=()):
     return (_built if content["format"] == _FORMAT else _built_estimator)(path, content, known)
 
 
-def _built(path, content, known):
+def _built(path: str | PathLike[str], content: dict[str, Any], known: dict[str, Effect]) -> dict[str, Any]:
     """Simulations and diagnosis of what a file holds, each part checked before it is used."""
     try:
         keys = {kind: _effect_keys(content[kind]) for kind in ("corrected", "nominal")}
@@ -198,7 +206,9 @@ def _built(path, content, known):
     return made | {"diagnosis": diagnosis}
 
 
-def _built_estimator(path, content, known):
+def _built_estimator(
+    path: str | PathLike[str], content: dict[str, Any], known: dict[str, Effect]
+) -> BaseEstimator:
     """The estimator that a file holds, checked and tried before it is used."""
     try:
         return estimator_of_content(content, known)
@@ -206,14 +216,14 @@ def _built_estimator(path, content, known):
         raise _damaged(path, error, "save the model again") from error
 
 
-def _damaged(path, error, mend):
+def _damaged(path: str | PathLike[str], error: Exception, mend: str) -> InputError:
     more = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
     return InputError(
         f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{more}); {mend}"
     )
 
 
-def _effect_keys(state):
+def _effect_keys(state: dict[str, Any]) -> Sequence[str]:
     keys = state["effects"]
     if not isinstance(keys, list | tuple) or not all(isinstance(key, str) for key in keys):
         raise ValueError("its effects are no names")
@@ -222,7 +232,7 @@ def _effect_keys(state):
     return keys
 
 
-def _skops():
+def _skops() -> ModuleType:
     try:
         import skops.io
     except ImportError:

@@ -1,8 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a recording alone tells of the noise of its signals, beside what the noise model says."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from sklvalve.mismatch.repeats import repeats_floor
 from sklvalve.mismatch.steady import drivers_of, steady_floor
+from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import step_of
 
 # a noise model is clearly above the noise of steady stretches from here on; on healthy recordings of a plant
@@ -15,7 +20,9 @@ _MORE_THAN_NOISE = 2.0
 _ROUGHLY = 1.05
 
 
-def model_free_noise(recording, channel, floor, achieved=None):
+def model_free_noise(
+    recording: Recording, channel: str, floor: float, achieved: float | None = None
+) -> dict[str, Any]:
     """The ``model_free`` part of a channel's ``fit`` entry of diagnosis.json, in the recording's own units.
 
     Parameters

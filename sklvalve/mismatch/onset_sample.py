@@ -1,14 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An onset to the very sample, for each explanation its own."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.simulation.robust import robust_cost
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
-def to_the_sample(problem, model, *, reach=3):
+
+def to_the_sample(problem: Problem, model: Model, *, reach: int = 3) -> Model:
     """A hypothesis whose last effect begins at the likeliest of the samples around its onset.
 
     An onset that is one sample off costs a row as many standard deviations as the effect is large. A rival
@@ -32,7 +39,7 @@ def to_the_sample(problem, model, *, reach=3):
     clock, touched = model.chain.clock, problem.channels_touched(last.effect)
     k = int(np.searchsorted(clock, last.onset))
 
-    def cost(onset):
+    def cost(onset: float) -> float:
         trial = problem.simulate((*rest, replace(last, onset=onset)), model.values)
         left = problem.residuals(trial)
         return sum(robust_cost(problem.noise[c].whiten(left[c])) for c in touched)

@@ -5,10 +5,14 @@ What is read back is made of classes that stand in a list here, and of nothing e
 a text, an array, a collection of these or another such estimator, and never code.
 """
 
+from __future__ import annotations
+
 import importlib
 import inspect
+from collections.abc import Callable
 from functools import partial
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 from sklearn.base import BaseEstimator
@@ -17,6 +21,7 @@ from sklearn.pipeline import FeatureUnion, Pipeline
 from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
 from sklvalve.lssvm import LSSVMRegressor, LSSVMRegressorCV
 from sklvalve.mechanism import ValveMechanismTransformer
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.recording import InputError, Valve
 from sklvalve.simulation import ValveSimulation
 from sklvalve.simulation.state import require_sound_state
@@ -49,7 +54,7 @@ _DEEPEST, _MOST_THREADS = 40, 4096
 _FINITE = ("dual_coef_", "intercept_", "X_fit_", "offset_", "_right_")
 
 
-def plain_of(model):
+def plain_of(model: Any) -> Any:
     """Plain data that `estimator_of` makes an equal estimator of.
 
     Parameters
@@ -68,7 +73,7 @@ def plain_of(model):
     return _plain(model, type(model).__name__, 0)
 
 
-def estimator_of(content, known):
+def estimator_of(content: Any, known: dict[str, Effect]) -> BaseEstimator:
     """The estimator that plain data stand for, each part checked.
 
     Parameters
@@ -93,7 +98,7 @@ def estimator_of(content, known):
     return model
 
 
-def _plain(value, where, depth):
+def _plain(value: Any, where: str, depth: int) -> Any:
     if depth > _DEEPEST:
         raise InputError(f"{where} is nested too deep for a model file; save the parts by themselves")
     inner = partial(_plain, depth=depth + 1)
@@ -130,7 +135,7 @@ def _plain(value, where, depth):
     return content | {"state": {key: inner(each, f"{where}.{key}") for key, each in state.items()}}
 
 
-def _plain_array(value, where):
+def _plain_array(value: np.ndarray, where: str) -> np.ndarray | dict[str, Any]:
     if value.dtype.kind in "biuf":
         return np.asarray(value)
     if value.dtype.kind in "OU" and all(isinstance(each, str) for each in value.flat):
@@ -138,7 +143,7 @@ def _plain_array(value, where):
     raise InputError(f"{where} is an array of other things than numbers or texts; a model file holds none")
 
 
-def _plain_simulation(simulation, where, depth):
+def _plain_simulation(simulation: ValveSimulation, where: str, depth: int) -> dict[str, Any]:
     given = getattr(simulation, "given_", None)
     return {
         _MARK: "simulation",
@@ -148,7 +153,7 @@ def _plain_simulation(simulation, where, depth):
     }
 
 
-def _name_of(kind):
+def _name_of(kind: type) -> str | None:
     if _OWN.get(kind.__name__) is kind:
         return kind.__name__
     package, _, module = kind.__module__.partition(".")
@@ -159,7 +164,7 @@ def _name_of(kind):
     return None
 
 
-def _class_of(name, missing=ValueError):
+def _class_of(name: Any, missing: type[Exception] | None = ValueError) -> type | None:
     """A class by its name in the list; none of its own accord is imported but parts of scikit-learn."""
     if name in _OWN:
         return _OWN[name]
@@ -176,7 +181,7 @@ def _class_of(name, missing=ValueError):
     raise missing("it names a class that is none of a model file's")
 
 
-def _refusal(value, where):
+def _refusal(value: Any, where: str) -> str:
     kind = type(value)
     if isinstance(value, BaseEstimator):
         what = f"a {kind.__name__}, a kind of which model files hold none"
@@ -191,7 +196,7 @@ def _refusal(value, where):
     return f"{where} is {what}; {mend}"
 
 
-def _made(value, known, depth):
+def _made(value: Any, known: dict[str, Effect], depth: int) -> Any:
     if depth > _DEEPEST:
         raise ValueError("it is nested too deep")
     inner = partial(_made, known=known, depth=depth + 1)
@@ -223,7 +228,7 @@ def _made(value, known, depth):
     raise ValueError("it holds something that is no part of a model")
 
 
-def _made_simulation(value, known, depth):
+def _made_simulation(value: dict[str, Any], known: dict[str, Effect], depth: int) -> ValveSimulation:
     keys = value["state"]["effects"]
     strange = set(keys) - set(known)
     if strange:
@@ -238,7 +243,7 @@ def _made_simulation(value, known, depth):
     return made
 
 
-def _made_estimator(value, inner):
+def _made_estimator(value: dict[str, Any], inner: Callable[[Any], Any]) -> BaseEstimator:
     kind, state = _class_of(value["class"]), value["state"]
     made = object.__new__(kind)
     allowed = set(kind._get_param_names())
@@ -256,7 +261,7 @@ def _made_estimator(value, inner):
     return made
 
 
-def _may_hold(kind, name):
+def _may_hold(kind: Any, name: str) -> bool:
     """Whether a class may hold an attribute: a parameter, or what is learnt, named with an underscore."""
     own = name.endswith("_") or name.startswith("_") or name in kind._get_param_names()
     return (
@@ -264,7 +269,7 @@ def _may_hold(kind, name):
     )
 
 
-def _require_sound(made, kind):
+def _require_sound(made: Any, kind: Any) -> None:
     """Parameters in their ranges, numbers that are finite, parts that are estimators."""
     if hasattr(kind, "_parameter_constraints") and not issubclass(kind, Pipeline | FeatureUnion):
         made._validate_params()
@@ -285,7 +290,7 @@ def _require_sound(made, kind):
                 raise ValueError(f"{name} of the LS-SVM holds no finite numbers")
 
 
-def _is_step(step):
+def _is_step(step: Any) -> bool:
     """Whether a step of a pipeline is a name and an estimator, or nothing to be done."""
     if not (isinstance(step, list | tuple) and len(step) == 2 and isinstance(step[0], str)):
         return False

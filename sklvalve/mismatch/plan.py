@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A planned test: what to move, what it is expected to tell apart, and the words for it."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -33,17 +36,17 @@ class Pair:
     if_true: tuple
 
     @property
-    def expected(self):
+    def expected(self) -> float:
         """The smaller of both distances."""
         return min(self.if_true)
 
     @property
-    def confusion(self):
+    def confusion(self) -> float:
         """Chance that after the test one is taken for the other, Phi(-sqrt(D)/2) [1]."""
         return confusion(self.expected)
 
     @property
-    def told_apart(self):
+    def told_apart(self) -> bool:
         """Whether the test is expected to tell them apart, with what chance leaves of it in hand."""
         return self.expected >= SURE
 
@@ -89,17 +92,17 @@ class TestPlan:
     details: str = ""
 
     @property
-    def decides(self):
+    def decides(self) -> bool:
         """Whether the test is expected to tell all explanations apart."""
         return all(p.told_apart for p in self.pairs)
 
 
-def confusion(d):
+def confusion(d: float) -> float:
     """Chance that of two explanations at distance D one is taken for the other [1]."""
     return float(norm.cdf(-0.5 * np.sqrt(max(d, 0.0))))
 
 
-def apart(names, distances):
+def apart(names: Sequence[str], distances: np.ndarray) -> list[list[int]]:
     """Explanations in groups: those of different groups a test is expected to tell apart.
 
     Parameters
@@ -123,7 +126,7 @@ def apart(names, distances):
     return groups
 
 
-def appreciable(now, after):
+def appreciable(now: float, after: float) -> bool:
     """Whether a test takes a pair appreciably further apart.
 
     It sets apart what is not apart now, or halves the chance that one is taken for the other.
@@ -138,7 +141,15 @@ def appreciable(now, after):
     return after >= DISTINGUISHABLE or confusion(after) <= _HALF * confusion(now)
 
 
-def told(text, names, now, after, advice, *, alone=False):
+def told(
+    text: str,
+    names: Sequence[str],
+    now: np.ndarray,
+    after: np.ndarray,
+    advice: Sequence[str],
+    *,
+    alone: bool = False,
+) -> str:
     """What to do and what comes of it, in words.
 
     Parameters
@@ -186,7 +197,7 @@ def told(text, names, now, after, advice, *, alone=False):
     return f"{said} For the others: {' '.join(rest)}" if rest else said
 
 
-def distances_told(names, now, after):
+def distances_told(names: Sequence[str], now: np.ndarray, after: np.ndarray) -> str:
     """Distances D of a plan for a specialist; the sentence of `told` has the chances that follow from them.
 
     Parameters
@@ -207,21 +218,21 @@ def distances_told(names, now, after):
     )
 
 
-def _pairs_listed(names, pairs, joined=", nor "):
+def _pairs_listed(names: Sequence[str], pairs: Sequence[tuple[int, int]], joined: str = ", nor ") -> str:
     return joined.join(" from ".join(names[i].replace("_", " ") for i in pair) for pair in pairs)
 
 
-def _listed(names, joined):
+def _listed(names: Sequence[str], joined: str) -> str:
     names = [name.replace("_", " ") for name in names]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {joined} {names[-1]}"
 
 
-def _short(d):
+def _short(d: float) -> str:
     if d < 0.05:
         return "0"
     return f"{d:.0f}" if d >= 9.5 else f"{d:.2g}"
 
 
-def _percent(d):
+def _percent(d: float) -> str:
     share = 100.0 * confusion(d)
     return "less than 0.1 %" if share < 0.1 else f"{share:.2g} %"

@@ -1,13 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Choice of the test that separates the members of a class, or tells the size of its only one."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
 from sklvalve.mismatch.forecast import Surroundings
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.plan import (
     SURE,
     Pair,
@@ -20,6 +25,11 @@ from sklvalve.mismatch.plan import (
 from sklvalve.mismatch.programs import MOST_ROWS, TestLimits, as_now, library
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.given import ROLES as GIVEN
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.programs import Program
+    from sklvalve.mismatch.rivals import Finding
 
 # explanations that are simulated: the most probable ones
 _MOST = 4
@@ -35,7 +45,9 @@ _ENOUGH = 2.0 * SURE
 _NARROWS = 0.7
 
 
-def planned(problem, findings, limits=None):
+def planned(
+    problem: Problem, findings: Sequence[Finding], limits: TestLimits | None = None
+) -> TestPlan | None:
     """The test that is expected to tell most.
 
     Parameters
@@ -62,11 +74,11 @@ def planned(problem, findings, limits=None):
     return _Choice(advisor, finding, limits).plan()
 
 
-def _advisor(problem, finding):
+def _advisor(problem: Problem, finding: Finding) -> Advisor:
     members = list(class_of(finding).items())[:_MOST]
     touched = {c for _, (_, who, _) in members for c in problem.channels_touched(who.effect)}
 
-    def explanation(name, probability, model):
+    def explanation(name: str, probability: float, model: Model) -> Explanation:
         return Explanation(name, probability, model, problem.misfits(model, touched))
 
     found = [explanation(name, p, model) for name, (p, _, model) in members]
@@ -82,7 +94,7 @@ def _advisor(problem, finding):
 class _Ranges:
     """Where and how long the command may move, by a recording and limits."""
 
-    def __init__(self, problem, limits):
+    def __init__(self, problem: Problem, limits: TestLimits) -> None:
         recording = problem.recording
         role = "command" if "command" in recording else "opening"
         command = np.clip(recording[role], 0.0, 1.0)
@@ -101,7 +113,7 @@ class _Ranges:
         # beyond what it has seen a trim learnt from the recording knows nothing
         self.whole = (0.0, 1.0) if problem.trim.known or "flow" not in recording else self.visited
 
-    def programs(self, opening, limits):
+    def programs(self, opening: tuple[float, float], limits: TestLimits) -> list[Program]:
         """Library for a range of the command."""
         return library(*opening, self.about, self.rows, self.step, limits)
 
@@ -109,7 +121,7 @@ class _Ranges:
 class _Choice:
     """Programs within limits, tried on the explanations of a class."""
 
-    def __init__(self, advisor, finding, limits):
+    def __init__(self, advisor: Advisor, finding: Finding, limits: TestLimits | None) -> None:
         self.advisor, self.finding = advisor, finding
         self.names = [e.name for e in advisor.explanations]
         weights = np.array([e.probability for e in advisor.explanations])
@@ -122,7 +134,7 @@ class _Choice:
         # what was tried, and how much each asks of the process
         self.tried, self.asks = [], []
 
-    def plan(self):
+    def plan(self) -> TestPlan | None:
         """The best of all, looked at closely; None where none tells more."""
         close = {}
         for asked, (programs, sensor) in enumerate(self._stages()):
@@ -146,7 +158,7 @@ class _Choice:
             return None
         return self._as_plan(*self.tried[best][:2], close[best], before)
 
-    def _stages(self):
+    def _stages(self) -> Iterator[tuple[list[Program], str | None]]:
         """Programs, those first that ask least of the process, and the sensor that they need besides."""
         problem, limits, ranges = self.advisor.problem, self.limits, self.ranges
         recording = problem.recording
@@ -162,17 +174,17 @@ class _Choice:
         if problem.coupled and "opening" in limits.sensors and "command" in recording:
             yield ranges.programs(opening if self.given else ranges.whole, limits), "opening"
 
-    def _with_pressures(self, freer):
+    def _with_pressures(self, freer: TestLimits) -> list[Program]:
         """Programs that move the first of the pressures, alone or with another."""
         ranges = dict.fromkeys((self.ranges.visited, self.ranges.whole))
         made = [p for r in ranges for p in self.ranges.programs(r, freer) if p.moved]
         return [p for p in made if freer.pressures[0] in p.moved]
 
-    def _least(self, distances):
+    def _least(self, distances: np.ndarray) -> np.ndarray:
         """Of each pair the smaller of both ways."""
         return np.minimum(distances, distances.T)[np.tril_indices(len(self.names), -1)]
 
-    def _order(self, found, asks):
+    def _order(self, found: list[np.ndarray], asks: Sequence[int]) -> list[int]:
         """Numbers of the programs, the best first.
 
         What they tell apart for sure counts first; then how little they ask of the process; then the least
@@ -189,22 +201,24 @@ class _Choice:
             weight = np.zeros(len(table))
             least = -np.array([[confusion(d) for d in row] for row in table]) @ self.weights
 
-        def rank(k):
+        def rank(k: int) -> tuple[float, ...]:
             asked = asks[k] if able.any() else 0
             return -round(float(weight[k]), 6), asked, -min(float(least[k]), _ENOUGH), k
 
         return sorted(range(len(table)), key=rank)
 
-    def _able(self, table):
+    def _able(self, table: np.ndarray) -> np.ndarray:
         """Pairs that some program tells apart, and the present recording does not."""
         return (table >= SURE).any(axis=0) & self.open
 
-    def _advice(self):
+    def _advice(self) -> list[str]:
         """What the catalogue says of how to tell each of the members."""
         members = class_of(self.finding)
         return [members[name][1].effect.separated_by for name in self.names]
 
-    def _as_plan(self, program, sensor, found, before):
+    def _as_plan(
+        self, program: Program, sensor: str | None, found: np.ndarray, before: list[np.ndarray]
+    ) -> TestPlan:
         both = np.minimum(found, found.T)
         text = program.text
         if sensor is not None:
@@ -237,7 +251,15 @@ class _Choice:
         return _plan(self.advisor, program, sentence, sensor, pairs, considered, details)
 
 
-def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None, details=""):
+def _plan(
+    advisor: Advisor,
+    program: Program,
+    sentence: str,
+    sensor: str | None = None,
+    pairs: Sequence[Pair] = (),
+    considered: dict[str, float] | None = None,
+    details: str = "",
+) -> TestPlan:
     recording = advisor.problem.recording
     surroundings = Surroundings(recording)
     return TestPlan(
@@ -253,7 +275,7 @@ def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None, de
     )
 
 
-def _for_its_size(advisor, finding, limits):
+def _for_its_size(advisor: Advisor, finding: Finding, limits: TestLimits) -> TestPlan | None:
     """The program that narrows the interval of an effect's main parameter most."""
     term = finding.rivals[0].term
     best = advisor.explanations[0]

@@ -1,26 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a finder is given, checked, and laid out on the problem."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from copy import copy
 from dataclasses import replace
 from numbers import Integral
+from typing import Any
 
 from sklvalve.mismatch.effects import CATALOGUE, Effect
 from sklvalve.mismatch.effects.gas_expansion import GasExpansion
 from sklvalve.mismatch.effects.spring_fault import knows_air
 from sklvalve.mismatch.gate import effects_switched_off, redraws_the_flow
-from sklvalve.mismatch.hypothesis import begun, is_in
+from sklvalve.mismatch.hypothesis import Term, begun, is_in
 from sklvalve.mismatch.problem import Problem
-from sklvalve.recording import InputError
+from sklvalve.recording import InputError, Recording
 from sklvalve.recording.diagnosable import require_rows
-from sklvalve.simulation import Tolerance
+from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.going_on import going_on
 
 _NAMES = tuple(sorted({e.name for e in CATALOGUE}))
 
 
-def rows_to_use(whole, until):
+def rows_to_use(whole: Recording, until: int | None) -> int:
     """Number of rows of a recording that serve for finding.
 
     Raises
@@ -39,7 +44,12 @@ def rows_to_use(whole, until):
     return used
 
 
-def prepared_problem(recording, simulation=None, tolerance=None, trim=None):
+def prepared_problem(
+    recording: Recording,
+    simulation: ValveSimulation | None = None,
+    tolerance: Tolerance | None = None,
+    trim: Any = None,
+) -> Problem:
     """Problem for a recording and, where one is given, the simulation that it is to be held against.
 
     The simulation's own sheet, tolerance, effects and onsets count; where it was fitted, the values of its
@@ -82,7 +92,7 @@ def prepared_problem(recording, simulation=None, tolerance=None, trim=None):
     return Problem(recording, tolerance or Tolerance(), valve.physics, **more)
 
 
-def _held(simulation, recording):
+def _held(simulation: ValveSimulation, recording: Recording) -> tuple[Term, ...]:
     onsets = simulation.onsets or {}
     for effect in simulation.effects:
         if not isinstance(effect, Effect):
@@ -107,26 +117,28 @@ def _held(simulation, recording):
     return tuple(begun(effect, times.get(effect.key)) for effect in simulation.effects)
 
 
-def _made_by_the_drop(problem):
+def _made_by_the_drop(problem: Problem) -> tuple[str, ...]:
     """`by_drop` of effects that a pressure drop which nobody recorded would make just as well."""
     if "flow" not in problem.channels or not drop_is_unknown(problem.recording):
         return ()
     return ("always", "unseen") if problem.coupled else ("always",)
 
 
-def _knows_drive(chain):
+def _knows_drive(chain: Chain) -> bool:
     """Whether what goes on inside an actuator can be simulated without its position."""
     return chain.electric or knows_air(chain)
 
 
-def _throughout(effect):
+def _throughout(effect: Effect) -> Effect:
     """The same effect, there from the first row on or not at all."""
     steady = copy(effect)
     steady.may_begin = False
     return steady
 
 
-def candidates(problem, wanted, data):
+def candidates(
+    problem: Problem, wanted: str | Iterable[str | Effect], data: list[dict[str, Any]]
+) -> tuple[list[Effect], list[dict[str, Any]]]:
     """Effects of the catalogue that a recording can speak for, and what the others would need.
 
     Parameters
@@ -196,7 +208,7 @@ def candidates(problem, wanted, data):
     ]
 
 
-def _never(chain):
+def _never(chain: Chain) -> dict[str, str]:
     """Effects that a valve of this fluid and actuator cannot have, and what it would have to have."""
     fluid = "gas" if GasExpansion().possible(chain) else "liquid"
     found = {e.name: f"a {e.fluid}" for e in CATALOGUE if e.fluid not in ("", fluid)}

@@ -1,11 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Programs that a valve may be moved by to learn more of it, within what the process allows."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
 
+from sklvalve.recording import Recording
 from sklvalve.simulation.stages import limited_rate
 
 #: Rows of a program at most: what they do not tell, more of the same seldom does.
@@ -61,7 +65,7 @@ class TestLimits:
     pressure_share: float = 0.3
     sensors: tuple = ("opening",)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.opening is not None:
             low, high = self.opening
             if not 0.0 <= low < high - _NARROWEST <= 1.0:
@@ -104,7 +108,9 @@ class Program:
     given: dict = field(default_factory=dict)
 
 
-def library(low, high, about, rows, step, limits):
+def library(
+    low: float, high: float, about: float, rows: int, step: float, limits: TestLimits
+) -> list[Program]:
     """Programs within limits, all of one length.
 
     Parameters
@@ -165,7 +171,7 @@ def library(low, high, about, rows, step, limits):
     return programs + _with_pressures(low, high, about, rows, step, limits)
 
 
-def as_now(recording, rows):
+def as_now(recording: Recording, rows: int) -> Program | None:
     """The end of a recording once more; None where it has gaps."""
     given = {role: recording[role][-rows:] for role in ("p1", "p2", "temperature") if role in recording}
     role = "command" if "command" in recording else "opening"
@@ -176,7 +182,9 @@ def as_now(recording, rows):
     return Program("as now", f"Record {length:.0f} s more as now", command, given=given)
 
 
-def _with_pressures(low, high, about, rows, step, limits):
+def _with_pressures(
+    low: float, high: float, about: float, rows: int, step: float, limits: TestLimits
+) -> list[Program]:
     """Three openings held, and the valve shut, while pressures that can be moved go up and down."""
     levels = np.array([_between(low + share * (high - low), low, high) for share in (0.0, 0.4, 0.95)])
     told = ", ".join(f"{100 * level:.3g}" for level in levels)
@@ -216,17 +224,17 @@ def _with_pressures(low, high, about, rows, step, limits):
     ]
 
 
-def _repeated(pattern, stays, rows):
+def _repeated(pattern: Sequence[int], stays: int, rows: int) -> np.ndarray:
     """A pattern over and over, so many rows at each of its levels."""
     return np.asarray(pattern, dtype=float)[np.arange(rows) // stays % len(pattern)]
 
 
-def _between(value, low, high):
+def _between(value: float, low: float, high: float) -> float:
     """A value between ends, in whole percent where these leave one."""
     return float(np.clip(np.round(value, 2), low, high))
 
 
-def _allowed(command, about, step, limits):
+def _allowed(command: np.ndarray, about: float, step: float, limits: TestLimits) -> np.ndarray:
     """A command that begins where the valve stands, and moves no faster than it may."""
     begun = np.concatenate([[about], command[:-1]])
     if not np.isfinite(limits.rate):
@@ -234,16 +242,16 @@ def _allowed(command, about, step, limits):
     return limited_rate(begun, np.full(len(begun), step), limits.rate, limits.rate)
 
 
-def _triangle(low, high, rows, times):
+def _triangle(low: float, high: float, rows: int, times: int) -> np.ndarray:
     phase = np.arange(rows) * times / rows % 1.0
     return low + (high - low) * (1.0 - np.abs(2.0 * phase - 1.0))
 
 
-def _held(levels, rows):
+def _held(levels: np.ndarray, rows: int) -> np.ndarray:
     return levels[np.minimum(np.arange(rows) * len(levels) // rows, len(levels) - 1)].astype(float)
 
 
-def _reversals(sizes, rows):
+def _reversals(sizes: Sequence[float], rows: int) -> np.ndarray:
     """Three triangles about zero for each size."""
     share = np.arange(rows) * len(sizes) / rows
     size = np.asarray(sizes)[np.minimum(share.astype(int), len(sizes) - 1)]

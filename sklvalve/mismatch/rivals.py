@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What else could stand in the place of an effect that was found, and how far from it that is."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.hypothesis import Model, Term, begun, is_in, penalised_likelihood
 from sklvalve.mismatch.inference.posterior import distance, posterior
 from sklvalve.mismatch.onset_sample import to_the_sample
@@ -12,6 +17,9 @@ from sklvalve.mismatch.relevance import may_be_instead
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
 _FITTED = 4
@@ -60,7 +68,14 @@ class Finding:
     sizes: dict
 
 
-def find_rivals(problem, model, effects, report, seen=None, of=None):
+def find_rivals(
+    problem: Problem,
+    model: Model,
+    effects: Sequence[Effect],
+    report: Callable[[float], object] | None,
+    seen: dict[str, Model] | None = None,
+    of: Sequence[Term] | None = None,
+) -> list[Finding]:
     """For each effect found, what else could stand in its place.
 
     Parameters
@@ -96,7 +111,7 @@ def find_rivals(problem, model, effects, report, seen=None, of=None):
     return sorted(findings, key=lambda f: f.gain, reverse=True)
 
 
-def without_rival(problem, finding, model, rejected):
+def without_rival(problem: Problem, finding: Finding, model: Model, rejected: Model) -> Finding:
     """A finding without one of its rivals, the others weighed anew.
 
     Parameters
@@ -115,7 +130,15 @@ def without_rival(problem, finding, model, rejected):
     return replace(finding, rivals=weighed(problem, left, problem.fit(rest, start=model)))
 
 
-def _others_in_place(problem, model, rest, without, others, term, seen):
+def _others_in_place(
+    problem: Problem,
+    model: Model,
+    rest: tuple[Term, ...],
+    without: Model,
+    others: Sequence[Effect],
+    term: Term,
+    seen: dict[str, Model],
+) -> list[tuple[Term, Model]]:
     """Other effects in the place of one, each from the best of two calibrations, as (Member, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
     bare = problem.judged(problem.simulate(rest, model.values))
@@ -139,34 +162,38 @@ def _others_in_place(problem, model, rest, without, others, term, seen):
     return [(fitted.terms[-1], fitted) for fitted in found.values()]
 
 
-def _alike(effect, other):
+def _alike(effect: Effect, other: Effect) -> bool:
     return bool(effect.alike) and effect.alike == other.alike
 
 
-def _may_lie_elsewhere(effect, other):
+def _may_lie_elsewhere(effect: Effect, other: Effect) -> bool:
     """Whether one effect in place of another may ask for a calibration far from the other's."""
     return _alike(effect, other) or {effect.stage, other.stage} <= set(ACTUATOR_STAGES)
 
 
-def _fitted(problem, begin):
+def _fitted(problem: Problem, begin: Model) -> Model:
     return to_the_sample(problem, problem.fit(begin.terms, start=begin))
 
 
-def _keep_the_best(found, models):
+def _keep_the_best(found: dict[str, Model], models: Iterable[Model]) -> None:
     for m in models:
         before = found.get(m.terms[-1].effect.key)
         if before is None or m.log_likelihood > before.log_likelihood:
             found[m.terms[-1].effect.key] = m
 
 
-def _where_it_was_met(problem, model, rest, term, seen):
+def _where_it_was_met(
+    problem: Problem, model: Model, rest: tuple[Term, ...], term: Term, seen: dict[str, Model]
+) -> Model:
     """A rival to be fitted from where the search met it."""
     own = (f"{term.effect.key}.", "actuator_")
     met = {name: value for name, value in seen[term.effect.key].values.items() if name.startswith(own)}
     return problem.simulate((*rest, term), model.values | met)
 
 
-def _elsewhere(problem, model, rest, term, others):
+def _elsewhere(
+    problem: Problem, model: Model, rest: tuple[Term, ...], term: Term, others: Sequence[Effect]
+) -> list[Model]:
     """Rivals in the actuator to be fitted from the calibrations that they ask for themselves."""
     if term.effect.stage not in ACTUATOR_STAGES:
         return []
@@ -178,7 +205,7 @@ def _elsewhere(problem, model, rest, term, others):
     return begun_anew
 
 
-def weighed(problem, places, without):
+def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Model) -> list[Rival]:
     """Explanations in one place, with distances from the best and probabilities, the most probable first.
 
     Parameters
@@ -199,5 +226,5 @@ def weighed(problem, places, without):
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
 
 
-def _touch_the_same(problem, effect, other):
+def _touch_the_same(problem: Problem, effect: Effect, other: Effect) -> bool:
     return bool(set(problem.channels_touched(effect)) & set(problem.channels_touched(other)))

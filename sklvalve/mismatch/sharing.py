@@ -1,14 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which channels share parameters, and which parameters a fit of some channels moves."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.hypothesis import Term
 from sklvalve.simulation.calibration import flow_parameters, opening_parameters
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import ACTUATOR_STAGES
+from sklvalve.simulation.parameters import Parameter
 
 
 class Sharing:
     """Part of a problem: it has ``recording, valve, tolerance, trim, plain, channels, coupled, held``."""
 
-    def channels_touched(self, effect):
+    def channels_touched(self, effect: Effect) -> tuple[str, ...]:
         """Channels whose simulation an effect changes."""
         if self.coupled:
             return self.channels
@@ -18,12 +26,12 @@ class Sharing:
             return self.channels
         return tuple(c for c in self.channels if c == "flow")
 
-    def _groups(self, terms):
+    def _groups(self, terms: Iterable[Term]) -> tuple[tuple[str, ...], ...]:
         stages = {m.effect.stage for m in (*self.held, *terms)}
         joined = self.coupled or "position_sensor" in stages
         return (self.channels,) if joined else tuple((c,) for c in sorted(self.channels))
 
-    def calibration(self, channels):
+    def calibration(self, channels: Sequence[str]) -> list[Parameter]:
         """Parameters that the data sheet leaves open for some channels."""
         found = []
         if "opening" in channels or self.coupled:
@@ -35,23 +43,27 @@ class Sharing:
             found += [q.parameter_of(term.effect.key) for q in term.effect.quantities(self.plain)]
         return found
 
-    def parameters(self, chain, channels, terms, attempt=0):
+    def parameters(
+        self, chain: Chain, channels: Sequence[str], terms: Iterable[Term], attempt: int = 0
+    ) -> list[Parameter]:
         """All that a fit of some channels moves: what the sheet leaves open, and what the effects bring."""
         brought = [q.parameter_of(m.effect.key, attempt) for m in terms for q in m.effect.quantities(chain)]
         return self.calibration(channels) + brought
 
-    def _touching(self, terms, channels):
+    def _touching(self, terms: Iterable[Term], channels: Sequence[str]) -> list[Term]:
         return [m for m in terms if set(self.channels_touched(m.effect)) & set(channels)]
 
-    def _telling(self, terms, channels):
+    def _telling(self, terms: Iterable[Term], channels: Sequence[str]) -> list[Term]:
         """Members whose parameters a fit of some channels moves."""
         return [m for m in self._touching(terms, channels) if not self._is_told_elsewhere(m.effect, channels)]
 
-    def _is_told_elsewhere(self, effect, channels):
+    def _is_told_elsewhere(self, effect: Effect, channels: Sequence[str]) -> bool:
         # what a sensor in the loop reads off is the flow's to tell; the opening shows its stops
         return effect.in_loop and channels == ("opening",) and "flow" in self.channels
 
-    def _told_elsewhere(self, terms, channels, values):
+    def _told_elsewhere(
+        self, terms: Iterable[Term], channels: Sequence[str], values: dict[str, float]
+    ) -> dict[str, float]:
         """Parameters, already fitted, of members that these channels show and do not tell."""
         every = [m.effect for m in (*self.held, *terms)]
         shown = tuple(f"{e.key}." for e in every if self._is_told_elsewhere(e, channels))

@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Noise of a signal in stretches in which what drives it rests: a floor that no model has a part in."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.recording import Recording
 from sklvalve.recording.noise import noise_floor
 
 # rows of a stretch, and rows of rest before it that let everything settle
@@ -55,7 +59,7 @@ class Driver:
     noise: float
 
 
-def drivers_of(recording, channel):
+def drivers_of(recording: Recording, channel: str) -> tuple[Driver | None, list[Driver]]:
     """What drives a recorded signal.
 
     Parameters
@@ -78,14 +82,16 @@ def drivers_of(recording, channel):
     return _driver(recording, name), beside
 
 
-def _driver(recording, name):
+def _driver(recording: Recording, name: str) -> Driver:
     if name == "command":
         return Driver(name, recording[name], _COMMAND_AT_REST)
     noise = np.nan_to_num(noise_floor(recording[name]))
     return Driver(name, recording[name], max(noise, recording.resolution(name) / np.sqrt(12.0)))
 
 
-def steady_starts(values, driver, beside=(), every=1):
+def steady_starts(
+    values: np.ndarray, driver: Driver, beside: Sequence[Driver] = (), every: int = 1
+) -> np.ndarray:
     """First rows of stretches of `LENGTH` rows, the driver at rest since `SETTLING` rows before.
 
     Parameters
@@ -121,7 +127,7 @@ def steady_starts(values, driver, beside=(), every=1):
     return np.array(starts, dtype=int)
 
 
-def _about_lines(values, width):
+def _about_lines(values: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Variance about a straight line, and rise of that line, in every run of so many rows."""
     t = np.arange(width) - 0.5 * (width - 1)
     total, squares = (np.convolve(v, np.ones(width), "valid") for v in (values, values**2))
@@ -130,7 +136,9 @@ def _about_lines(values, width):
     return np.maximum(left, 0.0) / (width - 2), slope * (width - 1)
 
 
-def steady_floor(values, driver, beside=(), quantum=0.0):
+def steady_floor(
+    values: np.ndarray, driver: Driver | None, beside: Sequence[Driver] = (), quantum: float = 0.0
+) -> Floor:
     """Quick noise of a signal, from stretches in which what drives it rests.
 
     In each stretch the signal scatters about a straight line and about what the pressures beside do in

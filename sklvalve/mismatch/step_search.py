@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a step at any row explains of a residual, beside columns that are there throughout; compiled."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numba as nb
 import numpy as np
 from scipy.linalg import qr
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.noise import NoiseModel
+    from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
 
 # deviations from which on a row counts less
 _ROBUST = 3.0
@@ -33,7 +41,9 @@ class StepSearch:
         at which it is not finite say nothing of that.
     """
 
-    def __init__(self, noise, left, steady, about):
+    def __init__(
+        self, noise: NoiseModel | NoiseOfPieces, left: np.ndarray, steady: np.ndarray, about: np.ndarray
+    ) -> None:
         self.noise, self.left, self.steady = noise, left, steady
         self.about = np.where(np.isfinite(about), about, 0.0)
         self.response = 0.0
@@ -47,16 +57,16 @@ class StepSearch:
         self._raw = white, columns
         self._project(white, columns)
 
-    def _project(self, white, columns):
+    def _project(self, white: np.ndarray, columns: np.ndarray) -> None:
         root = np.sqrt(self.weights)
         self.basis = _orthonormal(columns * root[:, None])
         self.white = self._beside(white)
 
-    def _beside(self, white):
+    def _beside(self, white: np.ndarray) -> np.ndarray:
         weighed = white * np.sqrt(self.weights)
         return weighed - self.basis @ (self.basis.T @ weighed)
 
-    def gains(self, rows, white=None):
+    def gains(self, rows: np.ndarray, white: np.ndarray | None = None) -> np.ndarray:
         """Twice the log likelihood that a step of the level gains at each row, and one of the response too.
 
         Parameters
@@ -92,7 +102,7 @@ class StepSearch:
         second = np.divide(seen_too**2, more, out=np.zeros(len(rows)), where=also)
         return np.stack([first, first + second], axis=1)
 
-    def best(self, places):
+    def best(self, places: np.ndarray) -> tuple[int, float, bool]:
         """The likeliest row, twice its log likelihood, and whether the response changes as well."""
         top = int(np.argmax(_worth(self.gains(places))))
         low, high = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
@@ -102,7 +112,7 @@ class StepSearch:
         both = scores[top, 1] - 2.0 * _ONE_MORE > scores[top, 0]
         return int(near[top]), float(scores[top, int(both)]), bool(both)
 
-    def split(self, row, response_too):
+    def split(self, row: int, response_too: bool) -> tuple[np.ndarray, np.ndarray]:
         """What the change makes of the signal, and what is left over without it and the steady columns."""
         white, columns = self._raw
         root = np.sqrt(self.weights)[:, None]
@@ -116,12 +126,12 @@ class StepSearch:
         self.white_left = self._beside(self.noise.whiten(self.left - made))
         return made, self.left - self.steady @ found[:many] - made
 
-    def inflation(self, places):
+    def inflation(self, places: np.ndarray) -> float:
         """How many times chance the steps at other times gain when the best is gone, at least once."""
         gained = self.gains(places[:: max(len(places) // 80, 1)], self.white_left)[:, 0]
         return max(1.0, float(np.mean(gained)))
 
-    def interval(self, row, response_too, spread):
+    def interval(self, row: int, response_too: bool, spread: float) -> tuple[int, int]:
         """Rows between which the change lies with 95 %, of a posterior over rows around the likeliest."""
         n, reach = len(self.left), 8
         while True:
@@ -137,7 +147,7 @@ class StepSearch:
             reach *= 4
 
 
-def _orthonormal(columns):
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
     """Orthonormal columns with the same span; what sums of others leave is rounding, and no direction."""
     length = np.linalg.norm(columns, axis=0)
     made, left, _ = qr(columns[:, length > 0.0] / length[length > 0.0], mode="economic", pivoting=True)
@@ -145,12 +155,22 @@ def _orthonormal(columns):
     return np.ascontiguousarray(made[:, : np.count_nonzero(own > _OWN)])
 
 
-def _worth(scores):
+def _worth(scores: np.ndarray) -> np.ndarray:
     return np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _ONE_MORE)
 
 
 @nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
-def _step_sums(rows, begin, gain, keep, spread, root, about, white, basis):
+def _step_sums(
+    rows: np.ndarray,
+    begin: int,
+    gain: np.ndarray,
+    keep: np.ndarray,
+    spread: np.ndarray,
+    root: np.ndarray,
+    about: np.ndarray,
+    white: np.ndarray,
+    basis: np.ndarray,
+) -> np.ndarray:
     """Of each row's step, whitened from that row on: its squares, and its products with all else.
 
     Columns: level², level follows, follows², level white, follows white, level basis (m), follows basis (m).

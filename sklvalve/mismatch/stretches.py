@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Long recordings: searched on stretches spread over them, and what is found is fitted to every row."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,17 +12,24 @@ from sklvalve.mismatch.detect import mismatch_p_value
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.events import simulated
 from sklvalve.mismatch.gathering import without_settling
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.prove import correction_holds_out, cross_validated
 from sklvalve.mismatch.pulses import find_pulses
 from sklvalve.mismatch.stem_residual import stem_residual
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding, Rival
 
 #: Rows of one stretch: long beside the slow wander of a meter, short beside a recording of a day.
 STRETCH = 640
 
 
-def stretches_of(recording, most):
+def stretches_of(recording: Recording, most: int | None) -> Recording:
     """Evenly spread stretches of a recording, one behind the other, each with the times of its own.
 
     Parameters
@@ -46,7 +56,7 @@ def stretches_of(recording, most):
     return without_settling(chosen, np.arange(many) * length)
 
 
-def over_the_whole(problem, judged, alpha):
+def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
     """A judgement made on stretches, with its simulations fitted to every row.
 
     Names, classes, and the test for any mismatch stay those of the stretches; parameters, their intervals,
@@ -84,7 +94,7 @@ def over_the_whole(problem, judged, alpha):
     return replace(judged, tried=tried, kept=kept, errors=told)
 
 
-def _seen_in_the_whole(problem, judged, alpha):
+def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
     """A judgement whose rows that speak for themselves are those of the whole; none if that shows none."""
     strays, pulses = judged.strays, judged.pulses
     if strays is None and pulses is None:
@@ -101,7 +111,7 @@ def _seen_in_the_whole(problem, judged, alpha):
     return judged
 
 
-def _with_events(problem, model, searched):
+def _with_events(problem: Problem, model: Model, searched: Model) -> Model:
     """A hypothesis with the events that the search told, which change no simulation."""
     told = tuple(m for m in searched.terms if m.effect in EVENTS)
     if not told:
@@ -117,7 +127,7 @@ def _with_events(problem, model, searched):
     )
 
 
-def _fitted(problem, model):
+def _fitted(problem: Problem, model: Model) -> Model:
     """A hypothesis fitted to every row, by the noise that it leaves there."""
     # rows between a stretch and the onset that it suggested must not pass for noise
     fitted = _dated(problem, problem.simulate(model.terms, model.values))
@@ -131,7 +141,7 @@ def _fitted(problem, model):
     return fitted
 
 
-def _dated(problem, model):
+def _dated(problem: Problem, model: Model) -> Model:
     """A simulated hypothesis with the onsets that all rows tell; stretches leave hours between them."""
     for term in model.terms:
         if term.onset is None or term.effect.grows or term.switches:
@@ -144,7 +154,7 @@ def _dated(problem, model):
     return model
 
 
-def _finding(problem, finding, model):
+def _finding(problem: Problem, finding: Finding, model: Model) -> Finding:
     """A finding with the parameters of the whole for the effect in place; its rivals stay, as simulated."""
     own = {m.effect.key: m for m in model.terms}[finding.term.effect.key]
     searched = next(r.model for r in finding.rivals if r.term.effect.key == own.effect.key)
@@ -157,13 +167,13 @@ def _finding(problem, finding, model):
     return replace(finding, term=own, rivals=rivals)
 
 
-def with_every_row(problem, finding):
+def with_every_row(problem: Problem, finding: Finding) -> Finding:
     """A finding of a part of the rows with its explanations simulated in every row, as they are."""
     rivals = [_rival(problem, r) for r in finding.rivals]
     return replace(finding, rivals=rivals)
 
 
-def _rival(problem, rival, more=0.0):
+def _rival(problem: Problem, rival: Rival, more: float = 0.0) -> Rival:
     """A rival with every row simulated, its log likelihood larger by so much."""
     model = rival.model
     made = problem.simulate(model.terms, model.values)

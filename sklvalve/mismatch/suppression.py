@@ -1,9 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What is not said of a recording whose data could have made it."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 from sklvalve.mismatch.gate import effects_switched_off, left_out_is_known
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.contents import Judgement
 
 # a signal redrawn from few points -> the channels in which what it lost passes for missing physics
 _SPOILT = {
@@ -15,7 +22,9 @@ _SPOILT = {
 }
 
 
-def suppressed(judgement, data, recording):
+def suppressed(
+    judgement: Judgement, data: list[dict[str, Any]], recording: Recording
+) -> tuple[Judgement, str | None]:
     """Judgement without a rest, or a mere mismatch, that the data may have made.
 
     What a historian took from a signal is predictable, as missing physics is, and no effect explains it;
@@ -63,7 +72,7 @@ def suppressed(judgement, data, recording):
     )
 
 
-def _roles(data, name):
+def _roles(data: list[dict[str, Any]], name: str) -> list[str]:
     """Signals with such a finding, as far as it is one that counts."""
     return [
         d["role"] for d in data if d["finding"] == name and d["role"] in _SPOILT and effects_switched_off([d])

@@ -1,9 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Errors that a recorded motor answers or leaves alone: where a fit of its dead band begins."""
 
+from __future__ import annotations
+
 from functools import lru_cache
 
 import numpy as np
+
+from sklvalve.recording import Recording
 
 # a motor that has not begun to move by then leaves the error alone [s]
 _ANSWERS_WITHIN = 0.8
@@ -13,7 +17,7 @@ _FEWEST = 5
 
 
 @lru_cache(maxsize=8)
-def seen_thresholds(recording):
+def seen_thresholds(recording: Recording) -> tuple[tuple[float, float], tuple[float, float] | None] | None:
     """Errors from which on a recorded motor starts, going on and turning [1]; None where few are seen.
 
     Of the errors that it left alone until the next step and of those that it answered, each threshold is the
@@ -54,7 +58,7 @@ def seen_thresholds(recording):
     return limits[0], limits[1]
 
 
-def _limit(events):
+def _limit(events: list[tuple[float, bool]]) -> tuple[float, float] | None:
     """Errors left alone and answered beside the threshold; None where one kind is missing."""
     if len(events) < _FEWEST:
         return None

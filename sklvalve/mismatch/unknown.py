@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What no effect of the catalogue explains: whether the rest can be predicted, from what, and how much."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.cycles import find_cycle
 from sklvalve.mismatch.detect import effect_strength
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.low_pass_residual import held_out_errors, low_pass_residual, skills, tuned
 from sklvalve.simulation.calibration import drop_is_unknown
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.low_pass_residual import TunedRest
+    from sklvalve.mismatch.problem import Problem
 
 _MOST_SHIFTS = 100
 # share of the variance of the slow rest that must be predicted
@@ -45,12 +54,26 @@ class Unknown:
     period: float | None = None
 
 
-def find_unknown(problem, model, *, alpha, random_state=0, channels=None):
+def find_unknown(
+    problem: Problem,
+    model: Model,
+    *,
+    alpha: float,
+    random_state: int = 0,
+    channels: Sequence[str] | None = None,
+) -> Unknown | None:
     """The predictable rest alone, as `look_for_residual` finds it; None where there is none."""
     return look_for_residual(problem, model, alpha=alpha, random_state=random_state, channels=channels)[0]
 
 
-def look_for_residual(problem, model, *, alpha, random_state=0, channels=None):
+def look_for_residual(
+    problem: Problem,
+    model: Model,
+    *,
+    alpha: float,
+    random_state: int = 0,
+    channels: Sequence[str] | None = None,
+) -> tuple[Unknown | None, float | None]:
     """Look for a predictable rest in each channel.
 
     The rest is averaged over short stretches in which nothing moves fast, and predicted from slow signals by
@@ -94,7 +117,7 @@ def look_for_residual(problem, model, *, alpha, random_state=0, channels=None):
     return best, max(effect_strengths, default=None)
 
 
-def _by_chance(learnt, rng):
+def _by_chance(learnt: TunedRest, rng: np.random.Generator) -> np.ndarray:
     """Skills with the rest shifted against its inputs: the inputs, and all that is dear about them, stay."""
     y = learnt.slow.y
     possible = np.arange(len(y) // 8, len(y) - len(y) // 8)
@@ -102,14 +125,16 @@ def _by_chance(learnt, rng):
     return skills(learnt.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
 
 
-def _strength(problem, channel, learnt, chance):
+def _strength(problem: Problem, channel: str, learnt: TunedRest, chance: np.ndarray) -> float:
     deviations = (learnt.skill - chance.mean()) / max(float(chance.std()), 1e-12)
     # without a kink where the skill is that of chance, so that no two recordings are alike
     deviations = np.logaddexp(0.0, deviations)
     return effect_strength(deviations, _acting_rms(learnt.predicted) / problem.least(channel))
 
 
-def _in_channel(problem, channel, best, chance, alpha):
+def _in_channel(
+    problem: Problem, channel: str, best: TunedRest, chance: np.ndarray, alpha: float
+) -> Unknown | None:
     size = _acting_rms(best.predicted)
     if size < problem.least(channel) or best.skill < _LEAST_SKILL:
         return None
@@ -122,7 +147,7 @@ def _in_channel(problem, channel, best, chance, alpha):
     return Unknown(channel, matter, size, float(best.skill), float(p_value), correction)
 
 
-def _cycle_in(problem, model, channel, alpha):
+def _cycle_in(problem: Problem, model: Model, channel: str, alpha: float) -> Unknown | None:
     """A rest of the flow that comes back in time; what makes a stem swing, the actuator's effects say."""
     cycle = find_cycle(problem, model, channel) if channel == "flow" else None
     if cycle is None or cycle.p_value > alpha:
@@ -139,13 +164,13 @@ def _cycle_in(problem, model, channel, alpha):
     return Unknown(channel, told, size, best.skill, cycle.p_value, correction, cycle.period)
 
 
-def _acting_rms(predicted):
+def _acting_rms(predicted: np.ndarray) -> float:
     size = np.abs(predicted)
     acting = size > 0.25 * np.quantile(size, 0.99)
     return float(np.sqrt(np.mean(predicted[acting] ** 2))) if acting.any() else 0.0
 
 
-def _inputs_that_matter(tuned):
+def _inputs_that_matter(tuned: TunedRest) -> tuple[str, ...]:
     """Inputs whose loss costs a good part of the skill."""
     names, skill = tuned.names, tuned.skill
     if len(names) == 1:

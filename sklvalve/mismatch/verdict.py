@@ -1,21 +1,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From fits to words: classes of explanations that the recording cannot tell apart, and the verdict."""
 
+from __future__ import annotations
+
 import re
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.mismatch.decide.constants import RESIDUAL_SHARE
-from sklvalve.mismatch.hypothesis import own_values
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.hypothesis import Model, Term, own_values
 from sklvalve.mismatch.inference.posterior import smallest_class
 from sklvalve.mismatch.intervals import interval_of
 from sklvalve.mismatch.probability import vanishing
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding
+    from sklvalve.mismatch.unknown import Unknown
 
 # so near to a bound, share of what is possible, a parameter lies at it
 _NEAR_BOUND = 0.02
 
 
-def class_of(finding):
+def class_of(finding: Finding) -> dict[str, tuple[float, Term, Model]]:
     """Members of the smallest class that most likely holds the truth: name -> (probability, Term, Model).
 
     Forms of one effect are one name, with the most probable form's member and model.
@@ -32,7 +43,9 @@ def class_of(finding):
     }
 
 
-def verdict_of(findings, unknown, enough, explained):
+def verdict_of(
+    findings: list[Finding], unknown: Unknown | None, enough: bool, explained: float
+) -> tuple[str, list[Finding]]:
     """Verdict, and the findings that stand.
 
     Parameters
@@ -53,7 +66,7 @@ def verdict_of(findings, unknown, enough, explained):
     return "named", findings
 
 
-def effect_entry(finding, recording, problem):
+def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> dict[str, Any]:
     """The entry of diagnosis.json for one finding, but for how sure it is (`assessed`).
 
     Its probabilities are those among the explanations at hand.
@@ -88,13 +101,13 @@ def effect_entry(finding, recording, problem):
     return entry
 
 
-def _runner_up(finding, members):
+def _runner_up(finding: Finding, members: Collection[str]) -> float | None:
     """Distance of the likeliest explanation that is not in the class; None without one."""
     others = [r.distance for r in finding.rivals if r.term.effect.name not in members]
     return float(f"{min(others):.4g}") if others else None
 
 
-def _at_bound(who, fitted, quantity):
+def _at_bound(who: Term, fitted: Model, quantity: Quantity) -> bool:
     """Whether the size of an effect ends where physics ends, other than where the effect vanishes."""
     value, low, high = fitted.values[f"{who.effect.key}.{quantity.name}"], quantity.low, quantity.high
     if quantity.null is None:
@@ -105,7 +118,7 @@ def _at_bound(who, fitted, quantity):
     return bool(value >= high - near or (value <= low + near and quantity.low != quantity.null))
 
 
-def _unknown_ends(quantity, ends):
+def _unknown_ends(quantity: Quantity, ends: Sequence[float] | None) -> list[str]:
     """Ends of an interval that are only the bound of what is tried; no effect, and nothing left, are ends."""
     if not ends:
         return []
@@ -118,14 +131,16 @@ def _unknown_ends(quantity, ends):
     ]
 
 
-def _episodes(who, fitted):
+def _episodes(who: Term, fitted: Model) -> list[list[float]]:
     """From when to when an effect acts that comes and goes [s from the first sample]."""
     clock = fitted.chain.clock
     times = [*who.times, *([clock[-1]] if len(who.times) % 2 else [])]
     return [[float(a - clock[0]), float(b - clock[0])] for a, b in zip(times[::2], times[1::2], strict=True)]
 
 
-def _sentence(who, values, quantities, recording):
+def _sentence(
+    who: Term, values: dict[str, float], quantities: Sequence[Quantity], recording: Recording
+) -> str:
     """The effect's own words; pressures in the recording's own unit."""
     unit, told = "Pa", dict(values)
     if "p1" in recording:
@@ -135,7 +150,9 @@ def _sentence(who, values, quantities, recording):
     return text[0].upper() + text[1:] + "."
 
 
-def _in_units(quantity, value, interval, recording):
+def _in_units(
+    quantity: Quantity, value: float, interval: Sequence[float] | None, recording: Recording
+) -> dict[str, Any]:
     """A parameter with its interval; a flow or a pressure in the recording's own unit."""
     unit, told = quantity.unit, [value, *(interval or ())]
     if unit == "Pa" and "p1" in recording:
