@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.null_reference import EFFECTS, REST, Covariates, survival
+from sklvalve.mismatch.null_reference import EFFECTS, RESIDUAL, Covariates, survival
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
 
@@ -184,7 +184,7 @@ def mismatch_p_value(evidence):
         Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger either
         part, the smaller. Never below 1e-12.
     """
-    looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (REST, evidence.rest, 1.0 - _FOR_EFFECTS)]
+    looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (RESIDUAL, evidence.rest, 1.0 - _FOR_EFFECTS)]
     if evidence.rest is None:
         looks = [(EFFECTS, evidence.effects, 1.0)]
     # 1 - (1 - p)^(1 / weight), exact for a small p as well

@@ -47,14 +47,14 @@ def intermittent(problem: Problem, model: Model) -> Model:
     model : Model
         The one given where nothing is gained.
     """
-    *rest, last = model.terms
+    *others, last = model.terms
     if not may_come_and_go(last.effect):
         return model
     for _ in range(_ROUNDS):
-        term = spells_of(problem, model)
+        term = episodes_of(problem, model)
         if term is None or term.sign == model.terms[-1].sign:
             break
-        fitted = problem.fit((*rest, term), start=model)
+        fitted = problem.fit((*others, term), start=model)
         if penalised_likelihood(problem, fitted) <= penalised_likelihood(problem, model) + SWITCH_PENALTY:
             break
         model = fitted
@@ -63,12 +63,12 @@ def intermittent(problem: Problem, model: Model) -> Model:
 
 def _without_needless(problem: Problem, model: Model) -> Model:
     """The same without spells, and pauses, that are not worth their switches."""
-    *rest, last = model.terms
+    *others, last = model.terms
     k = 0
     # one beginning is left at least
     while k < len(last.switches) and len(last.switches) > 1:
         times = (*last.times[:k], *last.times[k + 2 :])
-        fewer = problem.fit((*rest, begun(last.effect, times)), start=model)
+        fewer = problem.fit((*others, begun(last.effect, times)), start=model)
         if penalised_likelihood(problem, fewer) > penalised_likelihood(problem, model):
             model, last = fewer, fewer.terms[-1]
         else:
@@ -76,7 +76,7 @@ def _without_needless(problem: Problem, model: Model) -> Model:
     return model
 
 
-def spells_of(problem: Problem, model: Model) -> Term | None:
+def episodes_of(problem: Problem, model: Model) -> Term | None:
     """The last effect, switched on and off where the recording jumps as much; None where it does once.
 
     A noise model with wander follows whatever lasts, so that only the rows after a switch speak of it. The
@@ -91,14 +91,15 @@ def spells_of(problem: Problem, model: Model) -> Term | None:
     -------
     term : Term or None
     """
-    *rest, last = model.terms
-    time_profile = _Course(problem, model, tuple(rest), last)
-    switches, state = [], last.onset is None
+    *others, last = model.terms
+    search = _SwitchSearch(problem, model, tuple(others), last)
+    switches: list[int] = []
+    state = last.onset is None
     while len(switches) <= _MOST:
-        k = time_profile.next_switch(switches[-1] + _FEWEST_ROWS if switches else _FEWEST_ROWS, state)
+        k = search.next_switch(switches[-1] + _FEWEST_ROWS if switches else _FEWEST_ROWS, state)
         if k is None:
             break
-        time_profile.switch(k, state)
+        search.switch(k, state)
         switches.append(k)
         state = not state
     if last.onset is None and switches:
@@ -108,12 +109,12 @@ def spells_of(problem: Problem, model: Model) -> Term | None:
     return begun(last.effect, model.chain.clock[switches])
 
 
-class _Course:
-    """Residuals of a hypothesis while the course of its last effect is found, from the first row on."""
+class _SwitchSearch:
+    """Residuals of a hypothesis while the switches of its last effect are searched, from the first row on."""
 
-    def __init__(self, problem: Problem, model: Model, rest: tuple[Term, ...], last: Term) -> None:
+    def __init__(self, problem: Problem, model: Model, others: tuple[Term, ...], last: Term) -> None:
         self.noise, self.channels = problem.noise, problem.channels_touched(last.effect)
-        off, on = (problem.simulate(terms, model.values) for terms in (rest, (*rest, Term(last.effect))))
+        off, on = (problem.simulate(terms, model.values) for terms in (others, (*others, Term(last.effect))))
         left = [problem.residuals(m) for m in (off, on)]
         self.rows = len(problem.recording)
         # what the effect adds to the simulation, where both are known
@@ -125,9 +126,9 @@ class _Course:
         gains, sign = np.zeros(len(rows)), 1.0 if state else -1.0
         for c in self.channels:
             white, adds = self.noise[c].whiten(self.left[c]), self.adds[c] + 0.0 * self.left[c]
-            for low, high, *filters in self.noise[c].pieces:
+            for low, high, gain, keep, spread in self.noise[c].pieces:
                 part = slice(low, high)
-                gains += _gains_behind(rows - low, *filters, white[part], sign * adds[part])
+                gains += _gains_behind(rows - low, gain, keep, spread, white[part], sign * adds[part])
         return gains
 
     def next_switch(self, first: int, state: bool) -> int | None:
@@ -165,7 +166,7 @@ def _gains_behind(
 
     A filter is linear: what is added is whitened from its row on and laid over the whitened residual.
     """
-    found = np.zeros(len(rows))
+    gains = np.zeros(len(rows))
     for j in range(len(rows)):
         fast = slow = total = 0.0
         for k in range(max(rows[j], 0), min(rows[j] + _BEHIND, len(white))):
@@ -179,5 +180,5 @@ def _gains_behind(
             new = (white[k] + left / spread[k]) / ROBUST_FROM
             old = white[k] / ROBUST_FROM
             total += sqrt(1.0 + old * old) - sqrt(1.0 + new * new)
-        found[j] = ROBUST_FROM**2 * total
-    return found
+        gains[j] = ROBUST_FROM**2 * total
+    return gains

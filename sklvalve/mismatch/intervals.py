@@ -11,7 +11,7 @@ import numpy as np
 
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.hypothesis import Model, Term, own_values
-from sklvalve.mismatch.locate import causes_of, course_of_cause
+from sklvalve.mismatch.locate import causes_of, time_profile_of_cause
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.fitting import Misfit
 
@@ -78,11 +78,11 @@ def interval_of(problem: Problem, term: Term, fitted: Model, quantity: Quantity)
 
 def _mistaken(problem: Problem, term: Term, fitted: Model, key: str) -> float:
     """How far a parameter may be off to make up for what the simulation gets wrong of its effect."""
-    rest = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
-    own = problem.simulate(fitted.terms, fitted.values)
-    without = problem.simulate(rest, fitted.values)
+    others = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
+    acting = problem.simulate(fitted.terms, fitted.values)
+    without = problem.simulate(others, fitted.values)
     wrong = SHARE_OFF * float(
-        np.linalg.norm(_scaled(problem, own.predictions, without.predictions, problem.channels))
+        np.linalg.norm(_scaled(problem, acting.predictions, without.predictions, problem.channels))
     )
     for misfit in problem.misfits(fitted, problem.channels):
         if key not in misfit.vector.names or wrong <= 0.0:
@@ -104,8 +104,8 @@ def _slopes(
     z, names = misfit.vector.pack(fitted.values), misfit.vector.names
     base, prior = misfit.predictions(z), misfit.vector.prior_residuals(z)
     moved, reach = misfit.neighbours(z)
-    own = f"{term.effect.key}."
-    places = [names.index(key), *(i for i, name in enumerate(names) if not name.startswith(own))]
+    prefix = f"{term.effect.key}."
+    places = [names.index(key), *(i for i, name in enumerate(names) if not name.startswith(prefix))]
     slopes = [
         _scaled(problem, misfit.predictions(moved[i]), base, misfit.channels) / reach[i] for i in places
     ]
@@ -131,8 +131,8 @@ def _open(problem: Problem, term: Term, fitted: Model, quantity: Quantity, value
         return 0.0, 0.0
     if term.effect.grows:
         for cause in causes_of(problem, fitted):
-            if cause.term.effect.key == term.effect.key:
-                ends = np.multiply(course_of_cause(problem, fitted, cause).sizes, value)
+            if cause.term is not None and cause.term.effect.key == term.effect.key:
+                ends = np.multiply(time_profile_of_cause(problem, fitted, cause).sizes, value)
                 return max(value - ends.min(), 0.0), max(ends.max() - value, 0.0)
     if quantity.name == "delay" and term.onset is None:
         return 2 * (float(problem.recording.sample_time),)
@@ -146,11 +146,11 @@ def _of_sound_valves(problem: Problem, term: Term, fitted: Model, quantity: Quan
     def beyond(size: float, tolerance: Tolerance) -> bool:
         return term.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)
 
-    given, none = problem.tolerance, replace(problem.tolerance, static_error=0.0)
-    if beyond(quantity.low, given) or not beyond(quantity.high, given) or not beyond(quantity.low, none):
+    allowed, exact = problem.tolerance, replace(problem.tolerance, static_error=0.0)
+    if beyond(quantity.low, allowed) or not beyond(quantity.high, allowed) or not beyond(quantity.low, exact):
         return 0.0
     low, high = quantity.low, quantity.high
     for _ in range(40):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if beyond(middle, given) else (middle, high)
+        low, high = (low, middle) if beyond(middle, allowed) else (middle, high)
     return float(high)

@@ -11,10 +11,12 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.rivals import Finding
 
 
-def kinds_of_members(finding: Finding) -> dict[str, str]:
+def kinds_of_explanations(finding: Finding) -> dict[str, str]:
     """Kind of each member of a class, by its name."""
-    members = class_of(finding).items()
-    return {name: who.effect.kind_of(fit.chain, who.onset is not None) for name, (_, who, fit) in members}
+    explanations = class_of(finding).items()
+    return {
+        name: term.effect.kind_of(fit.chain, term.onset is not None) for name, (_, term, fit) in explanations
+    }
 
 
 def kind_of_class(finding: Finding) -> str:
@@ -28,12 +30,12 @@ def kind_of_class(finding: Finding) -> str:
     -------
     kind : str
     """
-    kinds = set(kinds_of_members(finding).values())
+    kinds = set(kinds_of_explanations(finding).values())
     return kinds.pop() if len(kinds) == 1 else "either"
 
 
 def with_kinds(entry: dict[str, Any], finding: Finding) -> dict[str, Any]:
     """An entry of ``effects`` with its kind, and that of each of its members."""
-    kinds = kinds_of_members(finding)
-    members = [member | {"kind": kinds[member["name"]]} for member in entry["members"]]
-    return entry | {"members": members, "kind": kind_of_class(finding)}
+    kinds = kinds_of_explanations(finding)
+    explanations = [each | {"kind": kinds[each["name"]]} for each in entry["members"]]
+    return entry | {"members": explanations, "kind": kind_of_class(finding)}

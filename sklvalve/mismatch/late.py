@@ -65,10 +65,10 @@ def late_event(problem: Problem, model: Model, alpha: float) -> Change | None:
     """
     if len(problem.recording.spans) > 1:
         return None
-    found = find_change(problem, model)
-    if found is None or found.row < _LATE * len(problem.recording):
+    change = find_change(problem, model)
+    if change is None or change.row < _LATE * len(problem.recording):
         return None
-    return found if stands_out(problem, found, alpha, _ENDS) else None
+    return change if stands_out(problem, change, alpha, _ENDS) else None
 
 
 def stands_out(problem: Problem, change: Change, alpha: float, counts: float = COUNTS) -> bool:
@@ -121,10 +121,10 @@ def with_late_event(
     nominal = problem.simulate((), judged.nominal.values)
     model = problem.simulate(judged.model.terms, judged.model.values)
     # of a simulation with all that was found before an event has its date and its size
-    told = late_event(problem, model, alpha)
-    if told is None:
+    sized = late_event(problem, model, alpha)
+    if sized is None:
         return None
-    event = told
+    event = sized
     settled = _settled(problem, model, event)
     others = [with_every_row(problem, f) for f in judged.findings]
     p_value = min(judged.p_value, event.p_value)
@@ -142,8 +142,8 @@ def with_late_event(
     if judged.unknown is None:
         return replace(judged, tried=None)
     tried = cross_validated(problem, judged.model, judged.unknown)
-    kept, told = correction_holds_out(problem, tried, judged.unknown.channel)
-    return replace(judged, tried=tried, kept=kept, errors=told)
+    kept, errors = correction_holds_out(problem, tried, judged.unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=errors)
 
 
 def _throughout(noise: NoiseModel, row: int) -> NoiseModel:
@@ -182,23 +182,21 @@ def _named(
 ) -> Finding | None:
     """The finding of what explains the last rows; None where nothing that was tried does."""
     onset = float(model.chain.clock[event.row])
-    stuck = [e for e in CATALOGUE if e.standstill and e.possible(model.chain)]
-    ends = [e for e in (*stuck, *LATE) if event.channel in problem.channels_touched(e)]
-    began = [e for e in effects if e.may_begin and not e.grows and e.key not in {s.key for s in ends}]
-    began = [e for e in began if event.channel in problem.channels_touched(e)]
-    usable = [e for e in (*ends, *began) if not is_in(e, model.terms)]
+    ends, usable = _may_have_begun(problem, model, event, effects)
     base = problem.judged(model)
     rough = screened(problem, base, usable, onset=onset, always=ends)
-    own = {e.key for e in ends}
-    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.terms[-1].effect.key in own]
+    end_keys = {e.key for e in ends}
+    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.terms[-1].effect.key in end_keys]
     fits = [problem.fit(m.terms, start=m, max_steps=_STEPS) for m in chosen]
     without = problem.fit(model.terms, start=model, max_steps=_STEPS)
     places = [
-        (m.terms[-1], m) for m in fits if m.terms[-1].effect.key in own or may_be_instead(problem, m, without)
+        (m.terms[-1], m)
+        for m in fits
+        if m.terms[-1].effect.key in end_keys or may_be_instead(problem, m, without)
     ]
     if not places:
         return None
-    places = _no_coincidence(problem, places, own, event.channel, settled)
+    places = _no_coincidence(problem, places, end_keys, event.channel, settled)
     rivals = weighed(problem, places, without)
     best = rivals[0].model
     finding = Finding(
@@ -209,8 +207,19 @@ def _named(
     return finding if counts and left[0] <= _EXPLAINS * left[1] else None
 
 
+def _may_have_begun(
+    problem: Problem, model: Model, event: Change, effects: Sequence[Effect]
+) -> tuple[list[Effect], list[Effect]]:
+    """Effects that end what a valve does, and all that may explain the last rows."""
+    stuck: list[Effect] = [e for e in CATALOGUE if e.standstill and e.possible(model.chain)]
+    ends: list[Effect] = [e for e in (*stuck, *LATE) if event.channel in problem.channels_touched(e)]
+    began = [e for e in effects if e.may_begin and not e.grows and e.key not in {s.key for s in ends}]
+    began = [e for e in began if event.channel in problem.channels_touched(e)]
+    return ends, [e for e in (*ends, *began) if not is_in(e, model.terms)]
+
+
 def _no_coincidence(
-    problem: Problem, places: list[tuple[Term, Model]], own: set[str], channel: str, first: int
+    problem: Problem, places: list[tuple[Term, Model]], end_keys: set[str], channel: str, first: int
 ) -> list[tuple[Term, Model]]:
     """Places where a flow ends at zero: what ends it explains that, any other size meets it by chance.
 
@@ -219,10 +228,10 @@ def _no_coincidence(
     ends_at = np.nanmedian(problem.recording[channel][first:])
     if channel != "flow" or abs(ends_at) > problem.least(channel) * problem.spans[channel]:
         return places
-    return [place for place in places if place[0].effect.key in own] or places
+    return [place for place in places if place[0].effect.key in end_keys] or places
 
 
 def _left(problem: Problem, model: Model, channel: str, first: int) -> float:
     """Rms of what a hypothesis leaves over from a row on [SI]."""
-    rest = problem.residuals(model)[channel][first:]
-    return float(np.sqrt(np.nanmean(rest**2)))
+    residual = problem.residuals(model)[channel][first:]
+    return float(np.sqrt(np.nanmean(residual**2)))

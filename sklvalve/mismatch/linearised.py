@@ -148,15 +148,16 @@ class Linearised:
 
     def values(self, steps: np.ndarray) -> dict[str, float]:
         """Values of the calibration after steps."""
-        moved, found, at = self._z + steps[: len(self._z)], {}, 0
+        moved, at = self._z + steps[: len(self._z)], 0
+        values: dict[str, float] = {}
         for vector in self._vectors:
-            found |= vector.values(moved[at : at + len(vector)])
+            values |= vector.values(moved[at : at + len(vector)])
             at += len(vector)
-        return found
+        return values
 
     def between(self, here: dict[str, float], there: dict[str, float], share: float) -> dict[str, float]:
         """Values that lie a share of the way from some of the calibration to others."""
-        way = {}
+        way: dict[str, float] = {}
         for vector in self._vectors:
             start = vector.pack(here)
             way |= vector.values(start + share * (vector.pack(there) - start))

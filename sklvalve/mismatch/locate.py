@@ -47,7 +47,7 @@ class Cause:
         Channel -> the simulation without it.
     """
 
-    term: object
+    term: Term | None
     before: dict
     after: dict
     settled: dict
@@ -90,8 +90,8 @@ def causes_of(problem: Problem, model: Model, unknown: Unknown | None = None) ->
     if unknown is not None:
         c = unknown.channel
         left = left | {c: left[c] - learnt_rest(unknown.correction, model.chain, model.values)}
-        own = {c: problem.residuals(model)[c]}
-        causes.append(Cause(None, own, {c: left[c]}, {c: left[c]}, {c: model.predictions[c]}))
+        residual = {c: problem.residuals(model)[c]}
+        causes.append(Cause(None, residual, {c: left[c]}, {c: left[c]}, {c: model.predictions[c]}))
     for term in model.terms:
         others = tuple(m for m in model.terms if m is not term)
         without = problem.simulate(others, model.values)
@@ -110,7 +110,7 @@ def causes_of(problem: Problem, model: Model, unknown: Unknown | None = None) ->
     return causes
 
 
-def course_of_cause(problem: Problem, model: Model, cause: Cause) -> TimeProfile:
+def time_profile_of_cause(problem: Problem, model: Model, cause: Cause) -> TimeProfile:
     """When one of the things found acts: a `TimeProfile`."""
     clock = model.chain.clock
     if cause.term is None:
@@ -119,7 +119,7 @@ def course_of_cause(problem: Problem, model: Model, cause: Cause) -> TimeProfile
     acts = model.chain.active(cause.term.effect)
     acts = np.ones(len(clock), dtype=bool) if acts is None else acts
     noise = {c: problem.noise[c] for c in cause.before}
-    slopes = _slopes_of_calibration(problem, model, cause)
+    slopes = _slopes_of_calibration(problem, model, cause.term.effect.key, list(cause.before))
     evidence = Evidence(noise, cause.before, cause.after, cause.settled, slopes)
     if not cause.term.effect.grows:
         # what begins inside an instrument shows behind its response
@@ -128,9 +128,11 @@ def course_of_cause(problem: Problem, model: Model, cause: Cause) -> TimeProfile
     return growing_course(evidence, clock, acts, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
 
 
-def _slopes_of_calibration(problem: Problem, model: Model, cause: Cause) -> np.ndarray | None:
-    """Derivatives of the whitened residuals of a cause's channels with regard to all but its own size."""
-    own, channels, columns = f"{cause.member.effect.key}.", list(cause.before), []
+def _slopes_of_calibration(
+    problem: Problem, model: Model, key: str, channels: list[str]
+) -> np.ndarray | None:
+    """Derivatives of the whitened residuals of some channels with regard to all but one effect."""
+    columns: list[tuple[int, dict[str, np.ndarray], np.ndarray]] = []
     misfits = problem.misfits(model, channels)
     still, priors = np.zeros(len(model.chain.clock)), [0] * len(misfits)
     for i, misfit in enumerate(misfits):
@@ -141,7 +143,7 @@ def _slopes_of_calibration(problem: Problem, model: Model, cause: Cause) -> np.n
         priors[i] = len(prior)
         moved, reach = misfit.neighbours(z)
         for name, at, r in zip(misfit.vector.names, moved, reach, strict=True):
-            if name.startswith(own):
+            if name.startswith(f"{key}."):
                 continue
             beside = misfit.predictions(at)
             parts = {
@@ -176,7 +178,7 @@ def regions_of(
     problem : Problem
     model : Model
     causes : list of Cause
-    courses : list of Course
+    time_profiles : list of TimeProfile
         When each of them acts: other rows say nothing of where.
     alpha : float
         Chance of any box where there is only noise.
@@ -194,19 +196,19 @@ def regions_of(
         acts = time_profile.acts(len(problem.recording))
         for c in cause.before:
             cells = cells_of(model.chain, model.values, c, cause.simulated[c])
-            rest, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))
-            parts.append((problem.noise[c], rest, [before], cells))
+            residual, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))
+            parts.append((problem.noise[c], residual, [before], cells))
             gap = np.where(acts, np.abs(np.nan_to_num(cause.before[c] - cause.after[c])), 0.0)
             places.append((c, None if cause.term is None else (_acting(gap), acts)))
-    found = []
+    regions: list[dict[str, Any]] = []
     bands = simultaneous_bands(parts, alpha=alpha, random_state=random_state)
     for (channel, rows), (several,) in zip(places, bands, strict=True):
         boxes = boxes_in(several, len(problem.recording), rows)
         shown = problem.recording.get(channel)
         if covered(boxes) > _EVERYWHERE:
             continue
-        found += [box.region(shown if channel == box.cells.signals[0] else None) for box in boxes]
-    return [r for i, r in enumerate(found) if r not in found[:i]]
+        regions += [box.region(shown if channel == box.cells.signals[0] else None) for box in boxes]
+    return [r for i, r in enumerate(regions) if r not in regions[:i]]
 
 
 def boxes_in(bands: list[Band], n: int, rows: tuple[np.ndarray, np.ndarray] | None = None) -> list[Box]:
@@ -280,24 +282,29 @@ def location_of(
     causes = [
         c for c in causes_of(problem, model, unknown) if c.term is None or c.term.effect.key not in aside
     ]
-    time_profiles = [course_of_cause(problem, model, cause) for cause in causes]
+    time_profiles = [time_profile_of_cause(problem, model, cause) for cause in causes]
     regions = regions_of(problem, model, causes, time_profiles, alpha=alpha, random_state=random_state)
-    location = {"blocks": blocks, "regions": regions}
+    location: dict[str, Any] = {"blocks": blocks, "regions": regions}
     if not time_profiles:
         return location | {"onset": None, "intervals": [[0.0, float(clock[-1])]]}
+    return location | _times_of(clock, time_profiles)
+
+
+def _times_of(clock: np.ndarray, time_profiles: list[TimeProfile]) -> dict[str, Any]:
+    """The entries of a location that say when what was found acts."""
     episodes = _joined(time_profiles)
     marks = [(float(clock[a]), float(clock[min(b, len(clock) - 1)])) for a, b, _ in episodes]
     first = episodes[0][0]
-    location["onset"] = float(clock[first]) if first > 0 else None
-    location["intervals"] = [list(pair) for pair in marks]
+    times: dict[str, Any] = {"onset": float(clock[first]) if first > 0 else None}
+    times["intervals"] = [list(pair) for pair in marks]
     kinds = {time_profile.kind for time_profile in time_profiles}
-    location["course"] = kinds.pop() if len(kinds) == 1 else "in several ways"
-    told = [[_seconds(clock, r) for r in ranges] for _, _, ranges in episodes]
-    if told[0][0] is not None:
-        location["onset_ci95"] = told[0][0]
-    if any(r is not None for pair in told for r in pair):
-        location["intervals_ci95"] = told
-    return location
+    times["course"] = kinds.pop() if len(kinds) == 1 else "in several ways"
+    bounds = [[_seconds(clock, r) for r in ranges] for _, _, ranges in episodes]
+    if bounds[0][0] is not None:
+        times["onset_ci95"] = bounds[0][0]
+    if any(r is not None for pair in bounds for r in pair):
+        times["intervals_ci95"] = bounds
+    return times
 
 
 def _joined(time_profiles: list[TimeProfile]) -> list[tuple]:
@@ -307,15 +314,15 @@ def _joined(time_profiles: list[TimeProfile]) -> list[tuple]:
         for time_profile in time_profiles
         for spell, ranges in zip(time_profile.episodes, time_profile.ranges, strict=True)
     ]
-    found: list = []
+    joined: list = []
     for begin, end, early, late in sorted(every, key=lambda e: e[:2]):
-        if found and begin <= found[-1][1]:
-            before = found[-1]
+        if joined and begin <= joined[-1][1]:
+            before = joined[-1]
             last = (end, late) if end > before[1] else (before[1], before[2][1])
-            found[-1] = (before[0], last[0], (before[2][0], last[1]))
+            joined[-1] = (before[0], last[0], (before[2][0], last[1]))
         else:
-            found.append((begin, end, (early, late)))
-    return found
+            joined.append((begin, end, (early, late)))
+    return joined
 
 
 def _seconds(clock: np.ndarray, rows: Sequence[int] | None) -> list[float] | None:

@@ -103,7 +103,7 @@ def _content_of_finder(finder: MissingPhysicsFinder) -> dict[str, Any]:
         "valve": finder.corrected_simulation_.valve_.to_dict(),
         "corrected": finder.corrected_simulation_.to_state(),
         "nominal": finder.nominal_simulation_.to_state(),
-        "given": _content_of_given(finder.corrected_simulation_.given_),
+        "given": _content_of_external(finder.corrected_simulation_.given_),
         "diagnosis": finder.diagnosis_.to_dict(),
     }
     recordings = content["diagnosis"].get("provenance", {}).get("recordings", [])
@@ -114,14 +114,14 @@ def _content_of_finder(finder: MissingPhysicsFinder) -> dict[str, Any]:
     return content
 
 
-def _content_of_given(given: Any) -> dict[str, Any] | None:
+def _content_of_external(external: Any) -> dict[str, Any] | None:
     """The user's own simulation, without which the corrected one cannot go on; refused here and not then."""
-    if given is None:
+    if external is None:
         return None
     try:
-        return content_of_estimator(given)
+        return content_of_estimator(external)
     except (InputError, NotFittedError, TypeError) as error:
-        what = f"a {type(given).__name__}" if hasattr(given, "predict") else "a function"
+        what = f"a {type(external).__name__}" if hasattr(external, "predict") else "a function"
         raise InputError(
             f"the simulation handed to the finder is {what}, which a model file cannot hold; record what it "
             "predicts as the column simulated_flow, or simulated_opening, and diagnose that, or keep the "
@@ -165,9 +165,9 @@ def load_model(path: str | PathLike[str], effects: Sequence[Effect] = ()) -> Any
         if content.get("format") not in (_FORMAT, FORMAT):
             raise ValueError("it has another format")
     except Exception as error:
-        more = f" ({error})" if type(error) is ValueError and len(str(error)) < 100 else ""
+        reason = f" ({error})" if type(error) is ValueError and len(str(error)) < 100 else ""
         raise InputError(
-            f"{path}: this is no model file of sklvalve{more}; give the corrected_model.skops that a "
+            f"{path}: this is no model file of sklvalve{reason}; give the corrected_model.skops that a "
             "diagnosis wrote"
         ) from error
     known = {e.key: e for e in (*CATALOGUE, *EVENTS, *LATE, *effects)}
@@ -184,26 +184,34 @@ def _built(path: str | PathLike[str], content: dict[str, Any], known: dict[str, 
                 f"{path}: the model holds {shown(min(strange))[1:-1]}, which is no effect of the catalogue; "
                 "give it to load_model as one of effects"
             )
-        # no NaN, no infinity, nothing but plain data
-        diagnosis = json.loads(json.dumps(content["diagnosis"], allow_nan=False))
-        if not isinstance(diagnosis, dict) or not isinstance(diagnosis.get("effects"), list):
-            raise ValueError("its diagnosis is none")
+        diagnosis = _plain_diagnosis(content["diagnosis"])
         valve = Valve.from_dict(content["valve"], source=str(path))
-        made = {}
-        for kind, several in keys.items():
-            effects = tuple(known[key] for key in several)
-            require_sound_state(content[kind], effects)
-            made[kind] = ValveSimulation.from_state(valve, content[kind], effects)
-        given = content.get("given")
-        if given is not None:
-            own = estimator_of_content(given, known)
-            for simulation in made.values():
-                simulation.given_ = own
+        simulations = {
+            kind: _built_simulation(valve, content[kind], tuple(known[key] for key in several))
+            for kind, several in keys.items()
+        }
+        if content.get("given") is not None:
+            external = estimator_of_content(content["given"], known)
+            for simulation in simulations.values():
+                simulation.given_ = external
     except InputError:
         raise
     except Exception as error:
         raise _damaged(path, error, "diagnose the recording again") from error
-    return made | {"diagnosis": diagnosis}
+    return simulations | {"diagnosis": diagnosis}
+
+
+def _plain_diagnosis(content: Any) -> dict[str, Any]:
+    # no NaN, no infinity, nothing but plain data
+    diagnosis = json.loads(json.dumps(content, allow_nan=False))
+    if not isinstance(diagnosis, dict) or not isinstance(diagnosis.get("effects"), list):
+        raise ValueError("its diagnosis is none")
+    return diagnosis
+
+
+def _built_simulation(valve: Valve, state: dict[str, Any], effects: tuple[Effect, ...]) -> ValveSimulation:
+    require_sound_state(state, effects)
+    return ValveSimulation.from_state(valve, state, effects)
 
 
 def _built_estimator(
@@ -217,9 +225,10 @@ def _built_estimator(
 
 
 def _damaged(path: str | PathLike[str], error: Exception, mend: str) -> InputError:
-    more = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
+    reason = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
     return InputError(
-        f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{more}); {mend}"
+        f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{reason}); "
+        f"{mend}"
     )
 
 

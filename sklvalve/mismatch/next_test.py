@@ -44,9 +44,9 @@ def next_test(
     if plan is not None:
         return plan.sentence
     open_ones = [c for c in classes if len(c) > 1]
-    for members in open_ones or classes:
-        who = next(iter(members.values()))[1]
-        return who.effect.separated_by
+    for explanations in open_ones or classes:
+        term = next(iter(explanations.values()))[1]
+        return term.effect.separated_by
     if isinstance(unknown, LeftOver | Pulses):
         return (
             "Hold the command for half an hour and keep recording: what still varies depends on something "

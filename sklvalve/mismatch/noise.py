@@ -8,7 +8,7 @@ model, and the time constant of its wander comes from the data.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numba as nb
 import numpy as np
@@ -97,7 +97,7 @@ def _loss(
     """
     p11, p12, p22 = fast_size, 0.0, slow_size
     a = b = last = f = s = total = 0.0
-    aa = ab = bb = more_fast = more_slow = 0.0
+    aa = ab = bb = added_fast = added_slow = 0.0
     product = 1.0
     for k in range(len(residuals)):
         if step[k] != last:
@@ -105,11 +105,11 @@ def _loss(
             a = np.exp(-last / fast_time)
             b = np.exp(-last / slow_time)
             aa, ab, bb = a * a, a * b, b * b
-            more_fast, more_slow = (1.0 - aa) * fast_size, (1.0 - bb) * slow_size
+            added_fast, added_slow = (1.0 - aa) * fast_size, (1.0 - bb) * slow_size
         white = base + share * level[k] + timing * moving[k]
-        v = (aa * p11 + (more_fast + more_slow + white)) + (bb * p22 + 2.0 * (ab * p12))
-        p11 = aa * p11 + more_fast
-        p22 = bb * p22 + more_slow
+        v = (aa * p11 + (added_fast + added_slow + white)) + (bb * p22 + 2.0 * (ab * p12))
+        p11 = aa * p11 + added_fast
+        p22 = bb * p22 + added_slow
         p12 = ab * p12
         f *= a
         s *= b
@@ -154,8 +154,8 @@ def _parts(
     # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
     fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
     slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
-    own = finest + base * unit
-    return own, share * unit, timing, fast_time, fast * unit, slow_time, slow * unit
+    sensor = finest + base * unit
+    return sensor, share * unit, timing, fast_time, fast * unit, slow_time, slow * unit
 
 
 @nb.njit(cache=True, nogil=True)
@@ -170,11 +170,11 @@ def _cost(
     moving: np.ndarray,
 ) -> float:
     """Negative log likelihood of residuals and priors, `away` from where these stand."""
-    own, share, timing, fast_time, fast, slow_time, slow = _parts(shares, *bounds)
+    sensor, share, timing, fast_time, fast, slow_time, slow = _parts(shares, *bounds)
     # weak priors keep parts that are not there from running off
     prior = np.sum(away**2) / 50.0
-    own += inadequacy
-    left = _loss(residuals, step, own, share, level, timing, moving, fast_time, fast, slow_time, slow)
+    base = sensor + inadequacy
+    left = _loss(residuals, step, base, share, level, timing, moving, fast_time, fast, slow_time, slow)
     return prior + left
 
 
@@ -203,6 +203,7 @@ class NoiseModel:
     slow_time: float
     slow_size: float
     sensor: float | None = None
+    _filters: tuple[np.ndarray, np.ndarray, np.ndarray] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         filters = _gains(
@@ -327,13 +328,13 @@ def fit_noise(
         return _cost(z - start, np.exp(z), bounds, float(inadequacy**2), residuals, step, level, moving)
 
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
-    found = minimize(
+    solution = minimize(
         loss,
         start,
         method="Nelder-Mead",
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
-    own, share, timing, *correlated = _parts(np.exp(found.x), *bounds)
-    sensor = own + share * level
+    base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(solution.x), *bounds)
+    sensor = base + share * level
     white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
-    return NoiseModel(white, step, *correlated, float(np.mean(sensor[seen])))
+    return NoiseModel(white, step, fast_time, fast, slow_time, slow, float(np.mean(sensor[seen])))

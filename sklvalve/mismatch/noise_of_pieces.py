@@ -37,7 +37,11 @@ class NoiseOfPieces:
     @property
     def pieces(self) -> list[tuple[int, int, np.ndarray, np.ndarray, np.ndarray]]:
         """First row, row behind the last, gains, what is kept, and spreads, of each recording."""
-        return [(low + a, low + b, *rest) for (low, _), model in self._each() for a, b, *rest in model.pieces]
+        return [
+            (low + a, low + b, gain, keep, spread)
+            for (low, _), model in self._each()
+            for a, b, gain, keep, spread in model.pieces
+        ]
 
     @property
     def log_spread(self) -> float:

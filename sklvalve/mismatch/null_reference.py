@@ -125,10 +125,10 @@ class Table:
 def relative_to(usual: dict[str, float], effect_strengths: dict[str, float]) -> float:
     """The largest of some strengths by effect, each over what is usual for it."""
     most = max(usual.values(), default=1.0)
-    return max((found / usual.get(key, most) for key, found in effect_strengths.items()), default=0.0)
+    return max((strongest / usual.get(key, most) for key, strongest in effect_strengths.items()), default=0.0)
 
 
-EFFECTS, REST = (Table(**TABLES[name]) for name in ("effects", "rest"))
+EFFECTS, RESIDUAL = (Table(**TABLES[name]) for name in ("effects", "rest"))
 
 
 def survival(table: Table, effect_strength: float, covariates: Covariates) -> float:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -89,7 +89,7 @@ def fit_with_onset(
     """
     clock = problem.plain.clock
     onset = float(clock[len(clock) // 2]) if onset is None else onset
-    options = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
+    options: dict[str, Any] = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
     if effect.grows:
         return fit_growing(problem, model, effect, onset=onset, **options)
     fitted = problem.fit((*model.terms, Term(effect, onset)), start=model, **options)

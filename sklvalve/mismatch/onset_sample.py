@@ -33,14 +33,14 @@ def to_the_sample(problem: Problem, model: Model, *, reach: int = 3) -> Model:
     model : Model
         Fitted again where another sample is likelier, else as given.
     """
-    *rest, last = model.terms
+    *others, last = model.terms
     if last.onset is None:
         return model
     clock, touched = model.chain.clock, problem.channels_touched(last.effect)
     k = int(np.searchsorted(clock, last.onset))
 
     def cost(onset: float) -> float:
-        trial = problem.simulate((*rest, replace(last, onset=onset)), model.values)
+        trial = problem.simulate((*others, replace(last, onset=onset)), model.values)
         left = problem.residuals(trial)
         return sum(robust_cost(problem.noise[c].whiten(left[c])) for c in touched)
 
@@ -48,5 +48,5 @@ def to_the_sample(problem: Problem, model: Model, *, reach: int = 3) -> Model:
     best = min([last.onset, *around], key=cost)
     if best == last.onset:
         return model
-    again = problem.fit((*rest, replace(last, onset=best)), start=model)
+    again = problem.fit((*others, replace(last, onset=best)), start=model)
     return again if again.log_likelihood > model.log_likelihood else model

@@ -26,7 +26,7 @@ from sklvalve.recording import InputError, Valve
 from sklvalve.simulation import ValveSimulation
 from sklvalve.simulation.state import require_sound_state
 
-_OWN = {
+_CLASSES = {
     kind.__name__: kind
     for kind in (
         LSSVMRegressor,
@@ -101,18 +101,26 @@ def estimator_of(content: Any, known: dict[str, Effect]) -> BaseEstimator:
 def _plain(value: Any, where: str, depth: int) -> Any:
     if depth > _DEEPEST:
         raise InputError(f"{where} is nested too deep for a model file; save the parts by themselves")
-    inner = partial(_plain, depth=depth + 1)
     if value is None or type(value) in (bool, int, float, str):
         return value
     if isinstance(value, np.bool_ | np.integer | np.floating):
         return value.item()
     if isinstance(value, np.ndarray):
         return _plain_array(value, where)
+    inner = partial(_plain, depth=depth + 1)
     if type(value) in (list, tuple):
         return type(value)(inner(each, f"{where}[{k}]") for k, each in enumerate(value))
     if type(value) is dict:
         items = [[inner(k, where), inner(v, f"{where}[{k!r}]")] for k, v in value.items()]
         return {_MARK: "dict", "items": items}
+    if type(value) is ValveSimulation:
+        return _plain_simulation(value, where, depth)
+    setting = _plain_setting(value, where, inner)
+    return _plain_estimator(value, where, inner) if setting is None else setting
+
+
+def _plain_setting(value: Any, where: str, inner: Callable[..., Any]) -> dict[str, Any] | None:
+    """A data type, a slice or the state of a random generator; None of anything else."""
     if isinstance(value, np.dtype) and value.kind in "biuf":
         return {_MARK: "dtype", "name": value.name}
     if type(value) is slice:
@@ -120,8 +128,10 @@ def _plain(value: Any, where: str, depth: int) -> Any:
     if isinstance(value, np.random.RandomState):
         name, keys, place, has_gauss, gauss = value.get_state()
         return {_MARK: "random state", "state": [name, keys, place, has_gauss, gauss]}
-    if type(value) is ValveSimulation:
-        return _plain_simulation(value, where, depth)
+    return None
+
+
+def _plain_estimator(value: Any, where: str, inner: Callable[..., Any]) -> dict[str, Any]:
     name = _name_of(type(value))
     if name is None:
         raise InputError(_refusal(value, where))
@@ -129,7 +139,7 @@ def _plain(value: Any, where: str, depth: int) -> Any:
     for key in state:
         if not _may_hold(type(value), key):
             raise InputError(f"{where} holds {key!r}, which no model file takes back; keep it by joblib.dump")
-    content = {_MARK: "estimator", "class": name}
+    content: dict[str, Any] = {_MARK: "estimator", "class": name}
     if "_metadata_request" in vars(value):
         content["requests"] = inner(value._metadata_request._serialize(), f"{where}.requests")
     return content | {"state": {key: inner(each, f"{where}.{key}") for key, each in state.items()}}
@@ -144,17 +154,17 @@ def _plain_array(value: np.ndarray, where: str) -> np.ndarray | dict[str, Any]:
 
 
 def _plain_simulation(simulation: ValveSimulation, where: str, depth: int) -> dict[str, Any]:
-    given = getattr(simulation, "given_", None)
+    external = getattr(simulation, "given_", None)
     return {
         _MARK: "simulation",
         "valve": simulation.valve_.to_dict() if hasattr(simulation, "valve_") else None,
         "state": simulation.to_state(),
-        "given": None if given is None else _plain(given, f"{where}.given_", depth + 1),
+        "given": None if external is None else _plain(external, f"{where}.given_", depth + 1),
     }
 
 
 def _name_of(kind: type) -> str | None:
-    if _OWN.get(kind.__name__) is kind:
+    if _CLASSES.get(kind.__name__) is kind:
         return kind.__name__
     package, _, module = kind.__module__.partition(".")
     place = module.split(".")[0]
@@ -166,8 +176,8 @@ def _name_of(kind: type) -> str | None:
 
 def _class_of(name: Any, missing: type[Exception] | None = ValueError) -> type | None:
     """A class by its name in the list; none of its own accord is imported but parts of scikit-learn."""
-    if name in _OWN:
-        return _OWN[name]
+    if name in _CLASSES:
+        return _CLASSES[name]
     parts = name.split(".") if isinstance(name, str) else []
     if len(parts) == 3 and parts[0] == "sklearn" and parts[1] in _OF_SKLEARN:
         module = importlib.import_module(f"sklearn.{parts[1]}")
@@ -208,6 +218,13 @@ def _made(value: Any, known: dict[str, Effect], depth: int) -> Any:
         return type(value)(inner(each) for each in value)
     if not isinstance(value, dict):
         raise ValueError("it holds something that is no plain data")
+    if value.get(_MARK) == "simulation":
+        return _made_simulation(value, known, depth)
+    return _made_of_mark(value, inner)
+
+
+def _made_of_mark(value: dict[str, Any], inner: Callable[[Any], Any]) -> Any:
+    """What a dict with a mark stands for."""
     kind = value.get(_MARK)
     if kind == "dict":
         return {inner(key): inner(each) for key, each in value["items"]}
@@ -221,8 +238,6 @@ def _made(value: Any, known: dict[str, Effect], depth: int) -> Any:
         made = np.random.RandomState()
         made.set_state(tuple(value["state"]))
         return made
-    if kind == "simulation":
-        return _made_simulation(value, known, depth)
     if kind == "estimator":
         return _made_estimator(value, inner)
     raise ValueError("it holds something that is no part of a model")
@@ -236,16 +251,17 @@ def _made_simulation(value: dict[str, Any], known: dict[str, Effect], depth: int
     effects = tuple(known[key] for key in keys)
     require_sound_state(value["state"], effects)
     made = ValveSimulation.from_state(Valve.from_dict(value["valve"]), value["state"], effects)
-    given = None if value["given"] is None else _made(value["given"], known, depth + 1)
-    if given is not None and not isinstance(given, BaseEstimator):
+    external = None if value["given"] is None else _made(value["given"], known, depth + 1)
+    if external is not None and not isinstance(external, BaseEstimator):
         raise ValueError("the simulation of one's own is no estimator")
-    made.given_ = given
+    made.given_ = external
     return made
 
 
 def _made_estimator(value: dict[str, Any], inner: Callable[[Any], Any]) -> BaseEstimator:
-    kind, state = _class_of(value["class"]), value["state"]
-    made = object.__new__(kind)
+    kind: Any = _class_of(value["class"])
+    state = value["state"]
+    made: Any = object.__new__(kind)
     allowed = set(kind._get_param_names())
     if not isinstance(state, dict) or not allowed <= set(state):
         raise ValueError(f"parameters of {kind.__name__} are missing")
@@ -263,9 +279,12 @@ def _made_estimator(value: dict[str, Any], inner: Callable[[Any], Any]) -> BaseE
 
 def _may_hold(kind: Any, name: str) -> bool:
     """Whether a class may hold an attribute: a parameter, or what is learnt, named with an underscore."""
-    own = name.endswith("_") or name.startswith("_") or name in kind._get_param_names()
+    usual = name.endswith("_") or name.startswith("_") or name in kind._get_param_names()
     return (
-        own and name.isidentifier() and not name.startswith("__") and not callable(getattr(kind, name, None))
+        usual
+        and name.isidentifier()
+        and not name.startswith("__")
+        and not callable(getattr(kind, name, None))
     )
 
 
@@ -277,17 +296,28 @@ def _require_sound(made: Any, kind: Any) -> None:
         isinstance(made.steps, list) and made.steps and all(_is_step(step) for step in made.steps)
     ):
         raise ValueError("a pipeline has no steps")
-    jobs = getattr(made, "n_jobs", None)
-    if jobs is not None and not (isinstance(jobs, Integral) and abs(jobs) <= _MOST_THREADS):
-        raise ValueError("the number of threads is out of range")
-    width = getattr(made, "n_features_in_", 1)
-    if isinstance(width, bool) or not isinstance(width, Integral) or not width > 0:
-        raise ValueError("the number of columns is none")
+    _require_counts(made)
     if kind is LSSVMRegressor:
-        for name in _FINITE:
-            part = getattr(made, name, None)
-            if part is not None and not (isinstance(part, Real | np.ndarray) and np.isfinite(part).all()):
-                raise ValueError(f"{name} of the LS-SVM holds no finite numbers")
+        _require_finite(made)
+
+
+def _require_counts(made: Any) -> None:
+    """Numbers of threads and of columns that may be."""
+    jobs: Any = getattr(made, "n_jobs", None)
+    if jobs is not None and not (isinstance(jobs, Integral) and abs(int(jobs)) <= _MOST_THREADS):
+        raise ValueError("the number of threads is out of range")
+    width: Any = getattr(made, "n_features_in_", 1)
+    if isinstance(width, bool) or not isinstance(width, Integral) or not int(width) > 0:
+        raise ValueError("the number of columns is none")
+
+
+def _require_finite(regressor: LSSVMRegressor) -> None:
+    for name in _FINITE:
+        part: Any = getattr(regressor, name, None)
+        if part is not None and not (
+            isinstance(part, Real | np.ndarray) and np.isfinite(np.asarray(part)).all()
+        ):
+            raise ValueError(f"{name} of the LS-SVM holds no finite numbers")
 
 
 def _is_step(step: Any) -> bool:

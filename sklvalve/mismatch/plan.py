@@ -46,7 +46,7 @@ class Pair:
         return confusion(self.expected)
 
     @property
-    def told_apart(self) -> bool:
+    def separates(self) -> bool:
         """Whether the test is expected to tell them apart, with what chance leaves of it in hand."""
         return self.expected >= SURE
 
@@ -94,7 +94,7 @@ class TestPlan:
     @property
     def decides(self) -> bool:
         """Whether the test is expected to tell all explanations apart."""
-        return all(p.told_apart for p in self.pairs)
+        return all(p.separates for p in self.pairs)
 
 
 def confusion(d: float) -> float:
@@ -141,7 +141,7 @@ def appreciable(now: float, after: float) -> bool:
     return after >= DISTINGUISHABLE or confusion(after) <= _HALF * confusion(now)
 
 
-def told(
+def sentence_of(
     text: str,
     names: Sequence[str],
     now: np.ndarray,
@@ -170,35 +170,56 @@ def told(
     left = [(j, i) for i in range(k) for j in range(i) if sure[i, j] < SURE]
     new = [(j, i) for i in range(k) for j in range(i) if now[i, j] < DISTINGUISHABLE and after[i, j] >= SURE]
     if not new:
-        best = min(left, key=lambda pair: confusion(after[pair]) / confusion(now[pair]))
-        others = _pairs_listed(names, [pair for pair in left if pair != best])
-        return (
-            f"{text}: within the limits this distinguishes {_listed([names[i] for i in best], 'and')} best, "
-            f"but one would still be taken for the other in {_percent(after[best])} of cases "
-            f"({_percent(now[best])} now){f', and it does not tell {others}' if others else ''}. {advice[0]}"
-        )
+        return _sentence_of_the_best_pair(text, names, now, after, left, advice[0])
     groups = apart(names, sure)
-    where = {i: g for g, group in enumerate(groups) for i in group}
-    across = [pair for pair in new if where[pair[0]] != where[pair[1]]]
-    if across:
-        spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
-        shown, not_parted = min(across, key=lambda pair: after[pair]), ""
-    else:
-        # a third explanation stands between those that are told apart
-        shown = max(new, key=lambda pair: after[pair])
-        spoken = _pairs_listed(names, new, " and ")
-        not_parted = f" It does not tell {_pairs_listed(names, left)}."
-    said = (
+    spoken, shown, not_parted = _what_is_parted(names, groups, new, left, after)
+    sentence = (
         f"{text}: this should tell {spoken}{', which moving the command alone does not' if alone else ''} "
         f"(one would be taken for the other in {_percent(after[shown])} of cases, now in "
         f"{_percent(now[shown])}).{not_parted} Diagnose the new recording together with the present one."
     )
-    rest = dict.fromkeys(advice[group[0]] for group in groups if len(group) > 1)
-    return f"{said} For the others: {' '.join(rest)}" if rest else said
+    others = dict.fromkeys(advice[group[0]] for group in groups if len(group) > 1)
+    return f"{sentence} For the others: {' '.join(others)}" if others else sentence
 
 
-def distances_told(names: Sequence[str], now: np.ndarray, after: np.ndarray) -> str:
-    """Distances D of a plan for a specialist; the sentence of `told` has the chances that follow from them.
+def _sentence_of_the_best_pair(
+    text: str,
+    names: Sequence[str],
+    now: np.ndarray,
+    after: np.ndarray,
+    left: list[tuple[int, int]],
+    advice: str,
+) -> str:
+    """Words for a program that tells no pair apart for sure."""
+    best = min(left, key=lambda pair: confusion(float(after[pair])) / confusion(float(now[pair])))
+    others = _pairs_listed(names, [pair for pair in left if pair != best])
+    return (
+        f"{text}: within the limits this distinguishes {_listed([names[i] for i in best], 'and')} best, "
+        f"but one would still be taken for the other in {_percent(after[best])} of cases "
+        f"({_percent(now[best])} now){f', and it does not tell {others}' if others else ''}. {advice}"
+    )
+
+
+def _what_is_parted(
+    names: Sequence[str],
+    groups: list[list[int]],
+    new: list[tuple[int, int]],
+    left: list[tuple[int, int]],
+    after: np.ndarray,
+) -> tuple[str, tuple[int, int], str]:
+    """Explanations told apart, the pair whose chances are named, and words for what is not told."""
+    where = {i: g for g, group in enumerate(groups) for i in group}
+    across = [pair for pair in new if where[pair[0]] != where[pair[1]]]
+    if across:
+        spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
+        return spoken, min(across, key=lambda pair: after[pair]), ""
+    # a third explanation stands between those that are told apart
+    shown = max(new, key=lambda pair: after[pair])
+    return _pairs_listed(names, new, " and "), shown, f" It does not tell {_pairs_listed(names, left)}."
+
+
+def distances_in_words(names: Sequence[str], now: np.ndarray, after: np.ndarray) -> str:
+    """Distances D of a plan for a specialist; that of `sentence_of` has the chances that follow from them.
 
     Parameters
     ----------

@@ -73,7 +73,9 @@ def prepared_problem(
     InputError
         If the sheet or the simulation names what is no effect, or an effect needs a role that is missing.
     """
-    valve, held, values = recording.valve, (), {}
+    valve = recording.valve
+    held: tuple[Term, ...] = ()
+    values: dict[str, float] = {}
     if simulation is not None:
         tolerance = tolerance or simulation.tolerance
         if simulation.valve is not None:
@@ -88,8 +90,8 @@ def prepared_problem(
             f"{valve.source}: [simulation] physics names {strange[0]!r}, which is no effect; "
             f"the effects are {', '.join(_NAMES)}"
         )
-    more = {"valve": valve, "held": held, "held_values": values, "trim": trim}
-    return Problem(recording, tolerance or Tolerance(), valve.physics, **more)
+    tolerance = tolerance or Tolerance()
+    return Problem(recording, tolerance, valve.physics, valve=valve, held=held, held_values=values, trim=trim)
 
 
 def _held(simulation: ValveSimulation, recording: Recording) -> tuple[Term, ...]:
@@ -151,7 +153,7 @@ def candidates(
 
     Returns
     -------
-    found : list of Effect
+    testable : list of Effect
     not_testable : list of dict
         ``name`` and ``needs``; and ``applies``, which is False, of what this fluid or actuator cannot have.
 
@@ -160,8 +162,33 @@ def candidates(
     InputError
         If a name is no effect.
     """
+    asked, names = _asked(wanted)
+    off = effects_switched_off(data, asked)
+    # what the opening shows is not hidden by a flow that was drawn anew
+    off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)], asked)
+    by_the_drop = _made_by_the_drop(problem)
+    testable: list[Effect] = []
+    untestable: dict[str, str] = {}
+    for effect in asked:
+        # what the simulation holds already is calibrated, so it cannot be missing
+        if effect.name not in names or is_in(effect, problem.held):
+            continue
+        touched = problem.channels_touched(effect)
+        hidden = off_the_stem if "opening" in touched else off
+        obstacle = _obstacle(problem, effect, touched, hidden, by_the_drop)
+        if obstacle is not None:
+            untestable.setdefault(effect.name, obstacle)
+        else:
+            # what it does to a flow from a moment on, a drop does that changes then
+            steady = by_the_drop and touched == ("flow",) and effect.by_drop == "onset"
+            testable.append(_throughout(effect) if steady else effect)
+    return testable, _not_testable(problem.plain, testable, untestable)
+
+
+def _asked(wanted: str | Iterable[str | Effect]) -> tuple[tuple[Effect, ...], set[str]]:
+    """Effects of the catalogue and the caller's own, and the names of those to be considered."""
     wanted = [wanted] if isinstance(wanted, str) else list(wanted)
-    own = tuple(w for w in wanted if isinstance(w, Effect))
+    added = tuple(w for w in wanted if isinstance(w, Effect))
     names = {w for w in wanted if not isinstance(w, Effect)}
     if "all" in names:
         names = names - {"all"} | set(_NAMES)
@@ -170,39 +197,39 @@ def candidates(
         raise InputError(
             f"effects names {strange[0]!r}, which is no effect; the effects are {', '.join(_NAMES)}"
         )
-    asked = (*CATALOGUE, *(e for e in own if e not in CATALOGUE))
-    off = effects_switched_off(data, asked)
-    # what the opening shows is not hidden by a flow that was drawn anew
-    off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)], asked)
-    found, untestable, by_the_drop = [], {}, _made_by_the_drop(problem)
-    names |= {e.name for e in own}
-    for effect in asked:
-        # what the simulation holds already is calibrated, so it cannot be missing
-        if effect.name not in names or is_in(effect, problem.held):
-            continue
-        missing = [role for role in effect.needs if role not in problem.recording]
-        touched = problem.channels_touched(effect)
-        hidden = off_the_stem if "opening" in touched else off
-        if missing:
-            untestable.setdefault(effect.name, " and ".join(missing))
-        elif effect.by_drop in by_the_drop:
-            untestable.setdefault(effect.name, "p1 and p2")
-        elif effect.name in hidden:
-            untestable.setdefault(effect.name, hidden[effect.name])
-        elif problem.plain.lacks(effect):
-            untestable.setdefault(effect.name, problem.plain.lacks(effect))
-        elif effect.stage == "actuator" and problem.coupled and not _knows_drive(problem.plain):
-            # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
-            untestable.setdefault(effect.name, "a recorded opening, or a data sheet of the actuator")
-        elif effect.possible(problem.plain) and touched:
-            # what it does to a flow from a moment on, a drop does that changes then
-            steady = by_the_drop and touched == ("flow",) and effect.by_drop == "onset"
-            found.append(_throughout(effect) if steady else effect)
-        else:
-            untestable.setdefault(effect.name, effect.requires)
-    tested, never = {e.name for e in found}, _never(problem.plain)
+    return (*CATALOGUE, *(e for e in added if e not in CATALOGUE)), names | {e.name for e in added}
+
+
+def _obstacle(
+    problem: Problem,
+    effect: Effect,
+    touched: tuple[str, ...],
+    hidden: dict[str, str],
+    by_the_drop: tuple[str, ...],
+) -> str | None:
+    """What a recording would need to speak for an effect; None where it does."""
+    missing = [role for role in effect.needs if role not in problem.recording]
+    if missing:
+        return " and ".join(missing)
+    if effect.by_drop in by_the_drop:
+        return "p1 and p2"
+    if effect.name in hidden:
+        return hidden[effect.name]
+    if problem.plain.lacks(effect):
+        return problem.plain.lacks(effect)
+    if effect.stage == "actuator" and problem.coupled and not _knows_drive(problem.plain):
+        # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
+        return "a recorded opening, or a data sheet of the actuator"
+    return None if effect.possible(problem.plain) and touched else effect.requires
+
+
+def _not_testable(
+    chain: Chain, testable: Iterable[Effect], untestable: dict[str, str]
+) -> list[dict[str, Any]]:
+    """Effects that cannot be tested in any form, with what they need."""
+    tested, never = {e.name for e in testable}, _never(chain)
     lacking = [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]
-    return found, [
+    return [
         each | ({"needs": never[each["name"]], "applies": False} if each["name"] in never else {})
         for each in lacking
     ]
@@ -211,10 +238,10 @@ def candidates(
 def _never(chain: Chain) -> dict[str, str]:
     """Effects that a valve of this fluid and actuator cannot have, and what it would have to have."""
     fluid = "gas" if GasExpansion().possible(chain) else "liquid"
-    found = {e.name: f"a {e.fluid}" for e in CATALOGUE if e.fluid not in ("", fluid)}
+    never = {e.name: f"a {e.fluid}" for e in CATALOGUE if e.fluid not in ("", fluid)}
     if chain.electric:
         of_air = "an actuator driven by air"
         moved = [e for e in CATALOGUE if e.requires != of_air]
         motors = {e.name for e in moved if e.stage != "actuator" or e.motor}
-        found |= {name: of_air for name in _NAMES if name not in motors}
-    return found
+        never |= {name: of_air for name in _NAMES if name not in motors}
+    return never

@@ -85,11 +85,12 @@ class Problem(Sharing, Sizes):
         self.choking = self.plain.choking
         self.coupled = "opening" not in recording
         self.spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in self.channels}
-        self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
+        self.noise: dict[str, Any] = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
         # fits and noises found once are kept: in a search the same question comes up many times
-        self._known, self._learnt = {}, {}
+        self._known: dict[tuple, ChannelFit] = {}
+        self._learnt: dict[tuple[str, bool], Any] = {}
         # of an actuator that most rows bear out; `calibrated` finds it
-        self.sound_values: dict = {}
+        self.sound_values: dict[str, float] = {}
 
     def chain(self, terms: Sequence[Term], recording: Recording | None = None) -> Chain:
         """Chain with the effects of a hypothesis, for the recording of the problem or another one."""
@@ -162,27 +163,34 @@ class Problem(Sharing, Sizes):
         rows = self.rows if rows is None else rows
         chain = self.chain(terms)
         begin = dict(start.values) if start is not None else {}
-        values, spreads, predictions, likelihood = {}, {}, {}, 0.0
+        values: dict[str, float] = {}
+        spreads: dict[str, float] = {}
+        predictions: dict[str, np.ndarray] = {}
+        likelihood = 0.0
         for channels in self._groups(terms):
-            own = self._telling(terms, channels)
-            fixed = self._told_elsewhere(terms, channels, values)
+            fitted_here = self._telling(terms, channels)
+            fixed = self._fitted_elsewhere(terms, channels, values)
             asked = (
                 channels,
                 _signs(self._touching(terms, channels)),
                 tuple(fixed.items()),
-                attempt if own else 0,
+                attempt if fitted_here else 0,
                 hold,
                 max_steps,
                 None if rows is None else rows.tobytes(),
                 tuple(self.noise[c] for c in channels),
             )
-            sign = (*asked, self._origin(chain, begin, own, channels))
+            sign = (*asked, self._origin(chain, begin, fitted_here, channels))
             if sign not in self._known:
-                fit = self._fit_group(chain, channels, own, begin, attempt, hold, fixed, rows, max_steps)
+                fit = self._fit_group(
+                    chain, channels, fitted_here, begin, attempt, hold, fixed, rows, max_steps
+                )
                 self._known[sign] = fit
                 if fit.settled:
                     # begun where it ended it would move by rounding, and all that hangs on its values with it
-                    self._known.setdefault((*asked, self._origin(chain, fit.values, own, channels)), fit)
+                    self._known.setdefault(
+                        (*asked, self._origin(chain, fit.values, fitted_here, channels)), fit
+                    )
             fit = self._known[sign]
             values |= fit.values
             spreads |= fit.spreads
@@ -191,10 +199,10 @@ class Problem(Sharing, Sizes):
         return Model(terms, chain, values, predictions, likelihood, spreads)
 
     def _origin(
-        self, chain: Chain, begin: dict[str, float], own: Sequence[Term], channels: Sequence[str]
+        self, chain: Chain, begin: dict[str, float], terms: Sequence[Term], channels: Sequence[str]
     ) -> tuple[float | None, ...]:
         """Where a fit begins: equal questions from equal starts have equal answers, whoever asks first."""
-        return tuple(begin.get(p.name) for p in self.parameters(chain, channels, own))
+        return tuple(begin.get(p.name) for p in self.parameters(chain, channels, terms))
 
     def _fit_group(
         self,
@@ -301,11 +309,15 @@ class Problem(Sharing, Sizes):
 
     def least_squares(self, model: Model) -> Model:
         """A hypothesis fitted for the least error itself, also from its effects' own starts."""
-        own = tuple(f"{m.effect.key}." for m in model.terms)
-        bare = {name: value for name, value in model.values.items() if not own or not name.startswith(own)}
+        prefixes = tuple(f"{m.effect.key}." for m in model.terms)
+        bare = {
+            name: value
+            for name, value in model.values.items()
+            if not prefixes or not name.startswith(prefixes)
+        }
         with self.homoscedastic(model):
             fits = [self.fit(model.terms, start=model, max_steps=15)]
-            for k in range(2 if own and self.coupled else 0):
+            for k in range(2 if prefixes and self.coupled else 0):
                 anew = self.fit(model.terms, start=replace(model, values=bare), attempt=k, max_steps=15)
                 fits.append(anew)
         return max(fits, key=lambda fitted: fitted.log_likelihood)

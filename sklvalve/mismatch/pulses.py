@@ -54,7 +54,7 @@ class Pulses:
     falls : bool
         Whether it is the lower side.
     size : float
-        Rms of the rest about its surroundings in these rows, share of span [1].
+        Rms of the residual about its surroundings in these rows, share of span [1].
     p_value : float
         Chance of sides as unequal where either is as likely as the other, over the share of the level that
         this look has.
@@ -77,8 +77,8 @@ class Pulses:
 def find_pulses(problem: Problem, model: Model, alpha: float) -> Pulses | None:
     r"""Moments in which the flow breaks out to one side of its simulation.
 
-    Of the rest r of the flow, :math:`h = \mathrm{median}_5(r - \mathrm{median}_{121}(r))` is taken, and runs
-    of rows beyond 3.5 times its robust standard deviation are counted above and below. With n moments of
+    Of the residual r of the flow, :math:`h = \mathrm{median}_5(r - \mathrm{median}_{121}(r))` is taken, and
+    runs of rows beyond 3.5 times its robust standard deviation are counted above and below. With n moments of
     which m are on the side of more, chance makes as many with
 
     .. math:: p = 2 \sum_{k \ge m} \binom{n}{k} 2^{-n}
@@ -106,17 +106,17 @@ def find_pulses(problem: Problem, model: Model, alpha: float) -> Pulses | None:
     if "flow" not in problem.channels or problem.coupled or drop_is_unknown(recording):
         return None
     span = problem.spans["flow"]
-    rest, shown = problem.residuals(model)["flow"] / span, model.predictions["flow"] / span
-    usable = np.isfinite(rest) & _settled(shown, recording.spans)
+    residual, shown = problem.residuals(model)["flow"] / span, model.predictions["flow"] / span
+    usable = np.isfinite(residual) & _settled(shown, recording.spans)
     if usable.sum() < _FEWEST_ROWS:
         return None
-    about = _about_surroundings(rest, recording.spans)
+    about = _about_surroundings(residual, recording.spans)
     about -= np.median(about[usable])
     scatter = _NORMAL * np.median(np.abs(about[usable]))
     limit = max(
         _OUT * scatter, _OF_WHAT_COUNTS * problem.least("flow"), _STEPS * _step_in_flow(recording, span)
     )
-    above, below = (_moments(usable & (side * about > limit)) for side in (1.0, -1.0))
+    above, below = (_instants(usable & (side * about > limit)) for side in (1.0, -1.0))
     most, fewest = max(len(above), len(below)), min(len(above), len(below))
     p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)) / _OF_ALPHA)
     if p_value > alpha:
@@ -144,11 +144,11 @@ def _settled(shown: np.ndarray, spans: Sequence[tuple[int, int]]) -> np.ndarray:
     return settled
 
 
-def _about_surroundings(rest: np.ndarray, spans: Sequence[tuple[int, int]]) -> np.ndarray:
+def _about_surroundings(residual: np.ndarray, spans: Sequence[tuple[int, int]]) -> np.ndarray:
     """Medians of few rows about that of many around, each recording for itself; gaps are left out."""
-    about, known = np.zeros(len(rest)), np.isfinite(rest)
+    about, known = np.zeros(len(residual)), np.isfinite(residual)
     for low, high in spans:
-        piece, seen = rest[low:high], known[low:high]
+        piece, seen = residual[low:high], known[low:high]
         if not seen.any():
             continue
         filled = np.interp(np.arange(len(piece)), np.flatnonzero(seen), piece[seen])
@@ -157,9 +157,10 @@ def _about_surroundings(rest: np.ndarray, spans: Sequence[tuple[int, int]]) -> n
     return about
 
 
-def _moments(out: np.ndarray) -> list[int]:
+def _instants(out: np.ndarray) -> list[int]:
     """First rows of runs of two rows or more, those close behind another one left out."""
-    starts, last = [], -_APART - 1
+    starts: list[int] = []
+    last = -_APART - 1
     for first, end in runs(out):
         if end - first < 2:
             continue
@@ -171,8 +172,8 @@ def _moments(out: np.ndarray) -> list[int]:
 
 def _whole(wider: np.ndarray, starts: Sequence[int]) -> np.ndarray:
     """The runs of a wider mask that hold one of these rows."""
-    rows, starts = np.zeros(len(wider), dtype=bool), np.array(starts)
+    rows, beginnings = np.zeros(len(wider), dtype=bool), np.array(starts)
     for first, end in runs(wider):
-        if np.searchsorted(starts, first) < np.searchsorted(starts, end):
+        if np.searchsorted(beginnings, first) < np.searchsorted(beginnings, end):
             rows[first:end] = True
     return rows

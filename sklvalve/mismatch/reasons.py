@@ -69,30 +69,30 @@ def reasons_of(
     compared = [] if judgement.referee is None else list(judgement.referee.reasons)
     if judgement.verdict not in _NAMELESS:
         return [*doubts, *compared]
-    found = [*judgement.why, *doubts]
+    reasons = [*judgement.why, *doubts]
     if judgement.strays is not None:
-        found.append(judgement.strays.reason)
+        reasons.append(judgement.strays.reason)
     if judgement.event is not None and not judgement.names_event:
-        found.append(
+        reasons.append(
             "The last rows were compared with a simulation fitted to the rows before them: no effect that "
             "was tried explains half of the difference. A longer recording would tell more."
         )
     elif judgement.change is not None:
-        found.append(
+        reasons.append(
             f"The {judgement.change.channel} changed at one time, and no effect that was tried explains it."
         )
     if judgement.pulses is not None:
-        found.append(
+        reasons.append(
             f"The flow deviates to one side at {judgement.pulses.many} moments and to the other at "
             f"{judgement.pulses.against}: no effect of the catalogue behaves like that."
         )
     if judgement.unknown is not None:
-        found.append(
+        reasons.append(
             "No effect that was tried accounts for a predictable deviation of the "
             f"{judgement.unknown.channel} by {in_recorded(problem, *_of(judgement))}."
         )
-    found += compared
-    return found or [
+    reasons += compared
+    return reasons or [
         "Simulation and recording differ by more than chance, but no single effect that was tried explains "
         "enough to be named."
     ]
@@ -104,13 +104,13 @@ def _of(judgement: Judgement) -> tuple[str, float]:
 
 def _names(findings: Sequence[Finding]) -> str:
     """Names of what was found; of a large class the likeliest."""
-    told = []
+    parts = []
     for finding in findings:
         names = [name.replace("_", " ") for name in class_of(finding)]
         if len(names) > _MANY:
             names = [*names[: _MANY - 1], f"one of {len(names) - _MANY + 1} others"]
-        told.append(" or ".join(names))
-    return " and ".join(told) or "the explanation"
+        parts.append(" or ".join(names))
+    return " and ".join(parts) or "the explanation"
 
 
 def _begun(words: str) -> str:

@@ -97,13 +97,13 @@ def _slopes(table: np.ndarray, spread: np.ndarray, signal: np.ndarray) -> np.nda
     powers = [p for n in range(_DEGREE + 1) for p in combinations_with_replacement(range(scaled.shape[1]), n)]
     columns = np.column_stack([np.prod(scaled[:, list(p)], axis=1) for p in powers])
     weights = np.linalg.lstsq(columns, signal, rcond=1e-8)[0]
-    found = np.zeros_like(scaled)
+    slopes = np.zeros_like(scaled)
     for weight, power in zip(weights, powers, strict=True):
         for one in set(power):
-            rest = list(power)
-            rest.remove(one)
-            found[:, one] += weight * power.count(one) * np.prod(scaled[:, rest], axis=1)
-    return found / spread
+            others = list(power)
+            others.remove(one)
+            slopes[:, one] += weight * power.count(one) * np.prod(scaled[:, others], axis=1)
+    return slopes / spread
 
 
 def _pairs(

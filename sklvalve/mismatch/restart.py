@@ -71,7 +71,7 @@ def restarted(problem: Problem, model: Model, effects: Sequence[Effect]) -> list
     if not bent:
         return []
     bases = [model, *([problem.sound(model)] if problem.sound_values else [])]
-    met = {}
+    met: dict[str, list[Model]] = {}
     with problem.homoscedastic(model):
         for base in bases:
             begin = problem.fit(model.terms, start=base, max_steps=_STEPS)
@@ -83,14 +83,14 @@ def restarted(problem: Problem, model: Model, effects: Sequence[Effect]) -> list
         )
         near = [m for each in best[:_FITTED] for m in each]
         rough = list(parallel_map(lambda m: problem.fit(m.terms, start=m, max_steps=_STEPS), near))
-        chosen = {}
+        chosen: dict[str, Model] = {}
         for m in sorted(rough, key=lambda m: penalised_likelihood(problem, m), reverse=True):
             chosen.setdefault(m.terms[-1].effect.key, m)
         fitted = list(parallel_map(lambda m: _to_the_end(problem, model, m), chosen.values()))
     fitted = list(parallel_map(lambda m: _judged(problem, m), fitted))
     most = _LEFT * _left_of_opening(problem, model)
     left = [(_left_of_opening(problem, m), m) for m in fitted]
-    return [m for rest, m in sorted(left, key=lambda each: each[0]) if rest <= most]
+    return [m for size, m in sorted(left, key=lambda each: each[0]) if size <= most]
 
 
 def _judged(problem: Problem, model: Model) -> Model:
@@ -120,6 +120,6 @@ def _to_the_end(problem: Problem, model: Model, rough: Model) -> Model:
     fitted = problem.fit(rough.terms, start=rough)
     if last.onset is None:
         return fitted
-    rest = replace(model, values=fitted.values)
-    begun = fit_with_onset(problem, rest, last.effect, onset=last.onset, max_steps=15)
+    answered = replace(model, values=fitted.values)
+    begun = fit_with_onset(problem, answered, last.effect, onset=last.onset, max_steps=15)
     return to_the_sample(problem, max(fitted, begun, key=lambda m: m.log_likelihood))

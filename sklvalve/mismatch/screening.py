@@ -69,9 +69,10 @@ def screened(
         cannot come among the best.
     """
     starts = [each for base in ((model, effects), *also) for each in _lines(problem, *base)]
-    left, staying = [], {e.key for e in always}
-    for i, found in enumerate(parallel_map(lambda each: _of_one_effect(problem, *each, onset), starts)):
-        left += found
+    left: list[Trial] = []
+    staying = {e.key for e in always}
+    for i, trials in enumerate(parallel_map(lambda each: _of_one_effect(problem, each, onset), starts)):
+        left += trials
         if report:
             # the starts take about as long as all steps
             report(0.5 * (i + 1) / len(starts))
@@ -93,17 +94,16 @@ def _lines(
     return [(model, lines[touched[e.key]], e) for e in effects if touched[e.key]]
 
 
-def _of_one_effect(
-    problem: Problem, model: Model, line: Linearised, effect: Effect, onset: Any
-) -> list[Trial]:
-    given = onset is not False
-    trial = Trial(problem, model, line, begun(effect, onset) if given else Term(effect))
+def _of_one_effect(problem: Problem, start: tuple[Model, Linearised, Effect], onset: Any) -> list[Trial]:
+    model, line, effect = start
+    fixed = onset is not False
+    trial = Trial(problem, model, line, begun(effect, onset) if fixed else Term(effect))
     starts = trial.starts()
     made = trial.simulated(starts)
     gains = [line.gain_at_any_size(errors) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in gains]))
     trial.begin(starts[k], made[k][0], gains[k][0], max(promise for _, promise in gains))
-    if not effect.may_begin or given:
+    if not effect.may_begin or fixed:
         return [trial]
     best = [line.likeliest_onset(errors) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in best]))
@@ -115,7 +115,7 @@ def _of_one_effect(
 
 def _within_reach(trials: Sequence[Trial], staying: set[str]) -> list[Trial]:
     """Trials that may yet come among the best, as far as they promise, and those of effects that stay."""
-    best = {}
+    best: dict[str, float] = {}
     for t in trials:
         best[t.key] = max(t.penalised_likelihood, best.get(t.key, -np.inf))
     last = min(sorted(best.values())[-_BEST:], default=-np.inf)
@@ -146,7 +146,8 @@ class Trial:
         self.quantities = term.effect.quantities(self.chain)
         self.misfit = self._misfit(problem, 0)
         self._problem, self._penalty = problem, complexity_penalty(problem, term)
-        self._settled, self._cost = False, None
+        self._settled = False
+        self._cost: float | None = None
 
     def _misfit(self, problem: Problem, attempt: int) -> Misfit:
         parameters = [q.parameter_of(self.key, attempt) for q in self.quantities]
@@ -220,6 +221,7 @@ class Trial:
         """Whether another point is likelier; if so, the trial stands there."""
         [(predictions, errors)] = self.simulated([z])
         cost, answer = self.line.answered(errors)
+        assert self._cost is not None
         if cost >= self._cost:
             return False
         self._z, self._predictions, self._cost, self._answer = z, predictions, cost, answer

@@ -8,6 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from sklvalve.mismatch.hypothesis import Model
+from sklvalve.recording import Recording
+from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import drop_is_unknown, span_of
 
 # share of its span by which a flow follows a drop that varies by three per cent and is nowhere recorded
@@ -19,6 +21,11 @@ _TINY = 1e-300
 
 class Sizes:
     """Sizes of changes in a problem that has `channels`, `spans`, a `recording` and a `tolerance`."""
+
+    recording: Recording
+    tolerance: Tolerance
+    channels: tuple[str, ...]
+    spans: dict[str, float]
 
     def change(self, model: Model, other: Model) -> dict[str, float]:
         """How two fitted hypotheses differ in a channel: rms where they do, as share of its span.
@@ -54,7 +61,7 @@ class Sizes:
     @cached_property
     def _recorded(self) -> dict[str, list[tuple[slice, float]]]:
         """Of each channel the rows of every recording that has it, and its span there."""
-        found = {channel: [] for channel in self.channels}
+        pieces: dict[str, list[tuple[slice, float]]] = {channel: [] for channel in self.channels}
         for channel, whole in self.spans.items():
             # in what hardly flows a hair's breadth is a large share
             least = max(_LEAST_SPAN * whole, _TINY)
@@ -62,8 +69,8 @@ class Sizes:
                 values = self.recording[channel][rows]
                 if np.isfinite(values).any():
                     span = 1.0 if channel == "opening" else max(span_of(values), least)
-                    found[channel].append((rows, span))
-        return found
+                    pieces[channel].append((rows, span))
+        return pieces
 
     def _gap(self, channel: str, model: Model, other: Model) -> np.ndarray:
         gap = np.abs(model.predictions[channel] - other.predictions[channel])

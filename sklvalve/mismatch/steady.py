@@ -15,9 +15,9 @@ from sklvalve.recording.noise import noise_floor
 LENGTH, SETTLING = 40, 20
 # a driver rests where it scatters about a straight line by no more than this many times its own variance,
 # and goes no further than this share of its range
-_AT_REST, _FURTHEST = 1.5, 0.02
+_STILL, _FURTHEST = 1.5, 0.02
 # a command has no noise of its own; what moves it less than this moves no stem [1]
-_COMMAND_AT_REST = 1e-3
+_COMMAND_STILL = 1e-3
 _FEWEST = 5
 # stretches this far above the median stretch hold a movement that no driver shows
 _STRANGE = 4.0
@@ -77,14 +77,14 @@ def drivers_of(recording: Recording, channel: str) -> tuple[Driver | None, list[
     name = "opening" if channel == "flow" and "opening" in recording else "command"
     if name not in recording or recording.resolution(name) == 0.0:
         return None, []
-    beside = [r for r in ("p1", "p2") if channel == "flow" and r in recording]
-    beside = [_driver(recording, r) for r in beside if recording.resolution(r) > 0.0]
+    pressures = [r for r in ("p1", "p2") if channel == "flow" and r in recording]
+    beside = [_driver(recording, r) for r in pressures if recording.resolution(r) > 0.0]
     return _driver(recording, name), beside
 
 
 def _driver(recording: Recording, name: str) -> Driver:
     if name == "command":
-        return Driver(name, recording[name], _COMMAND_AT_REST)
+        return Driver(name, recording[name], _COMMAND_STILL)
     noise = np.nan_to_num(noise_floor(recording[name]))
     return Driver(name, recording[name], max(noise, recording.resolution(name) / np.sqrt(12.0)))
 
@@ -117,10 +117,11 @@ def steady_starts(
     filled = np.where(known, driver.values, 0.0)
     scatter, drift = _about_lines(filled - filled[known].mean() if known.any() else filled, width)
     whole = np.convolve(known, np.ones(width), "valid") > width - 0.5
-    rests = whole & (scatter <= _AT_REST * driver.noise**2)
+    rests = whole & (scatter <= _STILL * driver.noise**2)
     rests &= np.abs(drift) <= _FURTHEST * np.ptp(driver.values[known]) if known.any() else False
-    starts, free = [], 0
-    for k in np.flatnonzero(rests):
+    starts: list[int] = []
+    free = 0
+    for k in np.flatnonzero(rests).tolist():
         if k >= free:
             starts.append(k + SETTLING)
             free = k + every

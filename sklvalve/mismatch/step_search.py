@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numba as nb
 import numpy as np
@@ -16,13 +16,13 @@ if TYPE_CHECKING:
 # deviations from which on a row counts less
 _ROBUST = 3.0
 # log likelihood that a response besides a level must gain
-_ONE_MORE = 6.0
+_FOR_A_RESPONSE = 6.0
 # share of the rows that a posterior of change times holds to either side of its interval
 _TAIL = 0.025
 # of what a step is, so much must be left beside the columns, or rounding is all that is compared
 _LEFT = 1e-10
 # of its length, so much of a column must be no sum of the others, or it counts as one
-_OWN = 1e-9
+_INDEPENDENT = 1e-9
 
 
 class StepSearch:
@@ -30,8 +30,7 @@ class StepSearch:
 
     Parameters
     ----------
-    noise : object
-        With `whiten(residuals)` and `pieces`, as the noise models have them.
+    noise : NoiseModel or NoiseOfPieces
     left : ndarray of shape (n,)
         What a simulation leaves over [SI].
     steady : ndarray of shape (n, m)
@@ -81,7 +80,8 @@ class StepSearch:
         """
         white = self.white if white is None else white
         rows, root = np.asarray(rows, dtype=np.int64), np.sqrt(self.weights)
-        sums, m = 0.0, self.basis.shape[1]
+        m = self.basis.shape[1]
+        sums: Any = 0.0
         for low, high, gain, keep, spread in self.noise.pieces:
             part = slice(low, high)
             sums = sums + _step_sums(
@@ -91,25 +91,25 @@ class StepSearch:
         of_level, of_follows = sums[:, 5 : 5 + m], sums[:, 5 + m :]
         size = level - np.sum(of_level**2, axis=1)
         both -= np.sum(of_level * of_follows, axis=1)
-        more = follows - np.sum(of_follows**2, axis=1)
+        of_response = follows - np.sum(of_follows**2, axis=1)
         some = size > np.maximum(1e-9, _LEFT * level)
         share = np.divide(both, size, out=np.zeros(len(rows)), where=some)
-        more -= share * both
+        of_response -= share * both
         seen_too -= share * seen
         first = np.divide(seen**2, size, out=np.zeros(len(rows)), where=some)
         # at a join the level is free already, and the response may still change
-        also = more > np.maximum(1e-6, _LEFT * follows)
-        second = np.divide(seen_too**2, more, out=np.zeros(len(rows)), where=also)
+        also = of_response > np.maximum(1e-6, _LEFT * follows)
+        second = np.divide(seen_too**2, of_response, out=np.zeros(len(rows)), where=also)
         return np.stack([first, first + second], axis=1)
 
     def best(self, places: np.ndarray) -> tuple[int, float, bool]:
         """The likeliest row, twice its log likelihood, and whether the response changes as well."""
-        top = int(np.argmax(_worth(self.gains(places))))
+        top = int(np.argmax(_net_gains(self.gains(places))))
         low, high = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
         near = np.unique(np.linspace(low, high, min(high - low + 1, 160)).astype(int))
         scores = self.gains(near)
-        top = int(np.argmax(_worth(scores)))
-        both = scores[top, 1] - 2.0 * _ONE_MORE > scores[top, 0]
+        top = int(np.argmax(_net_gains(scores)))
+        both = scores[top, 1] - 2.0 * _FOR_A_RESPONSE > scores[top, 0]
         return int(near[top]), float(scores[top, int(both)]), bool(both)
 
     def split(self, row: int, response_too: bool) -> tuple[np.ndarray, np.ndarray]:
@@ -151,12 +151,12 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
     """Orthonormal columns with the same span; what sums of others leave is rounding, and no direction."""
     length = np.linalg.norm(columns, axis=0)
     made, left, _ = qr(columns[:, length > 0.0] / length[length > 0.0], mode="economic", pivoting=True)
-    own = np.abs(np.diag(left))
-    return np.ascontiguousarray(made[:, : np.count_nonzero(own > _OWN)])
+    lengths = np.abs(np.diag(left))
+    return np.ascontiguousarray(made[:, : np.count_nonzero(lengths > _INDEPENDENT)])
 
 
-def _worth(scores: np.ndarray) -> np.ndarray:
-    return np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _ONE_MORE)
+def _net_gains(scores: np.ndarray) -> np.ndarray:
+    return np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _FOR_A_RESPONSE)
 
 
 @nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})

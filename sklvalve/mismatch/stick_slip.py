@@ -115,7 +115,7 @@ def find_slips(command: ArrayLike, opening: ArrayLike) -> Slips:
     least = max(_LEAST, _NOISES * noise, _FASTER * way_in_a_row(x, noise))
     behind = _BEHIND + rows_late(u, x, noise)
     jump = np.diff(x)
-    found = []
+    jumps = []
     with np.errstate(invalid="ignore"):
         candidates = np.flatnonzero(np.abs(jump) > least)
     for k in candidates[(candidates >= _BEGINNING) & (candidates < len(x) - 2)]:
@@ -127,8 +127,8 @@ def find_slips(command: ArrayLike, opening: ArrayLike) -> Slips:
         resting = np.sum(np.abs(jump[k - _BEFORE : k]) < max(_RESTING * size, 4.0 * noise)) >= 2
         # comparisons with NaN are false: a gap nearby leaves the step out
         if resting and stays and past > max(_PAST * size, 4.0 * noise) and np.ptp(near) < _COMMANDED * size:
-            found.append((k, jump[k], past))
-    rows, sizes, beyond = np.array(found, dtype=float).reshape(-1, 3).T
+            jumps.append((k, jump[k], past))
+    rows, sizes, beyond = np.array(jumps, dtype=float).reshape(-1, 3).T
     return Slips(rows.astype(int), sizes, beyond)
 
 

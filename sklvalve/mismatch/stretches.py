@@ -90,8 +90,8 @@ def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgeme
     if judged.unknown is None:
         return replace(judged, tried=None)
     tried = cross_validated(problem, model, judged.unknown)
-    kept, told = correction_holds_out(problem, tried, judged.unknown.channel)
-    return replace(judged, tried=tried, kept=kept, errors=told)
+    kept, errors = correction_holds_out(problem, tried, judged.unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=errors)
 
 
 def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
@@ -113,17 +113,17 @@ def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Jud
 
 def _with_events(problem: Problem, model: Model, searched: Model) -> Model:
     """A hypothesis with the events that the search told, which change no simulation."""
-    told = tuple(m for m in searched.terms if m.effect in EVENTS)
-    if not told:
+    events = tuple(m for m in searched.terms if m.effect in EVENTS)
+    if not events:
         return model
-    own = tuple(f"{m.effect.key}." for m in told)
-    terms = (*told, *model.terms)
+    prefixes = tuple(f"{m.effect.key}." for m in events)
+    terms = (*events, *model.terms)
     return replace(
         model,
         terms=terms,
         chain=problem.chain(terms),
-        values=model.values | {k: v for k, v in searched.values.items() if k.startswith(own)},
-        spreads=model.spreads | {k: v for k, v in searched.spreads.items() if k.startswith(own)},
+        values=model.values | {k: v for k, v in searched.values.items() if k.startswith(prefixes)},
+        spreads=model.spreads | {k: v for k, v in searched.spreads.items() if k.startswith(prefixes)},
     )
 
 
@@ -136,8 +136,8 @@ def _fitted(problem: Problem, model: Model) -> Model:
         fitted = problem.fit(fitted.terms, start=fitted)
     for term in fitted.terms:
         if term.onset is not None and not term.effect.grows:
-            rest = tuple(m for m in fitted.terms if m is not term)
-            fitted = to_the_sample(problem, problem.fit((*rest, term), start=fitted))
+            others = tuple(m for m in fitted.terms if m is not term)
+            fitted = to_the_sample(problem, problem.fit((*others, term), start=fitted))
     return fitted
 
 
@@ -146,25 +146,25 @@ def _dated(problem: Problem, model: Model) -> Model:
     for term in model.terms:
         if term.onset is None or term.effect.grows or term.switches:
             continue
-        rest = tuple(m for m in model.terms if m is not term)
-        without = problem.simulate(rest, model.values)
-        throughout = problem.simulate((*rest, replace(term, onset=None)), model.values)
+        others = tuple(m for m in model.terms if m is not term)
+        without = problem.simulate(others, model.values)
+        throughout = problem.simulate((*others, replace(term, onset=None)), model.values)
         moved = replace(term, onset=best_onset(problem, without, throughout))
-        model = problem.simulate((*rest, moved), model.values)
+        model = problem.simulate((*others, moved), model.values)
     return model
 
 
 def _finding(problem: Problem, finding: Finding, model: Model) -> Finding:
     """A finding with the parameters of the whole for the effect in place; its rivals stay, as simulated."""
-    own = {m.effect.key: m for m in model.terms}[finding.term.effect.key]
-    searched = next(r.model for r in finding.rivals if r.term.effect.key == own.effect.key)
+    in_place = {m.effect.key: m for m in model.terms}[finding.term.effect.key]
+    searched = next(r.model for r in finding.rivals if r.term.effect.key == in_place.effect.key)
     # all rows are many times those searched: of likelihoods only differences go with the others
-    more = model.log_likelihood - searched.log_likelihood
+    gain = model.log_likelihood - searched.log_likelihood
     rivals = [
-        replace(r, term=own, model=model) if r.model is searched else _rival(problem, r, more)
+        replace(r, term=in_place, model=model) if r.model is searched else _rival(problem, r, gain)
         for r in finding.rivals
     ]
-    return replace(finding, term=own, rivals=rivals)
+    return replace(finding, term=in_place, rivals=rivals)
 
 
 def with_every_row(problem: Problem, finding: Finding) -> Finding:
@@ -173,9 +173,9 @@ def with_every_row(problem: Problem, finding: Finding) -> Finding:
     return replace(finding, rivals=rivals)
 
 
-def _rival(problem: Problem, rival: Rival, more: float = 0.0) -> Rival:
+def _rival(problem: Problem, rival: Rival, gain: float = 0.0) -> Rival:
     """A rival with every row simulated, its log likelihood larger by so much."""
     model = rival.model
     made = problem.simulate(model.terms, model.values)
-    made = replace(made, log_likelihood=model.log_likelihood + more, spreads=model.spreads)
+    made = replace(made, log_likelihood=model.log_likelihood + gain, spreads=model.spreads)
     return replace(rival, model=made)

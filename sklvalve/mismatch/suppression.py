@@ -47,21 +47,10 @@ def suppressed(
     """
     redrawn = _roles([each for each in data if not left_out_is_known(each, recording)], "compressed")
     spoilt = {channel for role in redrawn for channel in _SPOILT[role]}
-    unknown = judgement.unknown
-    if unknown is not None and unknown.channel in spoilt:
-        judgement = replace(judgement, unknown=None, tried=None, kept=False, errors=None)
-        unknown = None
-    left = judgement.left if unknown is None else None
-    if left is not None and left.channel in spoilt:
-        judgement = replace(judgement, left=None, closest=[])
-    if judgement.pulses is not None and "flow" in spoilt:
-        judgement = replace(judgement, pulses=None)
+    judgement = _without_spoilt(judgement, spoilt)
     blamed = [f"the historian's compression of {role}" for role in redrawn]
     blamed += [f"the coarse reading of {role}" for role in _roles(data, "quantised")]
-    # and no coarse reading is as far off as a stem that strays, or to one side only
-    strays = judgement.strays is not None and "opening" not in spoilt
-    beyond = unknown is not None or judgement.left is not None or strays or judgement.pulses is not None
-    if not blamed or beyond or judgement.verdict in ("no_mismatch", "named"):
+    if not blamed or _is_beyond(judgement, spoilt) or judgement.verdict in ("no_mismatch", "named"):
         return judgement, None
     silent = replace(
         judgement, verdict="cannot_tell", p_value=None, findings=[], model=judgement.nominal, strays=None
@@ -70,6 +59,25 @@ def suppressed(
         f"The recording differs from the simulation, but {' and '.join(blamed)} may explain all of it. "
         "Diagnose a recording without that."
     )
+
+
+def _without_spoilt(judgement: Judgement, spoilt: set[str]) -> Judgement:
+    """A judgement without what it says of channels in which lost values pass for missing physics."""
+    if judgement.unknown is not None and judgement.unknown.channel in spoilt:
+        judgement = replace(judgement, unknown=None, tried=None, kept=False, errors=None)
+    left = judgement.left if judgement.unknown is None else None
+    if left is not None and left.channel in spoilt:
+        judgement = replace(judgement, left=None, closest=[])
+    if judgement.pulses is not None and "flow" in spoilt:
+        judgement = replace(judgement, pulses=None)
+    return judgement
+
+
+def _is_beyond(judgement: Judgement, spoilt: set[str]) -> bool:
+    """Whether something is found that no coarse reading makes: it is not as far off, nor to one side only."""
+    strays = judgement.strays is not None and "opening" not in spoilt
+    known = (judgement.unknown, judgement.left, judgement.pulses)
+    return strays or any(each is not None for each in known)
 
 
 def _roles(data: list[dict[str, Any]], name: str) -> list[str]:

@@ -12,7 +12,7 @@ from sklvalve.recording import Recording
 # a motor that has not begun to move by then leaves the error alone [s]
 _ANSWERS_WITHIN = 0.8
 # what a position sensor shows of a motor at rest [1]
-_AT_REST = 3e-4
+_STILL = 3e-4
 _FEWEST = 5
 
 
@@ -41,14 +41,14 @@ def seen_thresholds(recording: Recording) -> tuple[tuple[float, float], tuple[fl
     ends = np.append(steps[1:], len(x) - 1)
     seen: dict = {False: [], True: []}
     last = 0.0
-    for k, end in zip(steps, ends, strict=True):
+    for k, end in zip(steps.tolist(), ends.tolist(), strict=True):
         before, until = max(k - 1, 0), min(end, k + many)
         error, moved = command[k] - x[k], x[until] - x[k]
-        resting = abs(x[k] - x[before]) < _AT_REST
+        resting = abs(x[k] - x[before]) < _STILL
         if not np.isfinite(error + moved) or not resting or time[until] - time[k] < 0.5 * _ANSWERS_WITHIN:
-            last = np.sign(moved) if abs(moved) > 10.0 * _AT_REST else last
+            last = np.sign(moved) if abs(moved) > 10.0 * _STILL else last
             continue
-        started = abs(moved) > max(2.0 * _AT_REST, 0.2 * abs(error)) and moved * error > 0.0
+        started = abs(moved) > max(2.0 * _STILL, 0.2 * abs(error)) and moved * error > 0.0
         if last != 0.0:
             seen[bool(error * last < 0.0)].append((abs(error), started))
         last = np.sign(moved) if started else last

@@ -16,7 +16,7 @@ from sklvalve.mismatch.low_pass_residual import held_out_errors, low_pass_residu
 from sklvalve.simulation.calibration import drop_is_unknown
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.low_pass_residual import TunedRest
+    from sklvalve.mismatch.low_pass_residual import TunedResidual
     from sklvalve.mismatch.problem import Problem
 
 _MOST_SHIFTS = 100
@@ -99,25 +99,26 @@ def look_for_residual(
         Of the strongest rest, one that counts or not; None where none could be learnt.
     """
     rng = np.random.default_rng(random_state)
-    best, effect_strengths = None, []
+    best: Unknown | None = None
+    effect_strengths: list[float] = []
     for channel in problem.channels if channels is None else channels:
         if channel == "flow" and drop_is_unknown(problem.recording):
             # without a recorded pressure drop, a flow residual mostly reflects the unmeasured drop
             continue
         slow = low_pass_residual(problem, model, channel)
-        learnt = None
+        in_channel = None
         if slow is not None:
             learnt = tuned(slow)
             chance = _by_chance(learnt, rng)
-            effect_strengths.append(_strength(problem, channel, learnt, chance))
-            learnt = _in_channel(problem, channel, learnt, chance, alpha)
-        for found in (learnt, _cycle_in(problem, model, channel, alpha)):
-            if found is not None and (best is None or found.size > best.size):
-                best = found
+            effect_strengths.append(_effect_strength(problem, channel, learnt, chance))
+            in_channel = _in_channel(problem, channel, learnt, chance, alpha)
+        for candidate in (in_channel, _cycle_in(problem, model, channel, alpha)):
+            if candidate is not None and (best is None or candidate.size > best.size):
+                best = candidate
     return best, max(effect_strengths, default=None)
 
 
-def _by_chance(learnt: TunedRest, rng: np.random.Generator) -> np.ndarray:
+def _by_chance(learnt: TunedResidual, rng: np.random.Generator) -> np.ndarray:
     """Skills with the rest shifted against its inputs: the inputs, and all that is dear about them, stay."""
     y = learnt.slow.y
     possible = np.arange(len(y) // 8, len(y) - len(y) // 8)
@@ -125,7 +126,7 @@ def _by_chance(learnt: TunedRest, rng: np.random.Generator) -> np.ndarray:
     return skills(learnt.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
 
 
-def _strength(problem: Problem, channel: str, learnt: TunedRest, chance: np.ndarray) -> float:
+def _effect_strength(problem: Problem, channel: str, learnt: TunedResidual, chance: np.ndarray) -> float:
     deviations = (learnt.skill - chance.mean()) / max(float(chance.std()), 1e-12)
     # without a kink where the skill is that of chance, so that no two recordings are alike
     deviations = np.logaddexp(0.0, deviations)
@@ -133,7 +134,7 @@ def _strength(problem: Problem, channel: str, learnt: TunedRest, chance: np.ndar
 
 
 def _in_channel(
-    problem: Problem, channel: str, best: TunedRest, chance: np.ndarray, alpha: float
+    problem: Problem, channel: str, best: TunedResidual, chance: np.ndarray, alpha: float
 ) -> Unknown | None:
     size = _acting_rms(best.predicted)
     if size < problem.least(channel) or best.skill < _LEAST_SKILL:
@@ -160,8 +161,8 @@ def _cycle_in(problem: Problem, model: Model, channel: str, alpha: float) -> Unk
     if size < problem.least(channel) or best.skill < _LEAST_SKILL:
         return None
     correction = best.correction(channel, problem.spans[channel])
-    told = (f"a cycle of {cycle.period:.3g} s", *best.names[2:])
-    return Unknown(channel, told, size, best.skill, cycle.p_value, correction, cycle.period)
+    inputs = (f"a cycle of {cycle.period:.3g} s", *best.names[2:])
+    return Unknown(channel, inputs, size, best.skill, cycle.p_value, correction, cycle.period)
 
 
 def _acting_rms(predicted: np.ndarray) -> float:
@@ -170,7 +171,7 @@ def _acting_rms(predicted: np.ndarray) -> float:
     return float(np.sqrt(np.mean(predicted[acting] ** 2))) if acting.any() else 0.0
 
 
-def _inputs_that_matter(tuned: TunedRest) -> tuple[str, ...]:
+def _inputs_that_matter(tuned: TunedResidual) -> tuple[str, ...]:
     """Inputs whose loss costs a good part of the skill."""
     names, skill = tuned.names, tuned.skill
     if len(names) == 1:

@@ -82,7 +82,7 @@ def compare(problem: Problem, forward: Forward) -> tuple[Compared, ...]:
     -------
     compared : tuple of Compared
     """
-    found = []
+    compared = []
     for c in problem.channels:
         recorded = problem.recording[c]
         errors = {kind: recorded - made[c] for kind, made in forward.predictions.items()}
@@ -97,7 +97,7 @@ def compare(problem: Problem, forward: Forward) -> tuple[Compared, ...]:
         )
         means = {kind: float(s.sum() / known.sum()) for kind, s in squares.items()}
         size = max((problem.least(c) * problem.spans[c]) ** 2, _TINY)
-        found.append(
+        compared.append(
             Compared(
                 c,
                 int(known.sum()),
@@ -109,7 +109,7 @@ def compare(problem: Problem, forward: Forward) -> tuple[Compared, ...]:
                 len(spans),
             )
         )
-    return tuple(found)
+    return tuple(compared)
 
 
 def pooled(compared: Iterable[Compared], kind: str) -> float:

@@ -12,7 +12,7 @@ from sklvalve.recording import Recording
 #: Log likelihood that the value must add to a forecast of the driver: seven coefficients that mean nothing
 #: add 12 nats in one of a thousand recordings (chi-squared law).
 ANSWERS_FROM = 12.0
-_OWN_LAGS = 4
+_DRIVER_LAGS = 4
 # rows over which the residual is averaged before it is held against the driver's next step
 _WINDOWS = (1, 2, 4, 10, 30, 100)
 
@@ -55,11 +55,11 @@ def answers(driver: np.ndarray, value: np.ndarray, simulated: np.ndarray) -> flo
     rows = np.arange(first, len(driver))
     steps = np.diff(driver, prepend=driver[0])
     moves = steps[rows]
-    own = [np.ones(len(rows)), driver[rows - 1], *(steps[rows - k] for k in range(1, _OWN_LAGS + 1))]
+    of_driver = [np.ones(len(rows)), driver[rows - 1], *(steps[rows - k] for k in range(1, _DRIVER_LAGS + 1))]
     sums = np.concatenate([[0.0], np.cumsum(residual)])
-    past = [*own, *((sums[rows] - sums[rows - w]) / w for w in _WINDOWS)]
+    past = [*of_driver, *((sums[rows] - sums[rows - w]) / w for w in _WINDOWS)]
     before = [*past, value[rows - 1], value[rows - 2]]
-    nats = _gain(own, past, moves)[0]
+    nats = _gain(of_driver, past, moves)[0]
     now, slope = _gain(before, [*before, value[rows]], moves)
     return nats + (now if slope < 0.0 else 0.0)
 
@@ -75,10 +75,10 @@ def filled(values: np.ndarray) -> np.ndarray:
 def _gain(few: Sequence[np.ndarray], many: Sequence[np.ndarray], moves: np.ndarray) -> tuple[float, float]:
     """Log likelihood that more columns add, and the coefficient of the last of them."""
     left, _ = _fitted(few, moves)
-    less, last = _fitted(many, moves)
-    if less <= 1e-24 * (moves @ moves):
-        less = 1e-24 * max(left, moves @ moves)
-    return float(0.5 * len(moves) * np.log(left / less)) if left > less else 0.0, last
+    with_all, last = _fitted(many, moves)
+    if with_all <= 1e-24 * (moves @ moves):
+        with_all = 1e-24 * max(left, moves @ moves)
+    return float(0.5 * len(moves) * np.log(left / with_all)) if left > with_all else 0.0, last
 
 
 def _fitted(columns: Sequence[np.ndarray], moves: np.ndarray) -> tuple[float, float]:

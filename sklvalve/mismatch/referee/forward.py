@@ -76,8 +76,9 @@ def forward_in_time(
     spans = spans_of(n)
     made = {"nominal": forecast(problem, nominal, spans)}
     same = model is nominal and unknown is None
-    more = {"unknown": unknown, "nominal": nominal}
-    made["corrected"] = made["nominal"] if same else forecast(problem, model, spans, **more)
+    made["corrected"] = (
+        made["nominal"] if same else forecast(problem, model, spans, unknown=unknown, nominal=nominal)
+    )
     for c in problem.channels:
         # a signal that nothing found changes is simulated as before
         untouched = np.array_equal(model.predictions[c], nominal.predictions[c], equal_nan=True)
@@ -147,7 +148,7 @@ def forecast(
         for c in problem.channels:
             made[c][span] = again.predictions[c][span]
         part = None if unknown is None else learn_residual(problem, again, unknown, past)
-        if part is not None:
+        if unknown is not None and part is not None:
             made[unknown.channel][span] += learnt_rest(part, again.chain, again.values)[span]
     return made
 

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from scipy.optimize import nnls
 from scipy.signal import lfilter
@@ -87,7 +89,7 @@ def _fitted(
     answers = lfilter([1.0, -1.0], [1.0, -follow], columns - columns[:, :1], axis=-1)[:, train]
     scale = np.sqrt((answers**2).sum(axis=1))
     scale = np.where(scale > 0.0, scale, 1.0)
-    small = np.linalg.qr(np.column_stack([(answers / scale[:, None]).T, new]), mode="r")
+    small: Any = np.linalg.qr(np.column_stack([(answers / scale[:, None]).T, new]), mode="r")
     weights, _ = nnls(small[:, :-1], small[:, -1], maxiter=30 * small.shape[1])
     left = np.sum((small[:, :-1] @ weights - small[:, -1]) ** 2)
     return weights / scale, -0.5 * len(new) * np.log(max(left, 1e-300) / len(new))
