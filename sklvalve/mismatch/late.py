@@ -127,6 +127,7 @@ def with_late_event(
     event = sized
     settled = _settled(problem, model, event)
     others = [with_every_row(problem, f) for f in judged.findings]
+    assert judged.p_value is not None
     p_value = min(judged.p_value, event.p_value)
     noise = problem.noise
     problem.use_noise({c: _without(noise[c], event.within[0], settled) for c in problem.channels})

@@ -137,7 +137,7 @@ def survival(table: Table, effect_strength: float, covariates: Covariates) -> fl
     Parameters
     ----------
     table : Table
-    strength : float
+    effect_strength : float
     covariates : Covariates
 
     Returns

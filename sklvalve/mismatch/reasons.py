@@ -86,20 +86,18 @@ def reasons_of(
             f"The flow deviates to one side at {judgement.pulses.many} moments and to the other at "
             f"{judgement.pulses.against}: no effect of the catalogue behaves like that."
         )
-    if judgement.unknown is not None:
+    unknown = judgement.unknown
+    if unknown is not None:
+        size = in_recorded(problem, unknown.channel, unknown.size)
         reasons.append(
             "No effect that was tried accounts for a predictable deviation of the "
-            f"{judgement.unknown.channel} by {in_recorded(problem, *_of(judgement))}."
+            f"{unknown.channel} by {size}."
         )
     reasons += compared
     return reasons or [
         "Simulation and recording differ by more than chance, but no single effect that was tried explains "
         "enough to be named."
     ]
-
-
-def _of(judgement: Judgement) -> tuple[str, float]:
-    return judgement.unknown.channel, judgement.unknown.size
 
 
 def _names(findings: Sequence[Finding]) -> str:

@@ -90,7 +90,7 @@ def stem_residual(problem: Problem, model: Model) -> StemResidual | None:
 
     Returns
     -------
-    rest : StemRest or None
+    residual : StemResidual or None
         None where no position is recorded, or none is simulated.
     """
     if "opening" not in problem.channels:

@@ -119,12 +119,12 @@ class StepSearch:
         after = (np.arange(len(self.left)) >= row).astype(float)
         steps = [after, after * self.about] if response_too else [after]
         every = np.column_stack([columns, *(self.noise.whiten(s) for s in steps)])
-        found = np.linalg.lstsq(every * root, white * root[:, 0], rcond=1e-10)[0]
+        sizes = np.linalg.lstsq(every * root, white * root[:, 0], rcond=1e-10)[0]
         many = columns.shape[1]
-        made = sum(size * s for size, s in zip(found[many:], steps, strict=True))
-        self.response = float(found[-1]) if response_too else 0.0
+        made = sum(size * s for size, s in zip(sizes[many:], steps, strict=True))
+        self.response = float(sizes[-1]) if response_too else 0.0
         self.white_left = self._beside(self.noise.whiten(self.left - made))
-        return made, self.left - self.steady @ found[:many] - made
+        return made, self.left - self.steady @ sizes[:many] - made
 
     def inflation(self, places: np.ndarray) -> float:
         """How many times chance the steps at other times gain when the best is gone, at least once."""

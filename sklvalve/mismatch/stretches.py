@@ -101,7 +101,7 @@ def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Jud
         return judged
     if strays is not None:
         strays = stem_residual(problem, judged.nominal)
-        strays = strays if strays.evident else None
+        strays = strays if strays is not None and strays.evident else None
     if pulses is not None:
         pulses = find_pulses(problem, judged.nominal, alpha)
     judged = replace(judged, strays=strays, pulses=pulses)

@@ -110,7 +110,7 @@ def look_for_residual(
         if slow is not None:
             learnt = tuned(slow)
             chance = _by_chance(learnt, rng)
-            effect_strengths.append(_effect_strength(problem, channel, learnt, chance))
+            effect_strengths.append(_evidence_of(problem, channel, learnt, chance))
             in_channel = _in_channel(problem, channel, learnt, chance, alpha)
         for candidate in (in_channel, _cycle_in(problem, model, channel, alpha)):
             if candidate is not None and (best is None or candidate.size > best.size):
@@ -126,7 +126,7 @@ def _by_chance(learnt: TunedResidual, rng: np.random.Generator) -> np.ndarray:
     return skills(learnt.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
 
 
-def _effect_strength(problem: Problem, channel: str, learnt: TunedResidual, chance: np.ndarray) -> float:
+def _evidence_of(problem: Problem, channel: str, learnt: TunedResidual, chance: np.ndarray) -> float:
     deviations = (learnt.skill - chance.mean()) / max(float(chance.std()), 1e-12)
     # without a kink where the skill is that of chance, so that no two recordings are alike
     deviations = np.logaddexp(0.0, deviations)
