@@ -97,7 +97,7 @@ def measured(loop, name, size, seed):
     row |= {"after": " + ".join("/".join(c) for c in classes), "held": any(told in c for c in classes)}
     pairs = [p for p in plan.pairs if told in p.names and p.expected > p.now + 1.0]
     _, findings = reopened(again, both, names=[n for p in pairs for n in p.names])
-    reached = {r.member.effect.name: r.distance for f in findings for r in reversed(f.rivals)}
+    reached = {r.term.effect.name: r.distance for f in findings for r in reversed(f.rivals)}
     for pair in pairs:
         other = next(n for n in pair.names if n != told)
         row.setdefault("D now", []).append(round(pair.now, 1))

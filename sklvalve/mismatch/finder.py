@@ -314,7 +314,7 @@ class MissingPhysicsFinder(BaseEstimator):
                 most=self.max_effects,
                 report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
             )
-            comparison = compared(bench, explanation)
+            comparison = compared(bench, explanation, self.evidence)
             self._say("looking for the unknown", 0.8)
             more = {"alpha": alpha, "random_state": seed, "events": events}
             judged = judge(bench, explanation, covariates, **more)

@@ -52,7 +52,7 @@ def may_come_and_go(effect):
 
 
 def begun(effect, times):
-    """Member of an effect that acts as `Member.times` of another one says, as far as it can."""
+    """Member of an effect that acts as `Term.times` of another one says, as far as it can."""
     if not effect.may_begin:
         return Term(effect)
     first, *later = np.atleast_1d(times).tolist() if times is not None else (None,)

@@ -139,7 +139,7 @@ def _others_in_place(
     term: Term,
     seen: dict[str, Model],
 ) -> list[tuple[Term, Model]]:
-    """Other effects in the place of one, each from the best of two calibrations, as (Member, Model)."""
+    """Other effects in the place of one, each from the best of two calibrations, as (Term, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
     bare = problem.judged(problem.simulate(other_terms, model.values))
     best: dict[str, Model] = {}
@@ -211,7 +211,7 @@ def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Mod
     Parameters
     ----------
     problem : Problem
-    places : list of (Member, Model)
+    places : list of (Term, Model)
     without : Model
         The hypothesis without any of them.
     """

@@ -24,7 +24,7 @@ _RULES = {
     "data_quality": "not made by the data",
     "forecast": "improves forecasts",
     "black_box": "forecasts as well as a black box",
-    "probability": "such names held before",
+    "probability": "likely enough by blind tests",
 }
 
 
@@ -102,7 +102,7 @@ def _held_out(row: dict) -> str:
 
 
 def _weight(weight: float) -> str:
-    return "< 0.1 %" if weight < 0.001 else "> 99.9 %" if weight > 0.999 else percent(weight)
+    return "<0.1 %" if weight < 0.001 else ">99.9 %" if weight > 0.999 else percent(weight)
 
 
 def rules(d: dict) -> list[tuple[str, str, str]]:

@@ -86,8 +86,8 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
             for first, (role, finding, detail) in _numbered(rows.data_findings(d))
         ]
     )
-    lines += _compared_lines(d, line)
     lines += _block([line("Details" if first else "", w) for first, w in _numbered(rows.details(d))])
+    lines += _compared_lines(d, line)
     return "\n".join(lines)
 
 
@@ -146,13 +146,13 @@ def to_markdown(d: dict) -> str:
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
         parts.append("### Data\n\n" + table)
+    if rows.details(d):
+        parts.append("### Details\n\n" + "\n".join(f"- {_safe(words)}" for words in rows.details(d)))
     for place in compared.comparisons(d):
         title = f"### Why this and not that{': ' + place.title.lower() if place.title else ''}"
         parts.append(title + "\n\n" + _table(compared.HEAD, place.rows))
     if compared.rules(d):
         parts.append("### Checks\n\n" + _table(compared.RULES_HEAD, compared.rules(d)))
-    if rows.details(d):
-        parts.append("### Details\n\n" + "\n".join(f"- {_safe(words)}" for words in rows.details(d)))
     return "\n\n".join(parts)
 
 

@@ -10,11 +10,11 @@ from sklvalve.recording import Recording, Valve
 ROWS = 1200
 
 
-def record(effect=None, effect_strength=None, *, random_state, onset=0.0, n_later=0):
+def record(effect=None, strength=None, *, random_state, onset=0.0, n_later=0):
     """A recording of the plant, 1,200 rows and `n_later` more, moved over most of its travel."""
     made = make_valve_recording(
         effect,
-        effect_strength,
+        strength,
         onset=onset,
         loop="wide",
         n_samples=ROWS + n_later,

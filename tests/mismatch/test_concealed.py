@@ -11,7 +11,7 @@ import pytest
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.recording import read_recording
 from sklvalve.report.headline import headline
-from sklvalve.report.words import BLOCKS, CLAUSES, spoken
+from sklvalve.report.words import BLOCKS, class_clause, spoken
 
 pytestmark = pytest.mark.slow
 
@@ -64,7 +64,7 @@ def test_first_sentence_of_the_report_agrees_with_what_was_concealed(data_folder
         # a name may say already where it sits: an air leak of the actuator
         assert (BLOCKS[block].removeprefix("in ") in said) is (block in truth["blocks"])
     for effect in truth["effects"]:
-        assert CLAUSES[effect] in said or spoken(effect) in said
+        assert class_clause([{"name": effect}]) in said or spoken(effect) in said
         told, unit, off = SIZES[effect]
         (size,) = re.findall(told, said)
         assert abs(unit * float(size) - truth["strengths"][effect]) < off

@@ -59,7 +59,7 @@ def test_strongest_fit_of_each_effect_and_largest_channel_are_taken():
     alone = {"clogging": effect_strength(4.0, 1.0), "erosion": effect_strength(10.0, 4.0), "dead_time": 0.0}
     assert effect_strengths(searched, BENCH) == pytest.approx(alone)
     eroded = SimpleNamespace(effect=SimpleNamespace(key="erosion"))
-    searched.findings = [SimpleNamespace(gain=5000.0, sizes={"flow": 0.02}, member=eroded)]
+    searched.findings = [SimpleNamespace(gain=5000.0, sizes={"flow": 0.02}, term=eroded)]
     assert effect_strengths(searched, BENCH) == pytest.approx(
         alone | {"erosion": effect_strength(100.0, 4.0)}
     )

@@ -67,9 +67,9 @@ def test_soft_packing_of_no_reach_is_friction():
 
 
 @pytest.mark.parametrize(("strength", "hardening"), [(0.8, 0.0), (1.5, 0.0), (1.0, 0.8), (1.3, 0.5)])
-def test_spring_balances_the_air_where_its_force_says(effect_strength, hardening):
-    expected = brentq(lambda x: effect_strength * (PRELOAD + x) + hardening * x**3 - (SUPPLY - AIR), 0.0, 2.0)
-    found = highest("spring_fault", effect_strength=effect_strength, hardening=hardening)
+def test_spring_balances_the_air_where_its_force_says(strength, hardening):
+    expected = brentq(lambda x: strength * (PRELOAD + x) + hardening * x**3 - (SUPPLY - AIR), 0.0, 2.0)
+    found = highest("spring_fault", strength=strength, hardening=hardening)
     assert found == pytest.approx(min(expected, 1.0), abs=2e-3)
 
 

@@ -78,10 +78,8 @@ def test_every_name_is_tested_or_said_why_not(bench):
 # ---- found again by a fit
 
 
-def _calibrated(name, effect_strength, onset=0.0):
-    problem = Problem(
-        record(name, effect_strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",)
-    )
+def _calibrated(name, strength, onset=0.0):
+    problem = Problem(record(name, strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",))
     return problem, calibrated(problem)
 
 
@@ -102,8 +100,8 @@ def _best(problem, nominal, key):
         ("sensor_lag", 10.0, "lag", 10.0, 0.1, "flow_inertia"),
     ],
 )
-def test_a_fit_finds_what_was_concealed(name, effect_strength, parameter, size, tolerance, worse):
-    problem, nominal = _calibrated(name, effect_strength)
+def test_a_fit_finds_what_was_concealed(name, strength, parameter, size, tolerance, worse):
+    problem, nominal = _calibrated(name, strength)
     fitted, other = _best(problem, nominal, name), _best(problem, nominal, worse)
     assert fitted.values[f"{name}.{parameter}"] == pytest.approx(size, rel=tolerance)
     assert fitted.log_likelihood > nominal.log_likelihood + 50.0

@@ -30,7 +30,7 @@ class _Bench:
     def fit(self, members, *, start=None, **options):
         members = tuple(members)
         which = members[-1].onset if members else "without"
-        return SimpleNamespace(members=members, values={}, log_likelihood=self.likelihoods[which])
+        return SimpleNamespace(terms=members, values={}, log_likelihood=self.likelihoods[which])
 
     def simulate(self, members, values):
         return None
@@ -56,7 +56,7 @@ def test_onset_moves_only_where_the_fit_becomes_likelier(monkeypatch):
     bench = _Bench({500.0: -100.0, 620.0: -80.0, 300.0: -90.0}, {})
     suggested = iter([620.0, 300.0, 500.0])
     monkeypatch.setattr(onset, "best_onset", lambda *args: next(suggested))
-    found = onset.fit_with_onset(bench, SimpleNamespace(members=()), LEAK)
+    found = onset.fit_with_onset(bench, SimpleNamespace(terms=()), LEAK)
     assert found.terms[-1].onset == 620.0
     assert found.log_likelihood == -80.0
 
@@ -87,10 +87,10 @@ def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alon
 
     def better(*rivals):
         """Of (probability, whether it could stand alone), the most probable first; the last has the place."""
-        fits = [SimpleNamespace(members=(Term(LEAK),), able=able) for _, able in rivals]
+        fits = [SimpleNamespace(terms=(Term(LEAK),), able=able) for _, able in rivals]
         who = [Term(LEAK) for _ in rivals[:-1]] + [place]
         told = [Rival(m, f, p, 0.0) for m, f, (p, _) in zip(who, fits, rivals, strict=True)]
-        found = explain._better_in_place(bench, [SimpleNamespace(member=place, rivals=told)])
+        found = explain._better_in_place(bench, [SimpleNamespace(term=place, rivals=told)])
         return None if found is None else fits.index(found)
 
     assert better((0.55, True), (0.45, True)) is None
@@ -108,7 +108,7 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
         noise = "first"
 
         def fit(self, members, *, start=None):
-            return SimpleNamespace(members=tuple(members), by=self.noise)
+            return SimpleNamespace(terms=tuple(members), by=self.noise)
 
         def learn_noise(self, model, *, cautious=False):
             self.noise = "cautious" if cautious else "its own"
@@ -118,7 +118,7 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
         return bench.fit((place,))
 
     bench = Bench()
-    better = iter([SimpleNamespace(members=(place,)), None])
+    better = iter([SimpleNamespace(terms=(place,)), None])
     monkeypatch.setattr(explain, "_taken_up", taken_up)
     monkeypatch.setattr(explain, "_what_stands", lambda b, model, _: b.learn_noise(model) or b.fit((place,)))
     monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
@@ -159,7 +159,7 @@ def test_a_rival_of_what_began_may_be_shorter_and_smaller_than_what_alone_is_tol
 ):
     monkeypatch.setattr(relevance, "beyond_tolerance", lambda *_: beyond)
     monkeypatch.setattr(relevance, "_absurd", lambda *_: absurd)
-    model = SimpleNamespace(members=(Term(LEAK, onset),))
+    model = SimpleNamespace(terms=(Term(LEAK, onset),))
     bench = SimpleNamespace(
         change=lambda *_: {"flow": size}, counts=lambda sizes: any(s >= 0.005 for s in sizes.values())
     )

@@ -81,8 +81,8 @@ def test_leak_that_begins_is_found_with_its_time_and_proven(found_leaking, leaki
         ("flow_meter_bias", 0.04, 1, 0.0, "bias", None),
     ],
 )
-def test_effect_is_named_with_its_size(name, effect_strength, seed, onset, parameter, size):
-    recording = record(name, effect_strength, random_state=seed, onset=onset)
+def test_effect_is_named_with_its_size(name, strength, seed, onset, parameter, size):
+    recording = record(name, strength, random_state=seed, onset=onset)
     diagnosis = MissingPhysicsFinder().fit(recording).diagnosis_
     assert diagnosis.verdict == "named"
     assert any(name in members for members in diagnosis.effects)
@@ -90,7 +90,7 @@ def test_effect_is_named_with_its_size(name, effect_strength, seed, onset, param
     told = entry["parameters"][parameter]
     if size is None:
         assert told["unit"] == "m3/h"
-        size = effect_strength * 1.5 * recording.valve.kv_rated
+        size = strength * 1.5 * recording.valve.kv_rated
     assert told["value"] == pytest.approx(size, rel=0.3)
     assert told["ci95"][0] <= told["value"] <= told["ci95"][1]
     assert entry["probability"] >= NAMED_FROM

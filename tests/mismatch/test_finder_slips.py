@@ -108,6 +108,6 @@ def test_what_moves_the_stem_does_not_stand_beside_its_events():
     """Also where it is no part of the actuator: something in the seat that stops the plug."""
     effects = {e.key: e for e in CATALOGUE}
     found = ("clogging_closing", "friction", "backlash_linkage", "clogging", "flow_meter_bias")
-    kept = [key for key in found if beside_events([SimpleNamespace(member=Term(effects[key]))])]
+    kept = [key for key in found if beside_events([SimpleNamespace(term=Term(effects[key]))])]
     assert kept == ["clogging", "flow_meter_bias"]
     assert "clogging_closing" not in [e.key for e in worth_searching(CATALOGUE, "events")]

@@ -16,7 +16,8 @@ LIMIT = 0.55
 @pytest.fixture(scope="module")
 def found():
     blocked = record("clogging", 1.0 - LIMIT, random_state=3)
-    return blocked, MissingPhysicsFinder(effects=["clogging", "piping_reducers", "seat_leakage"]).fit(blocked)
+    wanted = ["clogging", "piping_reducers", "seat_leakage", "choked_flow"]
+    return blocked, MissingPhysicsFinder(effects=wanted).fit(blocked)
 
 
 def test_named_physics_predicts_outside_the_range_of_its_fit_and_does_no_harm(found):
@@ -27,7 +28,7 @@ def test_named_physics_predicts_outside_the_range_of_its_fit_and_does_no_harm(fo
     assert far["corrected"] < 0.5 * far["nominal"]
     assert far["corrected"] < 0.5 * far["black_box"]
     assert fit["elsewhere"]["rmse"]["corrected"] <= 1.1 * fit["elsewhere"]["rmse"]["nominal"]
-    assert fit["ruled_out"]["name"] != "clogging"
+    assert fit["ruled_out"]["name"] == "choked_flow"
     assert fit["ruled_out"]["rmse"] > fit["rmse"]["corrected"]
 
 

@@ -24,7 +24,7 @@ class _Found:
 
 
 def _explanation(tried, *found):
-    findings = [SimpleNamespace(member=SimpleNamespace(effect=BY_KEY[key])) for key in found]
+    findings = [SimpleNamespace(term=SimpleNamespace(effect=BY_KEY[key])) for key in found]
     return SimpleNamespace(
         tried={key: (gain, {}) for key, gain in tried.items()}, findings=findings, effects=CATALOGUE
     )

@@ -19,10 +19,10 @@ def _finding(*keys, onset=None, chain=UNKNOWN):
     model = SimpleNamespace(chain=chain)
     share = 1.0 / len(keys)
     rivals = [
-        SimpleNamespace(member=Term(EFFECTS[key], onset), model=model, probability=share, distance=0.0)
+        SimpleNamespace(term=Term(EFFECTS[key], onset), model=model, probability=share, distance=0.0)
         for key in keys
     ]
-    return SimpleNamespace(rivals=rivals, member=rivals[0].term)
+    return SimpleNamespace(rivals=rivals, term=rivals[0].term)
 
 
 def test_every_form_says_what_it_is():

@@ -12,13 +12,13 @@ ROWS = 1500
 NOISE = NoiseModel(np.full(ROWS, 1.0), np.ones(ROWS), 5.0, 0.2, 300.0, 0.2)
 
 
-def evidence(effect_strength, size=3.0, seed=0):
+def evidence(strength, size=3.0, seed=0):
     """A change whose own signal swings, with this strength in each row."""
     rng = np.random.default_rng(seed)
     change = size * np.abs(np.sin(np.arange(ROWS) / 25.0)) + 0.3 * size
     wander = 0.45 * np.cumsum(rng.standard_normal(ROWS)) / 30.0
     noise = rng.standard_normal(ROWS) + wander - wander.mean()
-    left = noise + change * effect_strength
+    left = noise + change * strength
     return Evidence({"flow": NOISE}, {"flow": left}, {"flow": left - change}, {"flow": noise})
 
 
@@ -85,8 +85,8 @@ def test_the_cost_itself_has_the_last_word(monkeypatch):
 
 def test_a_strength_that_is_somewhat_wrong_makes_no_spells():
     # the model of an effect is right to some 15 %: half its size is not needed to be far from nought
-    effect_strength = 1.0 + 0.25 * np.sin(np.arange(ROWS) / 80.0)
-    time_profile = course_of(evidence(effect_strength, 4.0), since(0))
+    strength = 1.0 + 0.25 * np.sin(np.arange(ROWS) / 80.0)
+    time_profile = course_of(evidence(strength, 4.0), since(0))
     assert time_profile.kind == "throughout"
 
 

@@ -246,8 +246,8 @@ def test_words_tell_the_pair_that_grows_and_those_that_stay():
     ("now", "after", "worth"),
     [(2.3, 2.3, False), (2.3, 3.4, False), (2.3, 7.0, True), (13.5, 14.1, True), (15.0, 40.0, False)],
 )
-def test_only_what_halves_the_confusion_is_worth_a_test(now, after, penalised_likelihood):
-    assert appreciable(now, after) is penalised_likelihood
+def test_only_what_halves_the_confusion_is_worth_a_test(now, after, worth):
+    assert appreciable(now, after) is worth
 
 
 class _Programs:

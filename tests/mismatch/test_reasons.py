@@ -18,12 +18,12 @@ BENCH = SimpleNamespace(
 
 def _finding(*members):
     rivals = [_rival(name, probability) for name, probability in members]
-    return SimpleNamespace(rivals=rivals, member=SimpleNamespace(onset=None))
+    return SimpleNamespace(rivals=rivals, term=SimpleNamespace(onset=None))
 
 
 def _rival(name, probability):
     member = SimpleNamespace(effect=SimpleNamespace(name=name))
-    return SimpleNamespace(member=member, probability=probability, distance=0.0, model=None)
+    return SimpleNamespace(term=member, probability=probability, distance=0.0, model=None)
 
 
 def _judged(verdict, **more):

@@ -40,15 +40,15 @@ class _Left:
     ("rms", "floor", "much"), [(0.008, 0.001, True), (0.004, 0.001, False), (0.008, 0.007, False)]
 )
 def test_much_is_left_where_more_than_counts_stands_above_the_noise(rms, floor, much):
-    assert much_is_left(_Left(rms, floor), SimpleNamespace(members=())) is much
+    assert much_is_left(_Left(rms, floor), SimpleNamespace(terms=())) is much
 
 
 def test_beside_an_actuator_effect_nothing_is_tried_afresh():
     bench = _Left(0.05)
-    assert not much_is_left(bench, SimpleNamespace(members=(Term(SUPPLY),)))
-    assert much_is_left(bench, SimpleNamespace(members=(Term(LEAK),)))
+    assert not much_is_left(bench, SimpleNamespace(terms=(Term(SUPPLY),)))
+    assert much_is_left(bench, SimpleNamespace(terms=(Term(LEAK),)))
     bench.channels = ("flow",)
-    assert not much_is_left(bench, SimpleNamespace(members=()))
+    assert not much_is_left(bench, SimpleNamespace(terms=()))
 
 
 @pytest.fixture(scope="module")
@@ -83,8 +83,8 @@ def test_without_candidates_in_the_actuator_nothing_is_tried(starved):
 
 
 def test_a_hypothesis_is_not_settled_for_a_less_likely_one(monkeypatch):
-    made = SimpleNamespace(members=(Term(SUPPLY, 40.0),), values={"a": 1.0}, log_likelihood=-5.0)
-    worse = SimpleNamespace(members=(Term(SUPPLY, 70.0),), values={}, log_likelihood=-50.0)
+    made = SimpleNamespace(terms=(Term(SUPPLY, 40.0),), values={"a": 1.0}, log_likelihood=-5.0)
+    worse = SimpleNamespace(terms=(Term(SUPPLY, 70.0),), values={}, log_likelihood=-50.0)
     begun = []
     bench = SimpleNamespace(fit=lambda members, start: explain.Model(members, None, {"a": 9.0}, {}, 0.0, {}))
     monkeypatch.setattr(explain, "_in_turn", lambda bench, model: model)

@@ -30,7 +30,7 @@ def _finding(*rivals, gain=100.0, sizes=None):
         Rival(Term(EFFECTS[k]), SimpleNamespace(log_likelihood=ll), p, 2.0 * (best - ll))
         for k, ll, p in rivals
     ]
-    return SimpleNamespace(member=made[0].term, rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
+    return SimpleNamespace(term=made[0].term, rivals=made, gain=gain, sizes=sizes or {"flow": 0.05})
 
 
 def _p(findings=(), tried=None):
@@ -137,7 +137,7 @@ def test_onset_is_where_the_losses_change_sides(row):
     )
     chain = SimpleNamespace(clock=5000.0 + np.arange(1200.0))
     members = (Term(EFFECTS["clogging"]),)
-    without, acting = (SimpleNamespace(kind=kind, chain=chain, members=members) for kind in left)
+    without, acting = (SimpleNamespace(kind=kind, chain=chain, terms=members) for kind in left)
     assert best_onset(bench, without, acting) == pytest.approx(5000.0 + row, abs=5.0)
 
 

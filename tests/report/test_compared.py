@@ -49,12 +49,12 @@ def test_a_table_for_each_difference_with_nothing_in_it():
     assert first.rows[1][0].endswith(", from onset")
     assert first.rows[1][4] == ""
     assert first.rows[2][0] == "nothing is missing here"
-    assert first.rows[2][-1] == "< 0.1 %"
+    assert first.rows[2][-1] == "<0.1 %"
 
 
 def test_forms_of_one_effect_are_one_row():
     _, second = comparisons({"comparison": TABLE})
-    assert [row[-1] for row in second.rows] == ["> 99.9 %"]
+    assert [row[-1] for row in second.rows] == [">99.9 %"]
 
 
 def test_of_many_explanations_the_likeliest_are_shown_and_nothing_always():

@@ -110,13 +110,16 @@ class Comparison:
 EMPTY = Comparison()
 
 
-def compared(problem: Problem, explanation: Explanation) -> Comparison:
+def compared(problem: Problem, explanation: Explanation, threshold: float) -> Comparison:
     """The table of a search, under the noise that it ended with.
 
     Parameters
     ----------
     problem : Problem
     explanation : Explanation
+    threshold : float
+        Log odds before any data that nothing is missing, against any one effect: what an effect must add to
+        be taken up [nat].
 
     Returns
     -------
@@ -124,12 +127,15 @@ def compared(problem: Problem, explanation: Explanation) -> Comparison:
         Where nothing was found, one place with what was tried.
     """
     if not explanation.findings:
-        return Comparison(tuple(_tried(problem, explanation)))
+        return Comparison(tuple(_tried(problem, explanation, threshold)))
     found = enumerate(explanation.findings, start=1)
-    return Comparison(tuple(row for place, f in found for row in _rows_of(problem, explanation, f, place)))
+    rows = (row for place, f in found for row in _rows_of(problem, explanation, f, place, threshold))
+    return Comparison(tuple(rows))
 
 
-def _rows_of(problem: Problem, explanation: Explanation, finding: Finding, place: int) -> list[Row]:
+def _rows_of(
+    problem: Problem, explanation: Explanation, finding: Finding, place: int, threshold: float
+) -> list[Row]:
     """Rows of the place of a finding."""
     rest = tuple(m for m in explanation.model.terms if m is not finding.term)
     without = problem.fit(rest, start=explanation.model)
@@ -143,10 +149,10 @@ def _rows_of(problem: Problem, explanation: Explanation, finding: Finding, place
         for r in finding.rivals
     ]
     held_out = HeldOut(problem, without)
-    return _ranked(problem, made, place, held_out)
+    return _ranked(problem, made, place, threshold, held_out)
 
 
-def _tried(problem: Problem, explanation: Explanation) -> list[Row]:
+def _tried(problem: Problem, explanation: Explanation, threshold: float) -> list[Row]:
     """Rows of what was tried where nothing was found."""
     by_key = {e.key: e for e in explanation.effects}
     made = [
@@ -154,7 +160,7 @@ def _tried(problem: Problem, explanation: Explanation) -> list[Row]:
         for key, (gain, sizes) in explanation.tried.items()
         if key in by_key
     ]
-    return _ranked(problem, made, 1, None)
+    return _ranked(problem, made, 1, threshold, None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,9 +171,16 @@ class _Competitor:
     sizes: dict[str, float]
 
 
-def _ranked(problem: Problem, made: list[_Competitor], place: int, held_out: HeldOut | None) -> list[Row]:
+def _ranked(
+    problem: Problem,
+    made: list[_Competitor],
+    place: int,
+    threshold: float,
+    held_out: HeldOut | None,
+) -> list[Row]:
     scores = np.array([0.0, *(c.gain - complexity_penalty(problem, c.term) for c in made)])
-    probabilities = posterior(scores, max((c.gain for c in made), default=0.0))
+    before_data = np.array([threshold, *[0.0] * len(made)])
+    probabilities = posterior(scores + before_data, max((c.gain for c in made), default=0.0))
     order = np.argsort(-probabilities, kind="stable")
     rows: list[Row] = []
     before = 0.0

@@ -152,7 +152,7 @@ def probability(value: float | None, passed: bool) -> Rule:
     """The likeliest class must be likely enough by what was borne out before."""
     limit = constants.NAMED_FROM
     sentence = (
-        "How often such names hold was not checked on recordings like this one; the grade decides."
+        "How often such a diagnosis is right was not checked on recordings like this one; the grade decides."
         if value is None
         else f"In blind tests {_share(value)} of such classes held the true name; {_share(limit)} is needed "
         "for a name."

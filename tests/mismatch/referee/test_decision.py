@@ -40,7 +40,7 @@ def _bench(**signals):
 
 
 def _finding(*channels):
-    return SimpleNamespace(member=SimpleNamespace(effect=channels))
+    return SimpleNamespace(term=SimpleNamespace(effect=channels))
 
 
 def _forward(bench, **errors):
@@ -50,7 +50,7 @@ def _forward(bench, **errors):
 
 
 def _judgement(verdict, findings=(), p_value=0.4):
-    return Judgement(verdict, p_value, list(findings), None, "nominal", SimpleNamespace(members=()))
+    return Judgement(verdict, p_value, list(findings), None, "nominal", SimpleNamespace(terms=()))
 
 
 def _refereed(monkeypatch, bench, judged, **errors):

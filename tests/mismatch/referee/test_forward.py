@@ -23,7 +23,7 @@ def _model(level, *onsets):
 
 class _Model(SimpleNamespace):
     def __init__(self, members, values, chain):
-        super().__init__(members=members, values=values, chain=chain)
+        super().__init__(terms=members, values=values, chain=chain)
         self.predictions = {"flow": np.full(N, values["level"])}
 
 
