@@ -48,10 +48,10 @@ class Cause:
     """
 
     term: Term | None
-    before: dict
-    after: dict
-    settled: dict
-    simulated: dict
+    before: dict[str, np.ndarray]
+    after: dict[str, np.ndarray]
+    settled: dict[str, np.ndarray]
+    simulated: dict[str, np.ndarray]
 
 
 def acting_rows(problem: Problem, model: Model, without: Model) -> np.ndarray:

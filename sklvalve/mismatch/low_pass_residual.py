@@ -75,7 +75,7 @@ class SlowResidual:
 
     X: np.ndarray
     y: np.ndarray
-    names: tuple
+    names: tuple[str, ...]
     gap: int
     remembers: bool
     cycles: bool = False
@@ -123,7 +123,7 @@ def _thinned(values: np.ndarray, keep: np.ndarray, width: int) -> np.ndarray:
 class TunedResidual:
     """An LS-SVM of chosen inputs, scaled, and how it predicts blocks that it was not fitted to."""
 
-    names: tuple
+    names: tuple[str, ...]
     centre: np.ndarray
     scale: np.ndarray
     Z: np.ndarray

@@ -54,7 +54,7 @@ def model_free_noise(
         "steady": steady_floor(values, driver, beside, quantum),
         "repeats": repeats_floor(values, driver, beside, quantum),
     }
-    entry: dict = {"unit": recording.unit(channel)}
+    entry: dict[str, Any] = {"unit": recording.unit(channel)}
     for name, estimate in floors.items():
         value = None if estimate.value is None else estimate.value * unit
         entry[name] = {"value": value, "rows": estimate.rows} | (

@@ -26,8 +26,8 @@ class NoiseOfPieces:
     models : list of NoiseModel
     """
 
-    spans: list
-    models: list
+    spans: list[tuple[int, int]]
+    models: list[NoiseModel]
 
     def whiten(self, residuals: np.ndarray) -> np.ndarray:
         """Innovations of the residuals in their standard deviations, zero in gaps."""

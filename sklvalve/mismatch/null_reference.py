@@ -102,13 +102,13 @@ class Table:
 
     recordings: int
     offset: float
-    slopes: dict
-    ranges: dict
-    quantiles: tuple
+    slopes: dict[str, float]
+    ranges: dict[str, tuple[float, float]]
+    quantiles: tuple[float, ...]
     above: float
     scale: float
     shape: float
-    usual: dict = field(default_factory=dict)
+    usual: dict[str, float] = field(default_factory=dict)
 
     def relative(self, effect_strengths: dict[str, float]) -> float:
         """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""

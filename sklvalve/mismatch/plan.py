@@ -31,9 +31,9 @@ class Pair:
         Distance by this and the test together, should the first of them be true, and the second.
     """
 
-    names: tuple
+    names: tuple[str, str]
     now: float
-    if_true: tuple
+    if_true: tuple[float, float]
 
     @property
     def expected(self) -> float:
@@ -85,10 +85,10 @@ class TestPlan:
     sentence: str
     time: np.ndarray
     command: np.ndarray
-    moved: dict = field(default_factory=dict)
+    moved: dict[str, np.ndarray] = field(default_factory=dict)
     sensor: str | None = None
-    pairs: tuple = ()
-    considered: dict = field(default_factory=dict)
+    pairs: tuple[Pair, ...] = ()
+    considered: dict[str, float] = field(default_factory=dict)
     details: str = ""
 
     @property

@@ -58,12 +58,12 @@ class TestLimits:
     # no test of a test suite, whatever its name looks like
     __test__: ClassVar[bool] = False
 
-    opening: tuple | None = None
+    opening: tuple[float, float] | None = None
     rate: float = np.inf
     duration: float | None = None
-    pressures: tuple = ()
+    pressures: tuple[str, ...] = ()
     pressure_share: float = 0.3
-    sensors: tuple = ("opening",)
+    sensors: tuple[str, ...] = ("opening",)
 
     def __post_init__(self) -> None:
         if self.opening is not None:
@@ -104,8 +104,8 @@ class Program:
     name: str
     text: str
     command: np.ndarray
-    moved: dict = field(default_factory=dict)
-    signals: dict = field(default_factory=dict)
+    moved: dict[str, np.ndarray] = field(default_factory=dict)
+    signals: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 def library(

@@ -63,9 +63,9 @@ class Finding:
     """
 
     term: Term
-    rivals: list
+    rivals: list[Rival]
     gain: float
-    sizes: dict
+    sizes: dict[str, float]
 
 
 def find_rivals(

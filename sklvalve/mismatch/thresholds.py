@@ -39,7 +39,7 @@ def seen_thresholds(recording: Recording) -> tuple[tuple[float, float], tuple[fl
     steps = np.flatnonzero(np.abs(np.diff(command)) > 1e-6) + 1
     many = max(round(_ANSWERS_WITHIN / recording.sample_time), 1)
     ends = np.append(steps[1:], len(x) - 1)
-    seen: dict = {False: [], True: []}
+    seen: dict[bool, list[tuple[float, bool]]] = {False: [], True: []}
     last = 0.0
     for k, end in zip(steps.tolist(), ends.tolist(), strict=True):
         before, until = max(k - 1, 0), min(end, k + many)

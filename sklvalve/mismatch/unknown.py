@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,11 +46,11 @@ class Unknown:
     """
 
     channel: str
-    inputs: tuple
+    inputs: tuple[str, ...]
     size: float
     skill: float
     p_value: float
-    correction: dict
+    correction: dict[str, Any]
     period: float | None = None
 
 

@@ -19,7 +19,7 @@ from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.problem import Problem
-    from sklvalve.mismatch.rivals import Finding
+    from sklvalve.mismatch.rivals import Finding, Rival
     from sklvalve.mismatch.unknown import Unknown
 
 # so near to a bound, share of what is possible, a parameter lies at it
@@ -31,7 +31,7 @@ def class_of(finding: Finding) -> dict[str, tuple[float, Term, Model]]:
 
     Forms of one effect are one name, with the most probable form's member and model.
     """
-    likeliest: dict = {}
+    likeliest: dict[str, Rival] = {}
     for rival in sorted(finding.rivals, key=lambda r: -r.probability):
         likeliest.setdefault(rival.term.effect.name, rival)
     total = dict.fromkeys(likeliest, 0.0)

@@ -45,8 +45,8 @@ class Compared:
 
     channel: str
     rows: int
-    rmse: dict
-    losses: dict
+    rmse: dict[str, float]
+    losses: dict[str, float]
     consistent: int
     exogenous: bool
     closed: bool

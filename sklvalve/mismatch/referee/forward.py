@@ -42,9 +42,9 @@ class Forward:
         Channel -> whether a controller answers it by what its black box reads.
     """
 
-    predictions: dict
-    spans: tuple
-    closed: dict
+    predictions: dict[str, dict[str, np.ndarray]]
+    spans: tuple[slice, ...]
+    closed: dict[str, bool]
 
     @property
     def held(self) -> np.ndarray:
