@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a diagnosis says, laid out as diagnosis.json has it, and the traces that pictures are drawn from."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,6 +25,18 @@ from sklvalve.mismatch.verdict import class_of, effect_entry
 from sklvalve.recording.calendar_time import begins_of, first_stamp
 from sklvalve.simulation.simulation import learnt_rest
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.change import Change
+    from sklvalve.mismatch.detect import Evidence
+    from sklvalve.mismatch.goodness_of_fit import LeftOver
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.prove import CrossValidated
+    from sklvalve.mismatch.pulses import Pulses
+    from sklvalve.mismatch.referee.decision import Referee
+    from sklvalve.mismatch.rivals import Finding
+    from sklvalve.mismatch.stem_residual import StemResidual
+    from sklvalve.mismatch.unknown import Unknown
+
 # what strays within this share of a recording is taken to have been there before
 _AT_FIRST = 0.1
 
@@ -39,7 +54,7 @@ class Judgement:
     unknown : Unknown or None
     nominal, model : Model
         The simulation calibrated without and with the findings.
-    tried : Folded or None
+    tried : CrossValidated or None
         `model` with the learnt rest, block by block, where there is a rest.
     kept : bool
         Whether the learnt rest lowers the error of rows it was not learnt from, so that it is added.
@@ -54,7 +69,7 @@ class Judgement:
         Those that come closest to it.
     closest_leaves : LeftOver or None
         What they leave over of it.
-    strays : StemRest or None
+    strays : StemResidual or None
         Where the stem is further off than any sound one, and nothing that was tried tells why.
     pulses : Pulses or None
         Where the flow breaks out to one side, again and again, and no noise does.
@@ -78,24 +93,24 @@ class Judgement:
 
     verdict: str
     p_value: float | None
-    findings: list
-    unknown: object
-    nominal: object
-    model: object
-    tried: object = None
+    findings: list[Finding]
+    unknown: Unknown | None
+    nominal: Model
+    model: Model
+    tried: CrossValidated | None = None
     kept: bool = False
     errors: tuple | None = None
-    evidence: object = None
-    left: object = None
-    closest: list = field(default_factory=list)
-    closest_leaves: object = None
-    strays: object = None
-    pulses: object = None
+    evidence: Evidence | None = None
+    left: LeftOver | None = None
+    closest: list[Finding] = field(default_factory=list)
+    closest_leaves: LeftOver | None = None
+    strays: StemResidual | None = None
+    pulses: Pulses | None = None
     suspects: tuple = ()
-    suspected: object = None
-    referee: object = None
-    change: object = None
-    event: object = None
+    suspected: Model | None = None
+    referee: Referee | None = None
+    change: Change | None = None
+    event: Change | None = None
     why: tuple = ()
     comparison: Comparison = EMPTY
     rules: tuple = ()

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.null_reference import EFFECTS, REST, Covariates, survival
+from sklvalve.mismatch.null_reference import EFFECTS, RESIDUAL, Covariates, survival
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
 
@@ -196,7 +196,7 @@ def mismatch_p_value(evidence: Evidence) -> float:
     if evidence.rest is None:
         looks = [(EFFECTS, evidence.effects, 1.0)]
     else:
-        looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (REST, evidence.rest, 1.0 - _FOR_EFFECTS)]
+        looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (RESIDUAL, evidence.rest, 1.0 - _FOR_EFFECTS)]
     # 1 - (1 - p)^(1 / weight), exact for a small p as well
     p_values = [
         -np.expm1(np.log1p(-min(survival(table, strongest, evidence.covariates), 1.0 - 1e-16)) / weight)

@@ -171,7 +171,7 @@ class Surroundings:
         for role, (x, y, slope, low, high) in self.known.items():
             flow = signals.get("flow", 0.0)
             signals[role] = np.clip(y + slope * (flow * np.abs(flow) - x), low, high)
-        signals |= program.given
+        signals |= program.signals
         for role, share in program.moved.items():
             signals[role] = signals[role] + self.shift(role, share)
         if program.moved:

@@ -1,13 +1,26 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Effects that come and go: their spells, found one switch after the other."""
 
+from __future__ import annotations
+
 from math import sqrt
+from typing import TYPE_CHECKING
 
 import numba as nb
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import SWITCH_PENALTY, Term, begun, may_come_and_go, penalised_likelihood
+from sklvalve.mismatch.hypothesis import (
+    SWITCH_PENALTY,
+    Model,
+    Term,
+    begun,
+    may_come_and_go,
+    penalised_likelihood,
+)
 from sklvalve.simulation.robust import ROBUST_FROM
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # a spell, or a pause, is at least so many rows; more of them than this are noise
 _FEWEST_ROWS, _MOST = 20, 16
@@ -21,7 +34,7 @@ _SHARE, _CLEAR = 0.1, 1.5
 _ROUNDS = 3
 
 
-def intermittent(problem, model):
+def intermittent(problem: Problem, model: Model) -> Model:
     """The same hypothesis with its last effect acting in spells, where that is worth the switches.
 
     Parameters
@@ -34,28 +47,28 @@ def intermittent(problem, model):
     model : Model
         The one given where nothing is gained.
     """
-    *rest, last = model.terms
+    *others, last = model.terms
     if not may_come_and_go(last.effect):
         return model
     for _ in range(_ROUNDS):
-        term = spells_of(problem, model)
+        term = episodes_of(problem, model)
         if term is None or term.sign == model.terms[-1].sign:
             break
-        fitted = problem.fit((*rest, term), start=model)
+        fitted = problem.fit((*others, term), start=model)
         if penalised_likelihood(problem, fitted) <= penalised_likelihood(problem, model) + SWITCH_PENALTY:
             break
         model = fitted
     return _without_needless(problem, model)
 
 
-def _without_needless(problem, model):
+def _without_needless(problem: Problem, model: Model) -> Model:
     """The same without spells, and pauses, that are not worth their switches."""
-    *rest, last = model.terms
+    *others, last = model.terms
     k = 0
     # one beginning is left at least
     while k < len(last.switches) and len(last.switches) > 1:
         times = (*last.times[:k], *last.times[k + 2 :])
-        fewer = problem.fit((*rest, begun(last.effect, times)), start=model)
+        fewer = problem.fit((*others, begun(last.effect, times)), start=model)
         if penalised_likelihood(problem, fewer) > penalised_likelihood(problem, model):
             model, last = fewer, fewer.terms[-1]
         else:
@@ -63,7 +76,7 @@ def _without_needless(problem, model):
     return model
 
 
-def spells_of(problem, model):
+def episodes_of(problem: Problem, model: Model) -> Term | None:
     """The last effect, switched on and off where the recording jumps as much; None where it does once.
 
     A noise model with wander follows whatever lasts, so that only the rows after a switch speak of it. The
@@ -78,14 +91,15 @@ def spells_of(problem, model):
     -------
     term : Term or None
     """
-    *rest, last = model.terms
-    time_profile = _Course(problem, model, tuple(rest), last)
-    switches, state = [], last.onset is None
+    *others, last = model.terms
+    search = _SwitchSearch(problem, model, tuple(others), last)
+    switches: list[int] = []
+    state = last.onset is None
     while len(switches) <= _MOST:
-        k = time_profile.next_switch(switches[-1] + _FEWEST_ROWS if switches else _FEWEST_ROWS, state)
+        k = search.next_switch(switches[-1] + _FEWEST_ROWS if switches else _FEWEST_ROWS, state)
         if k is None:
             break
-        time_profile.switch(k, state)
+        search.switch(k, state)
         switches.append(k)
         state = not state
     if last.onset is None and switches:
@@ -95,29 +109,29 @@ def spells_of(problem, model):
     return begun(last.effect, model.chain.clock[switches])
 
 
-class _Course:
-    """Residuals of a hypothesis while the course of its last effect is found, from the first row on."""
+class _SwitchSearch:
+    """Residuals of a hypothesis while the switches of its last effect are searched, from the first row on."""
 
-    def __init__(self, problem, model, rest, last):
+    def __init__(self, problem: Problem, model: Model, others: tuple[Term, ...], last: Term) -> None:
         self.noise, self.channels = problem.noise, problem.channels_touched(last.effect)
-        off, on = (problem.simulate(terms, model.values) for terms in (rest, (*rest, Term(last.effect))))
+        off, on = (problem.simulate(terms, model.values) for terms in (others, (*others, Term(last.effect))))
         left = [problem.residuals(m) for m in (off, on)]
         self.rows = len(problem.recording)
         # what the effect adds to the simulation, where both are known
         self.adds = {c: left[0][c] - left[1][c] for c in self.channels}
         self.left = {c: left[last.onset is None][c].copy() for c in self.channels}
 
-    def _gains(self, rows, state):
+    def _gains(self, rows: np.ndarray, state: bool) -> np.ndarray:
         """What a switch at each row gains over the rows behind it; what comes later may be the next one's."""
         gains, sign = np.zeros(len(rows)), 1.0 if state else -1.0
         for c in self.channels:
             white, adds = self.noise[c].whiten(self.left[c]), self.adds[c] + 0.0 * self.left[c]
-            for low, high, *filters in self.noise[c].pieces:
+            for low, high, gain, keep, spread in self.noise[c].pieces:
                 part = slice(low, high)
-                gains += _gains_behind(rows - low, *filters, white[part], sign * adds[part])
+                gains += _gains_behind(rows - low, gain, keep, spread, white[part], sign * adds[part])
         return gains
 
-    def next_switch(self, first, state):
+    def next_switch(self, first: int, state: bool) -> int | None:
         """Row of the next switch; None where none gains its price."""
         places = np.arange(first, self.rows - _FEWEST_ROWS, _EVERY)
         if not len(places):
@@ -132,7 +146,7 @@ class _Course:
         near = np.arange(max(places[k] - _EVERY, first), min(places[k] + _EVERY, self.rows - 1) + 1)
         return int(near[np.argmax(self._gains(near, state))])
 
-    def switch(self, k, state):
+    def switch(self, k: int, state: bool) -> None:
         """Keep a switch: from a row on the effect is in the other state."""
         sign = 1.0 if state else -1.0
         for c in self.channels:
@@ -140,12 +154,19 @@ class _Course:
 
 
 @nb.njit(cache=True, nogil=True)
-def _gains_behind(rows, gain, keep, spread, white, adds):
+def _gains_behind(
+    rows: np.ndarray,
+    gain: np.ndarray,
+    keep: np.ndarray,
+    spread: np.ndarray,
+    white: np.ndarray,
+    adds: np.ndarray,
+) -> np.ndarray:
     """Robust loss that something added from a row on takes off the rows next behind it, for each row.
 
     A filter is linear: what is added is whitened from its row on and laid over the whitened residual.
     """
-    found = np.zeros(len(rows))
+    gains = np.zeros(len(rows))
     for j in range(len(rows)):
         fast = slow = total = 0.0
         for k in range(max(rows[j], 0), min(rows[j] + _BEHIND, len(white))):
@@ -159,5 +180,5 @@ def _gains_behind(rows, gain, keep, spread, white, adds):
             new = (white[k] + left / spread[k]) / ROBUST_FROM
             old = white[k] / ROBUST_FROM
             total += sqrt(1.0 + old * old) - sqrt(1.0 + new * new)
-        found[j] = ROBUST_FROM**2 * total
-    return found
+        gains[j] = ROBUST_FROM**2 * total
+    return gains

@@ -1,12 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Intervals of parameters: what noise, a simulation that is never right, and the data sheet leave open."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import own_values
-from sklvalve.mismatch.locate import causes_of, course_of_cause
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.hypothesis import Model, Term, own_values
+from sklvalve.mismatch.locate import causes_of, time_profile_of_cause
+from sklvalve.simulation import Tolerance
+from sklvalve.simulation.fitting import Misfit
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # of a normal distribution: 95 %
 _WITHIN_95 = 1.96
@@ -15,7 +25,7 @@ _WITHIN_95 = 1.96
 SHARE_OFF = 0.09
 
 
-def interval_of(problem, term, fitted, quantity):
+def interval_of(problem: Problem, term: Term, fitted: Model, quantity: Quantity) -> tuple[float, ...] | None:
     r"""Interval that holds a parameter of an effect with 95 %.
 
     .. math:: h = \sqrt{(1.96\, s)^2 + (1.96\, m)^2} + t
@@ -66,13 +76,13 @@ def interval_of(problem, term, fitted, quantity):
     return tuple(float(np.clip(e, quantity.low, quantity.high)) for e in ends)
 
 
-def _mistaken(problem, term, fitted, key):
+def _mistaken(problem: Problem, term: Term, fitted: Model, key: str) -> float:
     """How far a parameter may be off to make up for what the simulation gets wrong of its effect."""
-    rest = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
-    own = problem.simulate(fitted.terms, fitted.values)
-    without = problem.simulate(rest, fitted.values)
+    others = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
+    acting = problem.simulate(fitted.terms, fitted.values)
+    without = problem.simulate(others, fitted.values)
     wrong = SHARE_OFF * float(
-        np.linalg.norm(_scaled(problem, own.predictions, without.predictions, problem.channels))
+        np.linalg.norm(_scaled(problem, acting.predictions, without.predictions, problem.channels))
     )
     for misfit in problem.misfits(fitted, problem.channels):
         if key not in misfit.vector.names or wrong <= 0.0:
@@ -87,13 +97,15 @@ def _mistaken(problem, term, fitted, key):
     return 0.0
 
 
-def _slopes(problem, misfit, term, fitted, key):
+def _slopes(
+    problem: Problem, misfit: Misfit, term: Term, fitted: Model, key: str
+) -> tuple[np.ndarray, np.ndarray, int]:
     """Derivatives of simulated signals and of priors; of the parameter first, then of the calibration's."""
     z, names = misfit.vector.pack(fitted.values), misfit.vector.names
     base, prior = misfit.predictions(z), misfit.vector.prior_residuals(z)
     moved, reach = misfit.neighbours(z)
-    own = f"{term.effect.key}."
-    places = [names.index(key), *(i for i, name in enumerate(names) if not name.startswith(own))]
+    prefix = f"{term.effect.key}."
+    places = [names.index(key), *(i for i, name in enumerate(names) if not name.startswith(prefix))]
     slopes = [
         _scaled(problem, misfit.predictions(moved[i]), base, misfit.channels) / reach[i] for i in places
     ]
@@ -101,7 +113,9 @@ def _slopes(problem, misfit, term, fitted, key):
     return np.stack(slopes, axis=1), np.stack(pulls, axis=1), len(places)
 
 
-def _scaled(problem, one, other, channels):
+def _scaled(
+    problem: Problem, one: dict[str, np.ndarray], other: dict[str, np.ndarray], channels: Sequence[str]
+) -> np.ndarray:
     """Difference of two simulations, channel after channel, in spans and so that its norm is its rms [1]."""
     parts = []
     for c in channels:
@@ -111,32 +125,32 @@ def _scaled(problem, one, other, channels):
     return np.concatenate(parts)
 
 
-def _open(problem, term, fitted, quantity, value):
+def _open(problem: Problem, term: Term, fitted: Model, quantity: Quantity, value: float) -> tuple[float, ...]:
     """How far below and above its value the data sheet, or the onset, leaves the size of an effect open."""
     if quantity.name != term.effect.parameters[0].name:
         return 0.0, 0.0
     if term.effect.grows:
         for cause in causes_of(problem, fitted):
-            if cause.term.effect.key == term.effect.key:
-                ends = np.multiply(course_of_cause(problem, fitted, cause).sizes, value)
+            if cause.term is not None and cause.term.effect.key == term.effect.key:
+                ends = np.multiply(time_profile_of_cause(problem, fitted, cause).sizes, value)
                 return max(value - ends.min(), 0.0), max(ends.max() - value, 0.0)
     if quantity.name == "delay" and term.onset is None:
         return 2 * (float(problem.recording.sample_time),)
     return 2 * (_of_sound_valves(problem, term, fitted, quantity),)
 
 
-def _of_sound_valves(problem, term, fitted, quantity):
+def _of_sound_valves(problem: Problem, term: Term, fitted: Model, quantity: Quantity) -> float:
     """Size up to which an effect is a static error within the tolerance; zero where its size is another."""
     chain, values = fitted.chain, own_values(term, fitted)
 
-    def beyond(size, tolerance):
+    def beyond(size: float, tolerance: Tolerance) -> bool:
         return term.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)
 
-    given, none = problem.tolerance, replace(problem.tolerance, static_error=0.0)
-    if beyond(quantity.low, given) or not beyond(quantity.high, given) or not beyond(quantity.low, none):
+    allowed, exact = problem.tolerance, replace(problem.tolerance, static_error=0.0)
+    if beyond(quantity.low, allowed) or not beyond(quantity.high, allowed) or not beyond(quantity.low, exact):
         return 0.0
     low, high = quantity.low, quantity.high
     for _ in range(40):
         middle = 0.5 * (low + high)
-        low, high = (low, middle) if beyond(middle, given) else (middle, high)
+        low, high = (low, middle) if beyond(middle, allowed) else (middle, high)
     return float(high)

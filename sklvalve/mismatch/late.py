@@ -6,19 +6,30 @@ before it tell how the valve works and how its signals scatter. Held against tha
 themselves: whether the stem seized, the passage was blocked, the meter failed, or what else began then.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.change import find_change
 from sklvalve.mismatch.effects import CATALOGUE, LATE
-from sklvalve.mismatch.hypothesis import is_in, penalised_likelihood
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.hypothesis import Model, Term, is_in, penalised_likelihood
 from sklvalve.mismatch.noise import NoiseModel
 from sklvalve.mismatch.prove import correction_holds_out, cross_validated
 from sklvalve.mismatch.relevance import may_be_instead
 from sklvalve.mismatch.rivals import Finding, weighed
 from sklvalve.mismatch.screening import screened
 from sklvalve.mismatch.stretches import with_every_row
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.change import Change
+    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.problem import Problem
 
 # from this share of a recording on a change is taken for an event of its end: what begins before is found by
 # the search itself, whose onsets end at 0.96
@@ -37,7 +48,7 @@ _LAGS = 4.0
 _EXPLAINS = 0.5
 
 
-def late_event(problem, model, alpha):
+def late_event(problem: Problem, model: Model, alpha: float) -> Change | None:
     """A change in the last rows of a recording; None where nothing clear changes there.
 
     Parameters
@@ -54,19 +65,19 @@ def late_event(problem, model, alpha):
     """
     if len(problem.recording.spans) > 1:
         return None
-    found = find_change(problem, model)
-    if found is None or found.row < _LATE * len(problem.recording):
+    change = find_change(problem, model)
+    if change is None or change.row < _LATE * len(problem.recording):
         return None
-    return found if stands_out(problem, found, alpha, _ENDS) else None
+    return change if stands_out(problem, change, alpha, _ENDS) else None
 
 
-def stands_out(problem, change, alpha, counts=COUNTS):
+def stands_out(problem: Problem, change: Change, alpha: float, counts: float = COUNTS) -> bool:
     """Whether a change is rare enough, and large enough to count."""
     least = counts * problem.least(change.channel) * problem.spans[change.channel]
     return change.p_value <= _OF_ALPHA * alpha and abs(change.size) >= least
 
 
-def before(recording, event):
+def before(recording: Recording, event: Change) -> Recording:
     """The same recording with opening and flow blank from an event on."""
     late = np.arange(len(recording)) >= event.within[0]
     signals = {
@@ -76,7 +87,14 @@ def before(recording, event):
     return replace(recording, signals=signals)
 
 
-def with_late_event(problem, bench, judged, event, effects, alpha):
+def with_late_event(
+    problem: Problem,
+    bench: Problem,
+    judged: Judgement,
+    event: Change,
+    effects: Sequence[Effect],
+    alpha: float,
+) -> Judgement | None:
     """A judgement on the rows before an event, with the event.
 
     Parameters
@@ -103,12 +121,13 @@ def with_late_event(problem, bench, judged, event, effects, alpha):
     nominal = problem.simulate((), judged.nominal.values)
     model = problem.simulate(judged.model.terms, judged.model.values)
     # of a simulation with all that was found before an event has its date and its size
-    told = late_event(problem, model, alpha)
-    if told is None:
+    sized = late_event(problem, model, alpha)
+    if sized is None:
         return None
-    event = told
+    event = sized
     settled = _settled(problem, model, event)
     others = [with_every_row(problem, f) for f in judged.findings]
+    assert judged.p_value is not None
     p_value = min(judged.p_value, event.p_value)
     noise = problem.noise
     problem.use_noise({c: _without(noise[c], event.within[0], settled) for c in problem.channels})
@@ -124,11 +143,11 @@ def with_late_event(problem, bench, judged, event, effects, alpha):
     if judged.unknown is None:
         return replace(judged, tried=None)
     tried = cross_validated(problem, judged.model, judged.unknown)
-    kept, told = correction_holds_out(problem, tried, judged.unknown.channel)
-    return replace(judged, tried=tried, kept=kept, errors=told)
+    kept, errors = correction_holds_out(problem, tried, judged.unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=errors)
 
 
-def _throughout(noise, row):
+def _throughout(noise: NoiseModel, row: int) -> NoiseModel:
     """Noise of the rows before an event for those behind it as well, which were gaps to it."""
     known = noise.white[:row]
     usual = float(np.median(known[np.isfinite(known)]))
@@ -136,18 +155,18 @@ def _throughout(noise, row):
     return _of(noise, white)
 
 
-def _without(noise, low, high):
+def _without(noise: NoiseModel, low: int, high: int) -> NoiseModel:
     """The same noise with some rows as gaps."""
     rows = np.arange(len(noise.white))
     return _of(noise, np.where((rows >= low) & (rows < high), np.inf, noise.white))
 
 
-def _of(noise, white):
+def _of(noise: NoiseModel, white: np.ndarray) -> NoiseModel:
     slow = noise.slow_time, noise.slow_size, noise.sensor
     return NoiseModel(white, noise.step, noise.fast_time, noise.fast_size, *slow)
 
 
-def _settled(problem, model, event):
+def _settled(problem: Problem, model: Model, event: Change) -> int:
     """First row in which an event has come about: how it does so no effect knows, and nothing hangs on it."""
     left = problem.residuals(model)[event.channel][event.row :]
     end = np.nanmedian(left[len(left) // 2 :])
@@ -159,26 +178,26 @@ def _settled(problem, model, event):
     return event.row + min(max(first, int(np.ceil(lag))), most)
 
 
-def _named(problem, model, event, settled, effects):
+def _named(
+    problem: Problem, model: Model, event: Change, settled: int, effects: Sequence[Effect]
+) -> Finding | None:
     """The finding of what explains the last rows; None where nothing that was tried does."""
     onset = float(model.chain.clock[event.row])
-    stuck = [e for e in CATALOGUE if e.standstill and e.possible(model.chain)]
-    ends = [e for e in (*stuck, *LATE) if event.channel in problem.channels_touched(e)]
-    began = [e for e in effects if e.may_begin and not e.grows and e.key not in {s.key for s in ends}]
-    began = [e for e in began if event.channel in problem.channels_touched(e)]
-    usable = [e for e in (*ends, *began) if not is_in(e, model.terms)]
+    ends, usable = _may_have_begun(problem, model, event, effects)
     base = problem.judged(model)
     rough = screened(problem, base, usable, onset=onset, always=ends)
-    own = {e.key for e in ends}
-    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.terms[-1].effect.key in own]
+    end_keys = {e.key for e in ends}
+    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.terms[-1].effect.key in end_keys]
     fits = [problem.fit(m.terms, start=m, max_steps=_STEPS) for m in chosen]
     without = problem.fit(model.terms, start=model, max_steps=_STEPS)
     places = [
-        (m.terms[-1], m) for m in fits if m.terms[-1].effect.key in own or may_be_instead(problem, m, without)
+        (m.terms[-1], m)
+        for m in fits
+        if m.terms[-1].effect.key in end_keys or may_be_instead(problem, m, without)
     ]
     if not places:
         return None
-    places = _no_coincidence(problem, places, own, event.channel, settled)
+    places = _no_coincidence(problem, places, end_keys, event.channel, settled)
     rivals = weighed(problem, places, without)
     best = rivals[0].model
     finding = Finding(
@@ -189,7 +208,20 @@ def _named(problem, model, event, settled, effects):
     return finding if counts and left[0] <= _EXPLAINS * left[1] else None
 
 
-def _no_coincidence(problem, places, own, channel, first):
+def _may_have_begun(
+    problem: Problem, model: Model, event: Change, effects: Sequence[Effect]
+) -> tuple[list[Effect], list[Effect]]:
+    """Effects that end what a valve does, and all that may explain the last rows."""
+    stuck: list[Effect] = [e for e in CATALOGUE if e.standstill and e.possible(model.chain)]
+    ends: list[Effect] = [e for e in (*stuck, *LATE) if event.channel in problem.channels_touched(e)]
+    began = [e for e in effects if e.may_begin and not e.grows and e.key not in {s.key for s in ends}]
+    began = [e for e in began if event.channel in problem.channels_touched(e)]
+    return ends, [e for e in (*ends, *began) if not is_in(e, model.terms)]
+
+
+def _no_coincidence(
+    problem: Problem, places: list[tuple[Term, Model]], end_keys: set[str], channel: str, first: int
+) -> list[tuple[Term, Model]]:
     """Places where a flow ends at zero: what ends it explains that, any other size meets it by chance.
 
     By a chance of twice what counts: no more than one in a hundred, so that such explanations are left out.
@@ -197,10 +229,10 @@ def _no_coincidence(problem, places, own, channel, first):
     ends_at = np.nanmedian(problem.recording[channel][first:])
     if channel != "flow" or abs(ends_at) > problem.least(channel) * problem.spans[channel]:
         return places
-    return [place for place in places if place[0].effect.key in own] or places
+    return [place for place in places if place[0].effect.key in end_keys] or places
 
 
-def _left(problem, model, channel, first):
+def _left(problem: Problem, model: Model, channel: str, first: int) -> float:
     """Rms of what a hypothesis leaves over from a row on [SI]."""
-    rest = problem.residuals(model)[channel][first:]
-    return float(np.sqrt(np.nanmean(rest**2)))
+    residual = problem.residuals(model)[channel][first:]
+    return float(np.sqrt(np.nanmean(residual**2)))

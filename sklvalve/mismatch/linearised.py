@@ -1,10 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A fitted hypothesis and how its calibration would answer a change, to first order and within its bounds."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET
+from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Model
+from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.robust import least_within, normal_equations, robust_cost, robust_weights
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 
 class Linearised:
@@ -27,7 +36,7 @@ class Linearised:
         Robust cost of the errors.
     """
 
-    def __init__(self, problem, model, touched):
+    def __init__(self, problem: Problem, model: Model, touched: Sequence[str]) -> None:
         misfits = problem.misfits(model, touched)
         self.channels = tuple(c for m in misfits for c in m.channels)
         self.clock, self.n = model.chain.clock, len(model.chain.clock)
@@ -42,7 +51,7 @@ class Linearised:
         self._inverse = np.linalg.pinv(hessian, rcond=1e-10, hermitian=True)
         self._vectors = [m.vector for m in misfits]
 
-    def _assemble(self, parts):
+    def _assemble(self, parts: list[dict[str, Any]]) -> None:
         """One system of all groups: they share no parameter, so their derivatives stand block by block."""
         rows = [len(p["whitened"]) for p in parts]
         width = [len(p["z"]) for p in parts]
@@ -64,11 +73,11 @@ class Linearised:
         self._low = np.concatenate([p["low"] for p in parts]) - self._z
         self._high = np.concatenate([p["high"] for p in parts]) - self._z
 
-    def with_priors(self, whitened):
+    def with_priors(self, whitened: np.ndarray) -> np.ndarray:
         """Errors of a changed simulation whose calibration stands as it was."""
         return np.concatenate([whitened, self._priors])
 
-    def refitted(self, rows):
+    def refitted(self, rows: np.ndarray) -> dict[str, float]:
         """Values of the calibration when only some rows count.
 
         Parameters
@@ -79,7 +88,13 @@ class Linearised:
         errors, slopes = (np.where(counts, each, 0.0) for each in (self.errors, self._slopes))
         return self.values(least_within(slopes, errors, self._low, self._high)[1])
 
-    def answered(self, errors, columns=None, low=None, high=None):
+    def answered(
+        self,
+        errors: np.ndarray,
+        columns: np.ndarray | None = None,
+        low: np.ndarray | None = None,
+        high: np.ndarray | None = None,
+    ) -> tuple[float, np.ndarray]:
         """Least cost of changed errors when the calibration, and `columns` beside it, may answer in bounds.
 
         Parameters
@@ -100,7 +115,7 @@ class Linearised:
         lowest, highest = np.concatenate([self._low, low]), np.concatenate([self._high, high])
         return least_within(np.vstack([self._slopes, columns.T]), errors, lowest, highest)
 
-    def gain_at_any_size(self, errors):
+    def gain_at_any_size(self, errors: np.ndarray) -> tuple[float, float]:
         """What a change gains at the best share of it up to one and a half, and at the best whatsoever."""
         change = (errors - self.errors)[:, None]
         if not np.any(change):
@@ -113,7 +128,7 @@ class Linearised:
         cost, _ = self.answered(errors, change, np.array([-1.0]), np.array([0.5]))
         return self.cost - cost, promised
 
-    def likeliest_onset(self, errors):
+    def likeliest_onset(self, errors: np.ndarray) -> tuple[float, float]:
         """From when on a change gains most at the best share of it, and what, to second order."""
         rows = len(self.errors) - len(self._priors)
         weights = self._weights[:rows]
@@ -131,28 +146,29 @@ class Linearised:
         k = first + int(np.argmax(gains[first:last]))
         return float(gains[k]), float(self.clock[k])
 
-    def values(self, steps):
+    def values(self, steps: np.ndarray) -> dict[str, float]:
         """Values of the calibration after steps."""
-        moved, found, at = self._z + steps[: len(self._z)], {}, 0
+        moved, at = self._z + steps[: len(self._z)], 0
+        values: dict[str, float] = {}
         for vector in self._vectors:
-            found |= vector.values(moved[at : at + len(vector)])
+            values |= vector.values(moved[at : at + len(vector)])
             at += len(vector)
-        return found
+        return values
 
-    def between(self, here, there, share):
+    def between(self, here: dict[str, float], there: dict[str, float], share: float) -> dict[str, float]:
         """Values that lie a share of the way from some of the calibration to others."""
-        way = {}
+        way: dict[str, float] = {}
         for vector in self._vectors:
             start = vector.pack(here)
             way |= vector.values(start + share * (vector.pack(there) - start))
         return way
 
-    def predictions(self, changed, steps):
+    def predictions(self, changed: dict[str, np.ndarray], steps: np.ndarray) -> dict[str, np.ndarray]:
         """Changed predictions after steps of the calibration."""
         return {c: changed[c] + steps[span] @ raw for c, (span, raw) in self._raw.items()}
 
 
-def _derivatives(misfit):
+def _derivatives(misfit: Misfit) -> dict[str, Any]:
     """Errors of one group at its calibration, and their derivatives, whitened and raw."""
     vector = misfit.vector
     z = vector.pack(misfit.fixed)
@@ -178,6 +194,6 @@ def _derivatives(misfit):
     }
 
 
-def _sums_from_here(each):
+def _sums_from_here(each: np.ndarray) -> np.ndarray:
     """Sum of every row and all behind it."""
     return np.cumsum(each[::-1], axis=0)[::-1]

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Where in the operating range, and when, what was found acts."""
 
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -9,9 +13,15 @@ from sklvalve.mismatch.bands import simultaneous_bands
 from sklvalve.mismatch.boxes import boxes_of, covered, rows_in
 from sklvalve.mismatch.cells import cells_of
 from sklvalve.mismatch.episodes import Evidence, TimeProfile, course_of, growing_course
-from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.hypothesis import Model, Term
 from sklvalve.simulation.fitting import left_of
 from sklvalve.simulation.simulation import learnt_rest
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.bands import Band
+    from sklvalve.mismatch.boxes import Box
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.unknown import Unknown
 
 # boxes that hold nearly every row say nothing of where
 _EVERYWHERE = 0.95
@@ -37,14 +47,14 @@ class Cause:
         Channel -> the simulation without it.
     """
 
-    term: object
-    before: dict
-    after: dict
-    settled: dict
-    simulated: dict
+    term: Term | None
+    before: dict[str, np.ndarray]
+    after: dict[str, np.ndarray]
+    settled: dict[str, np.ndarray]
+    simulated: dict[str, np.ndarray]
 
 
-def acting_rows(problem, model, without):
+def acting_rows(problem: Problem, model: Model, without: Model) -> np.ndarray:
     """Rows in which a model differs from the one without its effect by a good part of the most it does."""
     flagged = np.zeros(len(problem.recording), dtype=bool)
     for channel in problem.channels:
@@ -55,12 +65,12 @@ def acting_rows(problem, model, without):
     return flagged
 
 
-def _acting(gap):
+def _acting(gap: np.ndarray) -> np.ndarray:
     """Rows in which a change is a good part of the most it is."""
     return gap > max(_ACTS * np.quantile(gap, 0.99), 1e-12)
 
 
-def causes_of(problem, model, unknown=None):
+def causes_of(problem: Problem, model: Model, unknown: Unknown | None = None) -> list[Cause]:
     """What was found, thing by thing, each switched off and on in the same simulation.
 
     Parameters
@@ -80,8 +90,8 @@ def causes_of(problem, model, unknown=None):
     if unknown is not None:
         c = unknown.channel
         left = left | {c: left[c] - learnt_rest(unknown.correction, model.chain, model.values)}
-        own = {c: problem.residuals(model)[c]}
-        causes.append(Cause(None, own, {c: left[c]}, {c: left[c]}, {c: model.predictions[c]}))
+        residual = {c: problem.residuals(model)[c]}
+        causes.append(Cause(None, residual, {c: left[c]}, {c: left[c]}, {c: model.predictions[c]}))
     for term in model.terms:
         others = tuple(m for m in model.terms if m is not term)
         without = problem.simulate(others, model.values)
@@ -100,7 +110,7 @@ def causes_of(problem, model, unknown=None):
     return causes
 
 
-def course_of_cause(problem, model, cause):
+def time_profile_of_cause(problem: Problem, model: Model, cause: Cause) -> TimeProfile:
     """When one of the things found acts: a `TimeProfile`."""
     clock = model.chain.clock
     if cause.term is None:
@@ -109,7 +119,7 @@ def course_of_cause(problem, model, cause):
     acts = model.chain.active(cause.term.effect)
     acts = np.ones(len(clock), dtype=bool) if acts is None else acts
     noise = {c: problem.noise[c] for c in cause.before}
-    slopes = _slopes_of_calibration(problem, model, cause)
+    slopes = _slopes_of_calibration(problem, model, cause.term.effect.key, list(cause.before))
     evidence = Evidence(noise, cause.before, cause.after, cause.settled, slopes)
     if not cause.term.effect.grows:
         # what begins inside an instrument shows behind its response
@@ -118,9 +128,11 @@ def course_of_cause(problem, model, cause):
     return growing_course(evidence, clock, acts, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
 
 
-def _slopes_of_calibration(problem, model, cause):
-    """Derivatives of the whitened residuals of a cause's channels with regard to all but its own size."""
-    own, channels, columns = f"{cause.term.effect.key}.", list(cause.before), []
+def _slopes_of_calibration(
+    problem: Problem, model: Model, key: str, channels: list[str]
+) -> np.ndarray | None:
+    """Derivatives of the whitened residuals of some channels with regard to all but one effect."""
+    columns: list[tuple[int, dict[str, np.ndarray], np.ndarray]] = []
     misfits = problem.misfits(model, channels)
     still, priors = np.zeros(len(model.chain.clock)), [0] * len(misfits)
     for i, misfit in enumerate(misfits):
@@ -131,7 +143,7 @@ def _slopes_of_calibration(problem, model, cause):
         priors[i] = len(prior)
         moved, reach = misfit.neighbours(z)
         for name, at, r in zip(misfit.vector.names, moved, reach, strict=True):
-            if name.startswith(own):
+            if name.startswith(f"{key}."):
                 continue
             beside = misfit.predictions(at)
             parts = {
@@ -150,7 +162,15 @@ def _slopes_of_calibration(problem, model, cause):
     return np.stack(stacked, axis=1) if stacked else None
 
 
-def regions_of(problem, model, causes, time_profiles, *, alpha, random_state=0):
+def regions_of(
+    problem: Problem,
+    model: Model,
+    causes: list[Cause],
+    time_profiles: list[TimeProfile],
+    *,
+    alpha: float,
+    random_state: int = 0,
+) -> list[dict[str, Any]]:
     """Boxes of the operating range in which what was found leaves its simultaneous band.
 
     Parameters
@@ -158,7 +178,7 @@ def regions_of(problem, model, causes, time_profiles, *, alpha, random_state=0):
     problem : Problem
     model : Model
     causes : list of Cause
-    courses : list of Course
+    time_profiles : list of TimeProfile
         When each of them acts: other rows say nothing of where.
     alpha : float
         Chance of any box where there is only noise.
@@ -176,22 +196,22 @@ def regions_of(problem, model, causes, time_profiles, *, alpha, random_state=0):
         acts = time_profile.acts(len(problem.recording))
         for c in cause.before:
             cells = cells_of(model.chain, model.values, c, cause.simulated[c])
-            rest, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))
-            parts.append((problem.noise[c], rest, [before], cells))
+            residual, before = (np.where(acts, e[c], np.nan) for e in (cause.settled, cause.before))
+            parts.append((problem.noise[c], residual, [before], cells))
             gap = np.where(acts, np.abs(np.nan_to_num(cause.before[c] - cause.after[c])), 0.0)
             places.append((c, None if cause.term is None else (_acting(gap), acts)))
-    found = []
+    regions: list[dict[str, Any]] = []
     bands = simultaneous_bands(parts, alpha=alpha, random_state=random_state)
     for (channel, rows), (several,) in zip(places, bands, strict=True):
         boxes = boxes_in(several, len(problem.recording), rows)
         shown = problem.recording.get(channel)
         if covered(boxes) > _EVERYWHERE:
             continue
-        found += [box.region(shown if channel == box.cells.signals[0] else None) for box in boxes]
-    return [r for i, r in enumerate(found) if r not in found[:i]]
+        regions += [box.region(shown if channel == box.cells.signals[0] else None) for box in boxes]
+    return [r for i, r in enumerate(regions) if r not in regions[:i]]
 
 
-def boxes_in(bands, n, rows=None):
+def boxes_in(bands: list[Band], n: int, rows: tuple[np.ndarray, np.ndarray] | None = None) -> list[Box]:
     """Boxes of one partition, in bands of all partitions of a residual.
 
     Parameters
@@ -207,27 +227,36 @@ def boxes_in(bands, n, rows=None):
     if not bands:
         return []
 
-    def trust(band):
+    def trust(band: Band) -> float:
         return _DERIVED if band.cells.signals == ("flow",) else 1.0
 
     if rows is not None:
         acting, during = rows
 
-        def describes(boxes):
+        def describes(boxes: list[Box]) -> float:
             inside = rows_in(boxes, n) & during
             return np.sum(inside & acting) / max(np.sum(inside | acting), 1)
 
         _, best = max(((trust(b) * describes(boxes_of(b)), boxes_of(b)) for b in bands), key=lambda e: e[0])
         return best if describes(best) > np.sum(acting) / max(np.sum(during), 1) else []
 
-    def tells(band):
+    def tells(band: Band) -> float:
         # each mean is a parameter
         return trust(band) * band.gain - 0.5 * band.cells.count * np.log(max(n, 2))
 
     return boxes_of(max(bands, key=tells))
 
 
-def location_of(problem, model, unknown, blocks, *, alpha, random_state=0, aside=()):
+def location_of(
+    problem: Problem,
+    model: Model,
+    unknown: Unknown | None,
+    blocks: list[str],
+    *,
+    alpha: float,
+    random_state: int = 0,
+    aside: Collection[str] = (),
+) -> dict[str, Any]:
     """The location that diagnosis.json tells of what was found.
 
     Parameters
@@ -253,43 +282,48 @@ def location_of(problem, model, unknown, blocks, *, alpha, random_state=0, aside
     causes = [
         c for c in causes_of(problem, model, unknown) if c.term is None or c.term.effect.key not in aside
     ]
-    time_profiles = [course_of_cause(problem, model, cause) for cause in causes]
+    time_profiles = [time_profile_of_cause(problem, model, cause) for cause in causes]
     regions = regions_of(problem, model, causes, time_profiles, alpha=alpha, random_state=random_state)
-    location = {"blocks": blocks, "regions": regions}
+    location: dict[str, Any] = {"blocks": blocks, "regions": regions}
     if not time_profiles:
         return location | {"onset": None, "intervals": [[0.0, float(clock[-1])]]}
+    return location | _times_of(clock, time_profiles)
+
+
+def _times_of(clock: np.ndarray, time_profiles: list[TimeProfile]) -> dict[str, Any]:
+    """The entries of a location that say when what was found acts."""
     episodes = _joined(time_profiles)
     marks = [(float(clock[a]), float(clock[min(b, len(clock) - 1)])) for a, b, _ in episodes]
     first = episodes[0][0]
-    location["onset"] = float(clock[first]) if first > 0 else None
-    location["intervals"] = [list(pair) for pair in marks]
+    times: dict[str, Any] = {"onset": float(clock[first]) if first > 0 else None}
+    times["intervals"] = [list(pair) for pair in marks]
     kinds = {time_profile.kind for time_profile in time_profiles}
-    location["course"] = kinds.pop() if len(kinds) == 1 else "in several ways"
-    told = [[_seconds(clock, r) for r in ranges] for _, _, ranges in episodes]
-    if told[0][0] is not None:
-        location["onset_ci95"] = told[0][0]
-    if any(r is not None for pair in told for r in pair):
-        location["intervals_ci95"] = told
-    return location
+    times["course"] = kinds.pop() if len(kinds) == 1 else "in several ways"
+    bounds = [[_seconds(clock, r) for r in ranges] for _, _, ranges in episodes]
+    if bounds[0][0] is not None:
+        times["onset_ci95"] = bounds[0][0]
+    if any(r is not None for pair in bounds for r in pair):
+        times["intervals_ci95"] = bounds
+    return times
 
 
-def _joined(time_profiles):
+def _joined(time_profiles: list[TimeProfile]) -> list[tuple]:
     """Spells of all courses, those that overlap as one: (first row, row behind the last, both ranges)."""
     every = [
         (*spell, *ranges)
         for time_profile in time_profiles
         for spell, ranges in zip(time_profile.episodes, time_profile.ranges, strict=True)
     ]
-    found: list = []
+    joined: list = []
     for begin, end, early, late in sorted(every, key=lambda e: e[:2]):
-        if found and begin <= found[-1][1]:
-            before = found[-1]
+        if joined and begin <= joined[-1][1]:
+            before = joined[-1]
             last = (end, late) if end > before[1] else (before[1], before[2][1])
-            found[-1] = (before[0], last[0], (before[2][0], last[1]))
+            joined[-1] = (before[0], last[0], (before[2][0], last[1]))
         else:
-            found.append((begin, end, (early, late)))
-    return found
+            joined.append((begin, end, (early, late)))
+    return joined
 
 
-def _seconds(clock, rows):
+def _seconds(clock: np.ndarray, rows: Sequence[int] | None) -> list[float] | None:
     return None if rows is None else [float(clock[min(int(k), len(clock) - 1)]) for k in rows]

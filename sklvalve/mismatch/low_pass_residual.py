@@ -1,14 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The slow part of what a simulation leaves over of a channel, and the LS-SVM that predicts it best."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.lssvm.held_out import HeldOutErrors, blocked_errors
+from sklvalve.mismatch.hypothesis import Model
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.rest import rest_inputs
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.unknown import Unknown
+    from sklvalve.recording import Recording
 
 _BLOCKS, _GAP = 8, 3
 _MOST_POINTS, _FEWEST_POINTS = 700, 60
@@ -19,20 +29,9 @@ _MEMORY = (10, 40)
 _WARMING = (150.0, 600.0)
 
 
-def static_inputs(chain, model_values, channel):
-    """Signals that a rest may hang on: name -> values."""
-    recording, given = chain.recording, f"simulated_{channel}"
-    names = ["command"] if channel == "opening" else ["opening"]
-    if given in recording:
-        # what the user simulated may hold a slow process: a rest of it remembers
-        driver = "opening" if "opening" in recording and channel == "flow" else "command"
-        names = [given, *([driver] if driver in recording else [])]
-        names += [f"{name} {many * recording.sample_time:.6g} s" for name in names for many in _MEMORY]
-    if channel == "flow" and chain.has_pressures:
-        names += ["dp"] + (["pressure_ratio"] if chain.pressure_ratio is not None else [])
-    if "temperature" in chain.recording:
-        # what is warmed follows late: body and bonnet, stem and packing
-        names += ["temperature", *(f"temperature {lag:.6g} s" for lag in _WARMING)]
+def static_inputs(chain: Chain, model_values: dict[str, float], channel: str) -> dict[str, np.ndarray]:
+    """Signals that a residual may depend on: name -> values."""
+    names = _names_of_inputs(chain, channel)
     columns = rest_inputs(chain, model_values, names).T
     steady = {}
     for name, values in zip(names, columns, strict=True):
@@ -42,7 +41,28 @@ def static_inputs(chain, model_values, channel):
     return steady
 
 
-def cyclic_inputs(chain, model_values, static, period):
+def _names_of_inputs(chain: Chain, channel: str) -> list[str]:
+    names = ["command"] if channel == "opening" else ["opening"]
+    if f"simulated_{channel}" in chain.recording:
+        names = _names_beside_external(chain.recording, channel)
+    if channel == "flow" and chain.has_pressures:
+        names += ["dp"] + (["pressure_ratio"] if chain.pressure_ratio is not None else [])
+    if "temperature" in chain.recording:
+        # what is warmed follows late: body and bonnet, stem and packing
+        names += ["temperature", *(f"temperature {lag:.6g} s" for lag in _WARMING)]
+    return names
+
+
+def _names_beside_external(recording: Recording, channel: str) -> list[str]:
+    """A simulation of the user's own may hold a slow process: a residual of it remembers."""
+    driver = "opening" if "opening" in recording and channel == "flow" else "command"
+    names = [f"simulated_{channel}", *([driver] if driver in recording else [])]
+    return names + [f"{name} {many * recording.sample_time:.6g} s" for name in names for many in _MEMORY]
+
+
+def cyclic_inputs(
+    chain: Chain, model_values: dict[str, float], static: dict[str, np.ndarray], period: float
+) -> dict[str, np.ndarray]:
     """Signals that a cycle hangs on: its two waves, and what the simulated signal is driven by."""
     names = [f"cosine {period:.6g} s", f"sine {period:.6g} s"]
     waves = dict(zip(names, rest_inputs(chain, model_values, names).T, strict=True))
@@ -50,44 +70,46 @@ def cyclic_inputs(chain, model_values, static, period):
 
 
 @dataclass(frozen=True, eq=False)
-class SlowRest:
-    """Slow part of a rest, share of span, what it may hang on, and how far apart it is held out."""
+class SlowResidual:
+    """Slow part of a residual, share of span, what it may hang on, and how far apart it is held out."""
 
     X: np.ndarray
     y: np.ndarray
-    names: tuple
+    names: tuple[str, ...]
     gap: int
     remembers: bool
     cycles: bool = False
 
 
-def low_pass_residual(problem, model, channel, rows=None, period=None):
-    """The rest and its inputs, thinned to stretches in which nothing moves fast; None if there are few."""
+def low_pass_residual(
+    problem: Problem, model: Model, channel: str, rows: np.ndarray | None = None, period: float | None = None
+) -> SlowResidual | None:
+    """Residual and inputs, thinned to stretches in which nothing moves fast; None if there are few."""
     inputs = static_inputs(model.chain, model.values, channel)
     if period is not None:
         inputs = cyclic_inputs(model.chain, model.values, inputs, period)
     if not inputs:
         return None
-    rest = problem.residuals(model)[channel] / problem.spans[channel]
+    residual = problem.residuals(model)[channel] / problem.spans[channel]
     shown = model.predictions[channel] / problem.spans[channel]
     quiet = np.abs(np.gradient(np.nan_to_num(shown))) < 0.01
-    width = max(int(np.ceil(len(rest) / _MOST_POINTS)), 3)
+    width = max(int(np.ceil(len(residual) / _MOST_POINTS)), 3)
     gap, remembers = _GAP, f"simulated_{channel}" in problem.recording and period is None
     if remembers:
         # inputs that remember know of movement, and are held out with their past
-        quiet, width = np.ones(len(rest), dtype=bool), max(len(rest) // _MOST_REMEMBERED, 1)
+        quiet, width = np.ones(len(residual), dtype=bool), max(len(residual) // _MOST_REMEMBERED, 1)
         gap = int(np.ceil(0.25 * max(_MEMORY) / width))
     if rows is not None:
         quiet &= rows
-    y = _thinned(rest, quiet, width)
+    y = _thinned(residual, quiet, width)
     X = np.column_stack([_thinned(v, quiet, width) for v in inputs.values()])
     keep = np.isfinite(y) & np.isfinite(X).all(axis=1)
     if keep.sum() < _FEWEST_POINTS:
         return None
-    return SlowRest(X[keep], y[keep], tuple(inputs), gap, remembers, period is not None)
+    return SlowResidual(X[keep], y[keep], tuple(inputs), gap, remembers, period is not None)
 
 
-def _thinned(values, keep, width):
+def _thinned(values: np.ndarray, keep: np.ndarray, width: int) -> np.ndarray:
     """Means over stretches of `width` rows, rows outside `keep` left out."""
     n = len(values) // width
     table = np.where(keep, values, np.nan)[: n * width].reshape(n, width)
@@ -98,20 +120,20 @@ def _thinned(values, keep, width):
 
 
 @dataclass(frozen=True, eq=False)
-class TunedRest:
+class TunedResidual:
     """An LS-SVM of chosen inputs, scaled, and how it predicts blocks that it was not fitted to."""
 
-    names: tuple
+    names: tuple[str, ...]
     centre: np.ndarray
     scale: np.ndarray
     Z: np.ndarray
-    slow: SlowRest
+    slow: SlowResidual
     regressor: LSSVMRegressor
     held_out: HeldOutErrors
     skill: float
     predicted: np.ndarray
 
-    def correction(self, channel, span):
+    def correction(self, channel: str, span: float) -> dict[str, Any]:
         """Fitted to every row, as plain data."""
         self.regressor.fit(self.Z, self.slow.y)
         return {
@@ -127,35 +149,40 @@ class TunedRest:
         }
 
 
-def tuned(slow):
+def tuned(slow: SlowResidual) -> TunedResidual:
     """Inputs and LS-SVM that predict held-out blocks best."""
     X, y, names = slow.X, slow.y, slow.names
     centre, scale = X.mean(axis=0), X.std(axis=0) + 1e-12
-    Z, best = (X - centre) / scale, None
+    Z = (X - centre) / scale
+    best: TunedResidual | None = None
     for chosen, gamma, C in _trials(slow):
         regressor = LSSVMRegressor(gamma=gamma, C=C)
         held_out = held_out_errors(regressor, Z[:, chosen], slow)
         (skill,), predicted = skills(held_out, y[:, None])
         if best is None or skill > best.skill:
-            kept, own = tuple(names[i] for i in chosen), (centre[chosen], scale[chosen], Z[:, chosen])
-            best = TunedRest(kept, *own, slow, regressor, held_out, float(skill), predicted[:, 0])
+            kept, scaled = tuple(names[i] for i in chosen), (centre[chosen], scale[chosen], Z[:, chosen])
+            best = TunedResidual(kept, *scaled, slow, regressor, held_out, float(skill), predicted[:, 0])
+    assert best is not None
     return best
 
 
-def _trials(slow):
+def _trials(slow: SlowResidual) -> list[tuple[list[int], float, float]]:
     """Inputs, width of the kernel and weight of the errors to be tried."""
     every = list(range(slow.X.shape[1]))
     if slow.cycles:
         # the smoothest are near to products of wave and opening, which go on beyond the rows learnt from
-        return [
-            (own, *how) for own in (every[:2], every) for how in ((0.02, 100.0), (0.1, 10.0), (0.5, 10.0))
-        ]
+        settings = ((0.02, 100.0), (0.1, 10.0), (0.5, 10.0))
+        return [(inputs, *setting) for inputs in (every[:2], every) for setting in settings]
     if slow.remembers:
         # the simulated signal with its own past, and what drives it now; smoothly, and without a choice that
         # a few long stretches could not support: a block that is held out may lie beyond all others
-        own = [i for i in every if slow.names[i].startswith("simulated_")]
+        external = [i for i in every if slow.names[i].startswith("simulated_")]
         now = [i for i in every if not slow.names[i].endswith(" s")]
-        return [(sorted({*own, *now}), 0.03, 100.0)]
+        return [(sorted({*external, *now}), 0.03, 100.0)]
+    return _trials_of_signals(slow, every)
+
+
+def _trials_of_signals(slow: SlowResidual, every: list[int]) -> list[tuple[list[int], float, float]]:
     # each alone, finely, or all, smoothly; or how far something lags behind the temperature
     late = [i for i in every if slow.names[i].endswith(" s")]
     now = [i for i in every if i not in late]
@@ -165,13 +192,13 @@ def _trials(slow):
     return trials + [([*first, i], 0.1, 100.0) for i in late]
 
 
-def held_out_errors(regressor, Z, slow):
+def held_out_errors(regressor: LSSVMRegressor, Z: np.ndarray, slow: SlowResidual) -> HeldOutErrors:
     edges = np.linspace(0, len(Z), _BLOCKS + 1).astype(int)
     blocks = [slice(low, high) for low, high in pairwise(edges)]
     return blocked_errors(Z, C=regressor.C, gamma=regressor.gamma, blocks=blocks, gap=slow.gap)
 
 
-def skills(held_out, Y):
+def skills(held_out: HeldOutErrors, Y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Share of each target's variance that is predicted on held-out blocks, and the predictions."""
     left = held_out(Y)
     spread = np.sum((Y - Y.mean(axis=0)) ** 2, axis=0)
@@ -180,8 +207,10 @@ def skills(held_out, Y):
     return 1.0 - share, Y - left
 
 
-def learn_residual(problem, model, unknown, rows=None):
-    """The rest of a channel as an LS-SVM of slow signals, tuned and fitted on some rows and no others.
+def learn_residual(
+    problem: Problem, model: Model, unknown: Unknown, rows: np.ndarray | None = None
+) -> dict[str, Any] | None:
+    """The residual of a channel as an LS-SVM of slow signals, tuned and fitted on some rows and no others.
 
     Parameters
     ----------

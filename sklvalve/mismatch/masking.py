@@ -1,12 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A recording without what its sensors did not measure, both the rows used and those behind them."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from sklvalve.mismatch.gate import tells_a_band, with_seized_stems, without_findings
 from sklvalve.mismatch.gathering import settled
-from sklvalve.recording import InputError, require_diagnosable, screen_recording
+from sklvalve.recording import InputError, Recording, require_diagnosable, screen_recording
 
 
-def masked(whole, recording, data):
+def masked(whole: Recording, recording: Recording, data: list[dict[str, Any]]) -> tuple[Recording, Recording]:
     """Recordings without the rows that the findings about their data speak against.
 
     Rows behind those used are screened for themselves, and only for values that stand still or pile up;
@@ -44,7 +48,7 @@ def masked(whole, recording, data):
     return settled(without_findings(whole, still + known)), cleaned
 
 
-def _require_enough(cleaned, data):
+def _require_enough(cleaned: Recording, data: list[dict[str, Any]]) -> None:
     try:
         require_diagnosable(cleaned)
     except InputError as error:

@@ -1,16 +1,24 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Models on disk: plain numbers, texts and arrays, read back without running code."""
 
+from __future__ import annotations
+
 import json
 import os
 import secrets
+from collections.abc import Sequence
+from os import PathLike
 from pathlib import Path
+from types import ModuleType
+from typing import Any
 
+from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted
 
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.estimator_file import FORMAT, content_of_estimator, estimator_of_content
 from sklvalve.mismatch.finder import MissingPhysicsFinder
 from sklvalve.mismatch.packed_model import require_plain_archive
@@ -24,7 +32,7 @@ _FORMAT = "sklvalve.model/1"
 _LARGEST = 256 << 20  # bytes
 
 
-def save_model(path, model, *, rows=None):
+def save_model(path: str | PathLike[str], model: Any, *, rows: ArrayLike | None = None) -> None:
     """Save what a finder found, or another fitted estimator, as a skops file of plain data.
 
     Parameters
@@ -76,7 +84,7 @@ def save_model(path, model, *, rows=None):
         raise
 
 
-def _content_of(model, rows):
+def _content_of(model: Any, rows: ArrayLike | None) -> dict[str, Any]:
     if isinstance(model, MissingPhysicsFinder):
         check_is_fitted(model, "diagnosis_")
     if not isinstance(model, BaseEstimator):
@@ -84,7 +92,7 @@ def _content_of(model, rows):
     return content_of_estimator(model, rows)
 
 
-def _content_of_finder(finder):
+def _content_of_finder(finder: MissingPhysicsFinder) -> dict[str, Any]:
     if not hasattr(finder, "corrected_simulation_"):
         raise InputError(
             "this finder diagnosed a loop without pressures, and there is no simulation to save; save the "
@@ -95,7 +103,7 @@ def _content_of_finder(finder):
         "valve": finder.corrected_simulation_.valve_.to_dict(),
         "corrected": finder.corrected_simulation_.to_state(),
         "nominal": finder.nominal_simulation_.to_state(),
-        "given": _content_of_given(finder.corrected_simulation_.given_),
+        "given": _content_of_external(finder.corrected_simulation_.given_),
         "diagnosis": finder.diagnosis_.to_dict(),
     }
     recordings = content["diagnosis"].get("provenance", {}).get("recordings", [])
@@ -106,14 +114,14 @@ def _content_of_finder(finder):
     return content
 
 
-def _content_of_given(given):
+def _content_of_external(external: Any) -> dict[str, Any] | None:
     """The user's own simulation, without which the corrected one cannot go on; refused here and not then."""
-    if given is None:
+    if external is None:
         return None
     try:
-        return content_of_estimator(given)
+        return content_of_estimator(external)
     except (InputError, NotFittedError, TypeError) as error:
-        what = f"a {type(given).__name__}" if hasattr(given, "predict") else "a function"
+        what = f"a {type(external).__name__}" if hasattr(external, "predict") else "a function"
         raise InputError(
             f"the simulation handed to the finder is {what}, which a model file cannot hold; record what it "
             "predicts as the column simulated_flow, or simulated_opening, and diagnose that, or keep the "
@@ -121,7 +129,7 @@ def _content_of_given(given):
         ) from error
 
 
-def load_model(path, effects=()):
+def load_model(path: str | PathLike[str], effects: Sequence[Effect] = ()) -> Any:
     """Load a model file; nothing in it is executed.
 
     Parameters
@@ -157,16 +165,16 @@ def load_model(path, effects=()):
         if content.get("format") not in (_FORMAT, FORMAT):
             raise ValueError("it has another format")
     except Exception as error:
-        more = f" ({error})" if type(error) is ValueError and len(str(error)) < 100 else ""
+        reason = f" ({error})" if type(error) is ValueError and len(str(error)) < 100 else ""
         raise InputError(
-            f"{path}: this is no model file of sklvalve{more}; give the corrected_model.skops that a "
+            f"{path}: this is no model file of sklvalve{reason}; give the corrected_model.skops that a "
             "diagnosis wrote"
         ) from error
     known = {e.key: e for e in (*CATALOGUE, *EVENTS, *LATE, *effects)}
     return (_built if content["format"] == _FORMAT else _built_estimator)(path, content, known)
 
 
-def _built(path, content, known):
+def _built(path: str | PathLike[str], content: dict[str, Any], known: dict[str, Effect]) -> dict[str, Any]:
     """Simulations and diagnosis of what a file holds, each part checked before it is used."""
     try:
         keys = {kind: _effect_keys(content[kind]) for kind in ("corrected", "nominal")}
@@ -176,29 +184,39 @@ def _built(path, content, known):
                 f"{path}: the model holds {shown(min(strange))[1:-1]}, which is no effect of the catalogue; "
                 "give it to load_model as one of effects"
             )
-        # no NaN, no infinity, nothing but plain data
-        diagnosis = json.loads(json.dumps(content["diagnosis"], allow_nan=False))
-        if not isinstance(diagnosis, dict) or not isinstance(diagnosis.get("effects"), list):
-            raise ValueError("its diagnosis is none")
+        diagnosis = _plain_diagnosis(content["diagnosis"])
         valve = Valve.from_dict(content["valve"], source=str(path))
-        made = {}
-        for kind, several in keys.items():
-            effects = tuple(known[key] for key in several)
-            require_sound_state(content[kind], effects)
-            made[kind] = ValveSimulation.from_state(valve, content[kind], effects)
-        given = content.get("given")
-        if given is not None:
-            own = estimator_of_content(given, known)
-            for simulation in made.values():
-                simulation.given_ = own
+        simulations = {
+            kind: _built_simulation(valve, content[kind], tuple(known[key] for key in several))
+            for kind, several in keys.items()
+        }
+        if content.get("given") is not None:
+            external = estimator_of_content(content["given"], known)
+            for simulation in simulations.values():
+                simulation.given_ = external
     except InputError:
         raise
     except Exception as error:
         raise _damaged(path, error, "diagnose the recording again") from error
-    return made | {"diagnosis": diagnosis}
+    return simulations | {"diagnosis": diagnosis}
 
 
-def _built_estimator(path, content, known):
+def _plain_diagnosis(content: Any) -> dict[str, Any]:
+    # no NaN, no infinity, nothing but plain data
+    diagnosis = json.loads(json.dumps(content, allow_nan=False))
+    if not isinstance(diagnosis, dict) or not isinstance(diagnosis.get("effects"), list):
+        raise ValueError("its diagnosis is none")
+    return diagnosis
+
+
+def _built_simulation(valve: Valve, state: dict[str, Any], effects: tuple[Effect, ...]) -> ValveSimulation:
+    require_sound_state(state, effects)
+    return ValveSimulation.from_state(valve, state, effects)
+
+
+def _built_estimator(
+    path: str | PathLike[str], content: dict[str, Any], known: dict[str, Effect]
+) -> BaseEstimator:
     """The estimator that a file holds, checked and tried before it is used."""
     try:
         return estimator_of_content(content, known)
@@ -206,14 +224,15 @@ def _built_estimator(path, content, known):
         raise _damaged(path, error, "save the model again") from error
 
 
-def _damaged(path, error, mend):
-    more = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
+def _damaged(path: str | PathLike[str], error: Exception, mend: str) -> InputError:
+    reason = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
     return InputError(
-        f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{more}); {mend}"
+        f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{reason}); "
+        f"{mend}"
     )
 
 
-def _effect_keys(state):
+def _effect_keys(state: dict[str, Any]) -> Sequence[str]:
     keys = state["effects"]
     if not isinstance(keys, list | tuple) or not all(isinstance(key, str) for key in keys):
         raise ValueError("its effects are no names")
@@ -222,7 +241,7 @@ def _effect_keys(state):
     return keys
 
 
-def _skops():
+def _skops() -> ModuleType:
     try:
         import skops.io
     except ImportError:

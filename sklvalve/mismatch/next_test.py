@@ -1,12 +1,30 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What to do at the valve to learn more."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from sklvalve.mismatch.goodness_of_fit import LeftOver
+from sklvalve.mismatch.hypothesis import Model, Term
 from sklvalve.mismatch.planning import planned
 from sklvalve.mismatch.pulses import Pulses
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.plan import TestPlan
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding
+    from sklvalve.mismatch.unknown import Unknown
 
-def next_test(classes, verdict, unknown, problem, plan=None):
+
+def next_test(
+    classes: Sequence[dict[str, tuple[float, Term, Model]]],
+    verdict: str,
+    unknown: Unknown | LeftOver | Pulses | None,
+    problem: Problem,
+    plan: TestPlan | None = None,
+) -> str | None:
     """The test that separates what is left open, or that confirms what was found, as plain text.
 
     Parameters
@@ -26,9 +44,9 @@ def next_test(classes, verdict, unknown, problem, plan=None):
     if plan is not None:
         return plan.sentence
     open_ones = [c for c in classes if len(c) > 1]
-    for members in open_ones or classes:
-        who = next(iter(members.values()))[1]
-        return who.effect.separated_by
+    for explanations in open_ones or classes:
+        term = next(iter(explanations.values()))[1]
+        return term.effect.separated_by
     if isinstance(unknown, LeftOver | Pulses):
         return (
             "Hold the command for half an hour and keep recording: what still varies depends on something "
@@ -50,7 +68,7 @@ def next_test(classes, verdict, unknown, problem, plan=None):
     return None
 
 
-def plan_of(problem, findings):
+def plan_of(problem: Problem, findings: Sequence[Finding]) -> TestPlan | None:
     """The test that is expected to tell most of what these findings leave open.
 
     Parameters

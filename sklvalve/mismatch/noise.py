@@ -6,7 +6,9 @@ every healthy record, and one that whitens them without a slow part in most. So 
 model, and the time constant of its wander comes from the data.
 """
 
-from dataclasses import dataclass
+from __future__ import annotations
+
+from dataclasses import dataclass, field
 
 import numba as nb
 import numpy as np
@@ -14,7 +16,14 @@ from scipy.optimize import minimize
 
 
 @nb.njit(cache=True, nogil=True)
-def _gains(white, step, fast_time, fast_size, slow_time, slow_size):
+def _gains(
+    white: np.ndarray,
+    step: np.ndarray,
+    fast_time: float,
+    fast_size: float,
+    slow_time: float,
+    slow_size: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Kalman gains and innovation spreads; a row with an infinite white variance is a gap."""
     n = len(white)
     gain = np.empty((n, 2))
@@ -51,7 +60,7 @@ def _gains(white, step, fast_time, fast_size, slow_time, slow_size):
 
 
 @nb.njit(cache=True, nogil=True)
-def _innovations(residuals, gain, keep, spread):
+def _innovations(residuals: np.ndarray, gain: np.ndarray, keep: np.ndarray, spread: np.ndarray) -> np.ndarray:
     out = np.zeros_like(residuals)
     f = 0.0
     s = 0.0
@@ -68,7 +77,19 @@ def _innovations(residuals, gain, keep, spread):
 
 
 @nb.njit(cache=True, nogil=True, fastmath={"contract"})
-def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_size, slow_time, slow_size):
+def _loss(
+    residuals: np.ndarray,
+    step: np.ndarray,
+    base: float,
+    share: float,
+    level: np.ndarray,
+    timing: float,
+    moving: np.ndarray,
+    fast_time: float,
+    fast_size: float,
+    slow_time: float,
+    slow_size: float,
+) -> float:
     """Negative robust log likelihood of residuals, in one pass: gains, innovations and their spreads.
 
     The white variance of a row is ``base + share level + timing moving``. What one row asks of the row before
@@ -76,7 +97,7 @@ def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_s
     """
     p11, p12, p22 = fast_size, 0.0, slow_size
     a = b = last = f = s = total = 0.0
-    aa = ab = bb = more_fast = more_slow = 0.0
+    aa = ab = bb = added_fast = added_slow = 0.0
     product = 1.0
     for k in range(len(residuals)):
         if step[k] != last:
@@ -84,11 +105,11 @@ def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_s
             a = np.exp(-last / fast_time)
             b = np.exp(-last / slow_time)
             aa, ab, bb = a * a, a * b, b * b
-            more_fast, more_slow = (1.0 - aa) * fast_size, (1.0 - bb) * slow_size
+            added_fast, added_slow = (1.0 - aa) * fast_size, (1.0 - bb) * slow_size
         white = base + share * level[k] + timing * moving[k]
-        v = (aa * p11 + (more_fast + more_slow + white)) + (bb * p22 + 2.0 * (ab * p12))
-        p11 = aa * p11 + more_fast
-        p22 = bb * p22 + more_slow
+        v = (aa * p11 + (added_fast + added_slow + white)) + (bb * p22 + 2.0 * (ab * p12))
+        p11 = aa * p11 + added_fast
+        p22 = bb * p22 + added_slow
         p12 = ab * p12
         f *= a
         s *= b
@@ -112,7 +133,15 @@ def _loss(residuals, step, base, share, level, timing, moving, fast_time, fast_s
 
 
 @nb.njit(cache=True, nogil=True)
-def _parts(shares, unit, finest, largest_share, cautious, dt, length):
+def _parts(
+    shares: np.ndarray,
+    unit: float,
+    finest: float,
+    largest_share: float,
+    cautious: bool,
+    dt: float,
+    length: float,
+) -> tuple[float, ...]:
     """Variances and correlation times of the parts, within their bounds, for shares of the quick noise."""
     base, timing, share = shares[0], shares[1], shares[2]
     fast, fast_time, slow, slow_time = shares[3], shares[4], shares[5], shares[6]
@@ -125,18 +154,27 @@ def _parts(shares, unit, finest, largest_share, cautious, dt, length):
     # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
     fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
     slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
-    own = finest + base * unit
-    return own, share * unit, timing, fast_time, fast * unit, slow_time, slow * unit
+    sensor = finest + base * unit
+    return sensor, share * unit, timing, fast_time, fast * unit, slow_time, slow * unit
 
 
 @nb.njit(cache=True, nogil=True)
-def _cost(away, shares, bounds, inadequacy, residuals, step, level, moving):
+def _cost(
+    away: np.ndarray,
+    shares: np.ndarray,
+    bounds: tuple,
+    inadequacy: float,
+    residuals: np.ndarray,
+    step: np.ndarray,
+    level: np.ndarray,
+    moving: np.ndarray,
+) -> float:
     """Negative log likelihood of residuals and priors, `away` from where these stand."""
-    own, share, timing, fast_time, fast, slow_time, slow = _parts(shares, *bounds)
+    sensor, share, timing, fast_time, fast, slow_time, slow = _parts(shares, *bounds)
     # weak priors keep parts that are not there from running off
     prior = np.sum(away**2) / 50.0
-    own += inadequacy
-    left = _loss(residuals, step, own, share, level, timing, moving, fast_time, fast, slow_time, slow)
+    base = sensor + inadequacy
+    left = _loss(residuals, step, base, share, level, timing, moving, fast_time, fast, slow_time, slow)
     return prior + left
 
 
@@ -165,30 +203,31 @@ class NoiseModel:
     slow_time: float
     slow_size: float
     sensor: float | None = None
+    _filters: tuple[np.ndarray, np.ndarray, np.ndarray] = field(init=False, repr=False)
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         filters = _gains(
             self.white, self.step, self.fast_time, self.fast_size, self.slow_time, self.slow_size
         )
         object.__setattr__(self, "_filters", filters)
 
-    def whiten(self, residuals):
+    def whiten(self, residuals: np.ndarray) -> np.ndarray:
         """Innovations of the residuals in their standard deviations, zero in gaps."""
         return _innovations(np.ascontiguousarray(residuals, dtype=float), *self._filters)
 
     @property
-    def pieces(self):
+    def pieces(self) -> list[tuple[int, int, np.ndarray, np.ndarray, np.ndarray]]:
         """First row, row behind the last, gains, what is kept, and spreads, of each recording: one here."""
         return [(0, len(self.white), *self._filters)]
 
     @property
-    def log_spread(self):
+    def log_spread(self) -> float:
         """Sum over the rows of the logarithms of the innovations' standard deviations."""
         spread = self._filters[2]
         return float(np.sum(np.log(spread[np.isfinite(spread)])))
 
     @property
-    def total(self):
+    def total(self) -> float:
         """Standard deviation (rms over the rows) of all that a healthy simulation leaves over.
 
         The sensor, errors of timing, what the simulation gets wrong, and wander.
@@ -196,7 +235,7 @@ class NoiseModel:
         return float(np.sqrt(self._white + self.fast_size + self.slow_size))
 
     @property
-    def floor(self):
+    def floor(self) -> float:
         """Standard deviation (rms over the rows) of the sensor alone: its white noise and its quick movement.
 
         What a simulation could do something about is no part of it: timing, inadequacy, wander.
@@ -205,11 +244,11 @@ class NoiseModel:
         return float(np.sqrt(sensor + self.fast_size))
 
     @property
-    def _white(self):
+    def _white(self) -> float:
         return float(np.mean(self.white[np.isfinite(self.white)]))
 
 
-def movement(simulated, step, memory=4.5):
+def movement(simulated: np.ndarray, step: np.ndarray, memory: float = 4.5) -> np.ndarray:
     """How fast a simulated signal moves around each row: where errors of timing and response weigh.
 
     Parameters
@@ -227,7 +266,7 @@ def movement(simulated, step, memory=4.5):
 
 
 @nb.njit(cache=True, nogil=True)
-def _forgotten(values, keep):
+def _forgotten(values: np.ndarray, keep: np.ndarray) -> np.ndarray:
     out = np.empty_like(values)
     held = 0.0
     for k in range(len(values)):
@@ -236,7 +275,16 @@ def _forgotten(values, keep):
     return out
 
 
-def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, largest=np.inf, cautious=False):
+def fit_noise(
+    residuals: np.ndarray,
+    simulated: np.ndarray,
+    step: np.ndarray,
+    *,
+    quantum: float = 0.0,
+    inadequacy: float = 0.0,
+    largest: float = np.inf,
+    cautious: bool = False,
+) -> NoiseModel:
     """Noise model of residuals, by maximum likelihood.
 
     Parameters
@@ -276,17 +324,17 @@ def fit_noise(residuals, simulated, step, *, quantum=0.0, inadequacy=0.0, larges
     dt = float(np.median(step))
     bounds = float(size**2), float(quantum**2 / 12.0), float(largest_share), bool(cautious), dt, length
 
-    def loss(z):
+    def loss(z: np.ndarray) -> float:
         return _cost(z - start, np.exp(z), bounds, float(inadequacy**2), residuals, step, level, moving)
 
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
-    found = minimize(
+    solution = minimize(
         loss,
         start,
         method="Nelder-Mead",
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
-    own, share, timing, *correlated = _parts(np.exp(found.x), *bounds)
-    sensor = own + share * level
+    base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(solution.x), *bounds)
+    sensor = base + share * level
     white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
-    return NoiseModel(white, step, *correlated, float(np.mean(sensor[seen])))
+    return NoiseModel(white, step, fast_time, fast, slow_time, slow, float(np.mean(sensor[seen])))

@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Noise of recordings that were joined: each has its own."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from sklvalve.mismatch.noise import NoiseModel, fit_noise
+from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
 
@@ -21,50 +26,61 @@ class NoiseOfPieces:
     models : list of NoiseModel
     """
 
-    spans: list
-    models: list
+    spans: list[tuple[int, int]]
+    models: list[NoiseModel]
 
-    def whiten(self, residuals):
+    def whiten(self, residuals: np.ndarray) -> np.ndarray:
         """Innovations of the residuals in their standard deviations, zero in gaps."""
         residuals = np.asarray(residuals, dtype=float)
         return np.concatenate([m.whiten(residuals[low:high]) for (low, high), m in self._each()])
 
     @property
-    def pieces(self):
+    def pieces(self) -> list[tuple[int, int, np.ndarray, np.ndarray, np.ndarray]]:
         """First row, row behind the last, gains, what is kept, and spreads, of each recording."""
-        return [(low + a, low + b, *rest) for (low, _), model in self._each() for a, b, *rest in model.pieces]
+        return [
+            (low + a, low + b, gain, keep, spread)
+            for (low, _), model in self._each()
+            for a, b, gain, keep, spread in model.pieces
+        ]
 
     @property
-    def log_spread(self):
+    def log_spread(self) -> float:
         """Sum over the rows of the logarithms of the innovations' standard deviations."""
         return sum(m.log_spread for m in self.models)
 
     @property
-    def total(self):
+    def total(self) -> float:
         """Standard deviation of all that a healthy simulation leaves over, rms over all rows."""
         return self._rms(lambda model: model.total)
 
     @property
-    def floor(self):
+    def floor(self) -> float:
         """Standard deviation of the sensor alone, rms over all rows."""
         return self._rms(lambda model: model.floor)
 
     @property
-    def longest(self):
+    def longest(self) -> tuple[slice, NoiseModel]:
         """Rows of the longest recording, and its noise."""
         (low, high), model = max(self._each(), key=lambda each: each[0][1] - each[0][0])
         return slice(low, high), model
 
-    def _each(self):
+    def _each(self) -> list[tuple[tuple[int, int], NoiseModel]]:
         return list(zip(self.spans, self.models, strict=True))
 
-    def _rms(self, of):
+    def _rms(self, of: Callable[[NoiseModel], float]) -> float:
         rows = [int(np.isfinite(m.white).sum()) for m in self.models]
         squares = [of(m) ** 2 if many else 0.0 for m, many in zip(self.models, rows, strict=True)]
         return float(np.sqrt(np.average(squares, weights=rows)))
 
 
-def noise_of(recording, residuals, simulated, step, role, **settings):
+def noise_of(
+    recording: Recording,
+    residuals: np.ndarray,
+    simulated: np.ndarray,
+    step: np.ndarray,
+    role: str,
+    **settings: Any,
+) -> NoiseModel | NoiseOfPieces:
     """Noise of a channel, fitted to what a simulation leaves over of it.
 
     Parameters
@@ -82,7 +98,7 @@ def noise_of(recording, residuals, simulated, step, role, **settings):
     noise : NoiseModel, or NoiseOfPieces where several recordings were joined
     """
 
-    def of(low, high):
+    def of(low: int, high: int) -> NoiseModel:
         rows = slice(low, high)
         quantum = step_of(recording.slice(low, high), role)
         steps = step[rows].copy()
@@ -102,11 +118,11 @@ def noise_of(recording, residuals, simulated, step, role, **settings):
     )
 
 
-def _seen(residuals, low, high):
+def _seen(residuals: np.ndarray, low: int, high: int) -> bool:
     return np.isfinite(residuals[low:high]).sum() > 2
 
 
-def _none(step, low, high):
+def _none(step: np.ndarray, low: int, high: int) -> NoiseModel:
     """Noise of rows that hold nothing: every one a gap."""
     white = np.full(high - low, np.inf)
     return NoiseModel(white, step[low:high], 1.0, 1e-12, 1.0, 1e-12, sensor=0.0)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How strong the evidence against healthy recordings gets by chance, and how rare a stronger one is."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -40,17 +42,17 @@ class Covariates:
     held_flow: float = 0.0
 
     @property
-    def noise_without_opening(self):
+    def noise_without_opening(self) -> float:
         """The noise where it is the flow's alone, else 0."""
         return self.noise * self.no_opening
 
     @property
-    def noise_without_drop(self):
+    def noise_without_drop(self) -> float:
         """The noise where it is next to all the opening's, else 0."""
         return self.noise * self.no_drop
 
     @property
-    def noise_among(self):
+    def noise_among(self) -> str:
         """Name of the noise of those recordings in the reference that lack the same: how far theirs went."""
         if self.no_opening:
             return "noise_without_opening"
@@ -100,19 +102,19 @@ class Table:
 
     recordings: int
     offset: float
-    slopes: dict
-    ranges: dict
-    quantiles: tuple
+    slopes: dict[str, float]
+    ranges: dict[str, tuple[float, float]]
+    quantiles: tuple[float, ...]
     above: float
     scale: float
     shape: float
-    usual: dict = field(default_factory=dict)
+    usual: dict[str, float] = field(default_factory=dict)
 
-    def relative(self, effect_strengths):
+    def relative(self, effect_strengths: dict[str, float]) -> float:
         """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
         return relative_to(self.usual, effect_strengths)
 
-    def typical(self, covariates):
+    def typical(self, covariates: Covariates) -> float:
         """Typical strength of healthy recordings."""
         noise = float(np.clip(covariates.noise, *self.ranges[covariates.noise_among]))
         edged = {c: float(np.clip(getattr(covariates, c), *self.ranges[c])) for c in EDGED}
@@ -120,22 +122,22 @@ class Table:
         return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))
 
 
-def relative_to(usual, effect_strengths):
+def relative_to(usual: dict[str, float], effect_strengths: dict[str, float]) -> float:
     """The largest of some strengths by effect, each over what is usual for it."""
     most = max(usual.values(), default=1.0)
-    return max((found / usual.get(key, most) for key, found in effect_strengths.items()), default=0.0)
+    return max((strongest / usual.get(key, most) for key, strongest in effect_strengths.items()), default=0.0)
 
 
-EFFECTS, REST = (Table(**TABLES[name]) for name in ("effects", "rest"))
+EFFECTS, RESIDUAL = (Table(**TABLES[name]) for name in ("effects", "rest"))
 
 
-def survival(table, effect_strength, covariates):
+def survival(table: Table, effect_strength: float, covariates: Covariates) -> float:
     """Share of healthy recordings whose strength is at least this.
 
     Parameters
     ----------
     table : Table
-    strength : float
+    effect_strength : float
     covariates : Covariates
 
     Returns

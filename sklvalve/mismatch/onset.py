@@ -1,14 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From when on an effect acts."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.growing import fit_growing
-from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Term
+from sklvalve.mismatch.hypothesis import FIRST_ONSET, LAST_ONSET, Model, Term
 from sklvalve.simulation.robust import ROBUST_FROM
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.noise import NoiseModel
+    from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
+    from sklvalve.mismatch.problem import Problem
 
-def row_losses(problem, model, channels):
+
+def row_losses(problem: Problem, model: Model, channels: Iterable[str]) -> np.ndarray:
     """What each row costs a model: robust loss of its whitened residuals in some channels together."""
     total, left = np.zeros(len(problem.recording)), problem.residuals(model)
     for channel in channels:
@@ -16,13 +27,13 @@ def row_losses(problem, model, channels):
     return total
 
 
-def losses_of(noise, residual):
+def losses_of(noise: NoiseModel | NoiseOfPieces, residual: np.ndarray) -> np.ndarray:
     """Robust loss of each row of one channel's residual, whitened."""
     scaled = (noise.whiten(residual) / ROBUST_FROM) ** 2
     return ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)
 
 
-def best_onset(problem, without, acting):
+def best_onset(problem: Problem, without: Model, acting: Model) -> float:
     """Time at which to pass from a model without an effect to one with it, at the least cost.
 
     Parameters
@@ -46,7 +57,16 @@ def best_onset(problem, without, acting):
     return float(acting.chain.clock[first + int(np.argmin(cost[first:last]))])
 
 
-def fit_with_onset(problem, model, effect, *, hold=None, attempt=0, onset=None, max_steps=5):
+def fit_with_onset(
+    problem: Problem,
+    model: Model,
+    effect: Effect,
+    *,
+    hold: str | None = None,
+    attempt: int = 0,
+    onset: float | None = None,
+    max_steps: int = 5,
+) -> Model:
     """Fit of an effect that begins within the recording.
 
     Begins with the effect switched on after a half of the record, moves the onset to where the losses of the
@@ -69,7 +89,7 @@ def fit_with_onset(problem, model, effect, *, hold=None, attempt=0, onset=None, 
     """
     clock = problem.plain.clock
     onset = float(clock[len(clock) // 2]) if onset is None else onset
-    options = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
+    options: dict[str, Any] = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
     if effect.grows:
         return fit_growing(problem, model, effect, onset=onset, **options)
     fitted = problem.fit((*model.terms, Term(effect, onset)), start=model, **options)

@@ -1,14 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """An onset to the very sample, for each explanation its own."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.simulation.robust import robust_cost
 
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
-def to_the_sample(problem, model, *, reach=3):
+
+def to_the_sample(problem: Problem, model: Model, *, reach: int = 3) -> Model:
     """A hypothesis whose last effect begins at the likeliest of the samples around its onset.
 
     An onset that is one sample off costs a row as many standard deviations as the effect is large. A rival
@@ -26,14 +33,14 @@ def to_the_sample(problem, model, *, reach=3):
     model : Model
         Fitted again where another sample is likelier, else as given.
     """
-    *rest, last = model.terms
+    *others, last = model.terms
     if last.onset is None:
         return model
     clock, touched = model.chain.clock, problem.channels_touched(last.effect)
     k = int(np.searchsorted(clock, last.onset))
 
-    def cost(onset):
-        trial = problem.simulate((*rest, replace(last, onset=onset)), model.values)
+    def cost(onset: float) -> float:
+        trial = problem.simulate((*others, replace(last, onset=onset)), model.values)
         left = problem.residuals(trial)
         return sum(robust_cost(problem.noise[c].whiten(left[c])) for c in touched)
 
@@ -41,5 +48,5 @@ def to_the_sample(problem, model, *, reach=3):
     best = min([last.onset, *around], key=cost)
     if best == last.onset:
         return model
-    again = problem.fit((*rest, replace(last, onset=best)), start=model)
+    again = problem.fit((*others, replace(last, onset=best)), start=model)
     return again if again.log_likelihood > model.log_likelihood else model

@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A model file before skops sees it: what it declares to hold, and whether that is plain data."""
 
+from __future__ import annotations
+
 import io
 import json
 import math
 import zipfile
+from typing import IO, Any
 
 from numpy.lib import format as npy
 
@@ -16,7 +19,7 @@ _SCHEMA = "schema.json"
 _PLAIN = {"JsonNode", "TypeNode", "NdArrayNode", "ListNode", "TupleNode", "DictNode"}
 
 
-def require_plain_archive(content):
+def require_plain_archive(content: bytes) -> None:
     """Refuse an archive that unpacks to too much, or holds anything but plain data.
 
     Parameters
@@ -45,7 +48,7 @@ def require_plain_archive(content):
         _require_plain(json.loads(archive.read(_SCHEMA)))
 
 
-def _require_whole_array(array, held):
+def _require_whole_array(array: IO[bytes], held: int) -> None:
     """An array's header must not ask for more than the part holds."""
     version = npy.read_magic(array)
     read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
@@ -54,7 +57,7 @@ def _require_whole_array(array, held):
         raise ValueError("an array declares more than it holds")
 
 
-def _require_plain(node):
+def _require_plain(node: Any) -> None:
     """Walk without recursion: a nesting of a million levels is data too."""
     left = [node]
     while left:

@@ -5,10 +5,14 @@ What is read back is made of classes that stand in a list here, and of nothing e
 a text, an array, a collection of these or another such estimator, and never code.
 """
 
+from __future__ import annotations
+
 import importlib
 import inspect
+from collections.abc import Callable
 from functools import partial
 from numbers import Integral, Real
+from typing import Any
 
 import numpy as np
 from sklearn.base import BaseEstimator
@@ -17,11 +21,12 @@ from sklearn.pipeline import FeatureUnion, Pipeline
 from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
 from sklvalve.lssvm import LSSVMRegressor, LSSVMRegressorCV
 from sklvalve.mechanism import ValveMechanismTransformer
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.recording import InputError, Valve
 from sklvalve.simulation import ValveSimulation
 from sklvalve.simulation.state import require_sound_state
 
-_OWN = {
+_CLASSES = {
     kind.__name__: kind
     for kind in (
         LSSVMRegressor,
@@ -49,7 +54,7 @@ _DEEPEST, _MOST_THREADS = 40, 4096
 _FINITE = ("dual_coef_", "intercept_", "X_fit_", "offset_", "_right_")
 
 
-def plain_of(model):
+def plain_of(model: Any) -> Any:
     """Plain data that `estimator_of` makes an equal estimator of.
 
     Parameters
@@ -68,7 +73,7 @@ def plain_of(model):
     return _plain(model, type(model).__name__, 0)
 
 
-def estimator_of(content, known):
+def estimator_of(content: Any, known: dict[str, Effect]) -> BaseEstimator:
     """The estimator that plain data stand for, each part checked.
 
     Parameters
@@ -93,21 +98,29 @@ def estimator_of(content, known):
     return model
 
 
-def _plain(value, where, depth):
+def _plain(value: Any, where: str, depth: int) -> Any:
     if depth > _DEEPEST:
         raise InputError(f"{where} is nested too deep for a model file; save the parts by themselves")
-    inner = partial(_plain, depth=depth + 1)
     if value is None or type(value) in (bool, int, float, str):
         return value
     if isinstance(value, np.bool_ | np.integer | np.floating):
         return value.item()
     if isinstance(value, np.ndarray):
         return _plain_array(value, where)
+    inner = partial(_plain, depth=depth + 1)
     if type(value) in (list, tuple):
         return type(value)(inner(each, f"{where}[{k}]") for k, each in enumerate(value))
     if type(value) is dict:
         items = [[inner(k, where), inner(v, f"{where}[{k!r}]")] for k, v in value.items()]
         return {_MARK: "dict", "items": items}
+    if type(value) is ValveSimulation:
+        return _plain_simulation(value, where, depth)
+    setting = _plain_setting(value, where, inner)
+    return _plain_estimator(value, where, inner) if setting is None else setting
+
+
+def _plain_setting(value: Any, where: str, inner: Callable[..., Any]) -> dict[str, Any] | None:
+    """A data type, a slice or the state of a random generator; None of anything else."""
     if isinstance(value, np.dtype) and value.kind in "biuf":
         return {_MARK: "dtype", "name": value.name}
     if type(value) is slice:
@@ -115,8 +128,10 @@ def _plain(value, where, depth):
     if isinstance(value, np.random.RandomState):
         name, keys, place, has_gauss, gauss = value.get_state()
         return {_MARK: "random state", "state": [name, keys, place, has_gauss, gauss]}
-    if type(value) is ValveSimulation:
-        return _plain_simulation(value, where, depth)
+    return None
+
+
+def _plain_estimator(value: Any, where: str, inner: Callable[..., Any]) -> dict[str, Any]:
     name = _name_of(type(value))
     if name is None:
         raise InputError(_refusal(value, where))
@@ -124,13 +139,13 @@ def _plain(value, where, depth):
     for key in state:
         if not _may_hold(type(value), key):
             raise InputError(f"{where} holds {key!r}, which no model file takes back; keep it by joblib.dump")
-    content = {_MARK: "estimator", "class": name}
+    content: dict[str, Any] = {_MARK: "estimator", "class": name}
     if "_metadata_request" in vars(value):
         content["requests"] = inner(value._metadata_request._serialize(), f"{where}.requests")
     return content | {"state": {key: inner(each, f"{where}.{key}") for key, each in state.items()}}
 
 
-def _plain_array(value, where):
+def _plain_array(value: np.ndarray, where: str) -> np.ndarray | dict[str, Any]:
     if value.dtype.kind in "biuf":
         return np.asarray(value)
     if value.dtype.kind in "OU" and all(isinstance(each, str) for each in value.flat):
@@ -138,18 +153,18 @@ def _plain_array(value, where):
     raise InputError(f"{where} is an array of other things than numbers or texts; a model file holds none")
 
 
-def _plain_simulation(simulation, where, depth):
-    given = getattr(simulation, "given_", None)
+def _plain_simulation(simulation: ValveSimulation, where: str, depth: int) -> dict[str, Any]:
+    external = getattr(simulation, "given_", None)
     return {
         _MARK: "simulation",
         "valve": simulation.valve_.to_dict() if hasattr(simulation, "valve_") else None,
         "state": simulation.to_state(),
-        "given": None if given is None else _plain(given, f"{where}.given_", depth + 1),
+        "given": None if external is None else _plain(external, f"{where}.given_", depth + 1),
     }
 
 
-def _name_of(kind):
-    if _OWN.get(kind.__name__) is kind:
+def _name_of(kind: type) -> str | None:
+    if _CLASSES.get(kind.__name__) is kind:
         return kind.__name__
     package, _, module = kind.__module__.partition(".")
     place = module.split(".")[0]
@@ -159,10 +174,10 @@ def _name_of(kind):
     return None
 
 
-def _class_of(name, missing=ValueError):
+def _class_of(name: Any, missing: type[Exception] | None = ValueError) -> type | None:
     """A class by its name in the list; none of its own accord is imported but parts of scikit-learn."""
-    if name in _OWN:
-        return _OWN[name]
+    if name in _CLASSES:
+        return _CLASSES[name]
     parts = name.split(".") if isinstance(name, str) else []
     if len(parts) == 3 and parts[0] == "sklearn" and parts[1] in _OF_SKLEARN:
         module = importlib.import_module(f"sklearn.{parts[1]}")
@@ -176,7 +191,7 @@ def _class_of(name, missing=ValueError):
     raise missing("it names a class that is none of a model file's")
 
 
-def _refusal(value, where):
+def _refusal(value: Any, where: str) -> str:
     kind = type(value)
     if isinstance(value, BaseEstimator):
         what = f"a {kind.__name__}, a kind of which model files hold none"
@@ -191,7 +206,7 @@ def _refusal(value, where):
     return f"{where} is {what}; {mend}"
 
 
-def _made(value, known, depth):
+def _made(value: Any, known: dict[str, Effect], depth: int) -> Any:
     if depth > _DEEPEST:
         raise ValueError("it is nested too deep")
     inner = partial(_made, known=known, depth=depth + 1)
@@ -203,6 +218,13 @@ def _made(value, known, depth):
         return type(value)(inner(each) for each in value)
     if not isinstance(value, dict):
         raise ValueError("it holds something that is no plain data")
+    if value.get(_MARK) == "simulation":
+        return _made_simulation(value, known, depth)
+    return _made_of_mark(value, inner)
+
+
+def _made_of_mark(value: dict[str, Any], inner: Callable[[Any], Any]) -> Any:
+    """What a dict with a mark stands for."""
     kind = value.get(_MARK)
     if kind == "dict":
         return {inner(key): inner(each) for key, each in value["items"]}
@@ -216,14 +238,12 @@ def _made(value, known, depth):
         made = np.random.RandomState()
         made.set_state(tuple(value["state"]))
         return made
-    if kind == "simulation":
-        return _made_simulation(value, known, depth)
     if kind == "estimator":
         return _made_estimator(value, inner)
     raise ValueError("it holds something that is no part of a model")
 
 
-def _made_simulation(value, known, depth):
+def _made_simulation(value: dict[str, Any], known: dict[str, Effect], depth: int) -> ValveSimulation:
     keys = value["state"]["effects"]
     strange = set(keys) - set(known)
     if strange:
@@ -231,16 +251,17 @@ def _made_simulation(value, known, depth):
     effects = tuple(known[key] for key in keys)
     require_sound_state(value["state"], effects)
     made = ValveSimulation.from_state(Valve.from_dict(value["valve"]), value["state"], effects)
-    given = None if value["given"] is None else _made(value["given"], known, depth + 1)
-    if given is not None and not isinstance(given, BaseEstimator):
+    external = None if value["given"] is None else _made(value["given"], known, depth + 1)
+    if external is not None and not isinstance(external, BaseEstimator):
         raise ValueError("the simulation of one's own is no estimator")
-    made.given_ = given
+    made.given_ = external
     return made
 
 
-def _made_estimator(value, inner):
-    kind, state = _class_of(value["class"]), value["state"]
-    made = object.__new__(kind)
+def _made_estimator(value: dict[str, Any], inner: Callable[[Any], Any]) -> BaseEstimator:
+    kind: Any = _class_of(value["class"])
+    state = value["state"]
+    made: Any = object.__new__(kind)
     allowed = set(kind._get_param_names())
     if not isinstance(state, dict) or not allowed <= set(state):
         raise ValueError(f"parameters of {kind.__name__} are missing")
@@ -256,15 +277,18 @@ def _made_estimator(value, inner):
     return made
 
 
-def _may_hold(kind, name):
+def _may_hold(kind: Any, name: str) -> bool:
     """Whether a class may hold an attribute: a parameter, or what is learnt, named with an underscore."""
-    own = name.endswith("_") or name.startswith("_") or name in kind._get_param_names()
+    usual = name.endswith("_") or name.startswith("_") or name in kind._get_param_names()
     return (
-        own and name.isidentifier() and not name.startswith("__") and not callable(getattr(kind, name, None))
+        usual
+        and name.isidentifier()
+        and not name.startswith("__")
+        and not callable(getattr(kind, name, None))
     )
 
 
-def _require_sound(made, kind):
+def _require_sound(made: Any, kind: Any) -> None:
     """Parameters in their ranges, numbers that are finite, parts that are estimators."""
     if hasattr(kind, "_parameter_constraints") and not issubclass(kind, Pipeline | FeatureUnion):
         made._validate_params()
@@ -272,20 +296,31 @@ def _require_sound(made, kind):
         isinstance(made.steps, list) and made.steps and all(_is_step(step) for step in made.steps)
     ):
         raise ValueError("a pipeline has no steps")
-    jobs = getattr(made, "n_jobs", None)
-    if jobs is not None and not (isinstance(jobs, Integral) and abs(jobs) <= _MOST_THREADS):
-        raise ValueError("the number of threads is out of range")
-    width = getattr(made, "n_features_in_", 1)
-    if isinstance(width, bool) or not isinstance(width, Integral) or not width > 0:
-        raise ValueError("the number of columns is none")
+    _require_counts(made)
     if kind is LSSVMRegressor:
-        for name in _FINITE:
-            part = getattr(made, name, None)
-            if part is not None and not (isinstance(part, Real | np.ndarray) and np.isfinite(part).all()):
-                raise ValueError(f"{name} of the LS-SVM holds no finite numbers")
+        _require_finite(made)
 
 
-def _is_step(step):
+def _require_counts(made: Any) -> None:
+    """Numbers of threads and of columns that may be."""
+    jobs: Any = getattr(made, "n_jobs", None)
+    if jobs is not None and not (isinstance(jobs, Integral) and abs(int(jobs)) <= _MOST_THREADS):
+        raise ValueError("the number of threads is out of range")
+    width: Any = getattr(made, "n_features_in_", 1)
+    if isinstance(width, bool) or not isinstance(width, Integral) or not int(width) > 0:
+        raise ValueError("the number of columns is none")
+
+
+def _require_finite(regressor: LSSVMRegressor) -> None:
+    for name in _FINITE:
+        part: Any = getattr(regressor, name, None)
+        if part is not None and not (
+            isinstance(part, Real | np.ndarray) and np.isfinite(np.asarray(part)).all()
+        ):
+            raise ValueError(f"{name} of the LS-SVM holds no finite numbers")
+
+
+def _is_step(step: Any) -> bool:
     """Whether a step of a pipeline is a name and an estimator, or nothing to be done."""
     if not (isinstance(step, list | tuple) and len(step) == 2 and isinstance(step[0], str)):
         return False

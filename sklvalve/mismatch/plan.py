@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A planned test: what to move, what it is expected to tell apart, and the words for it."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -28,22 +31,22 @@ class Pair:
         Distance by this and the test together, should the first of them be true, and the second.
     """
 
-    names: tuple
+    names: tuple[str, str]
     now: float
-    if_true: tuple
+    if_true: tuple[float, float]
 
     @property
-    def expected(self):
+    def expected(self) -> float:
         """The smaller of both distances."""
         return min(self.if_true)
 
     @property
-    def confusion(self):
+    def confusion(self) -> float:
         """Chance that after the test one is taken for the other, Phi(-sqrt(D)/2) [1]."""
         return confusion(self.expected)
 
     @property
-    def told_apart(self):
+    def separates(self) -> bool:
         """Whether the test is expected to tell them apart, with what chance leaves of it in hand."""
         return self.expected >= SURE
 
@@ -82,24 +85,24 @@ class TestPlan:
     sentence: str
     time: np.ndarray
     command: np.ndarray
-    moved: dict = field(default_factory=dict)
+    moved: dict[str, np.ndarray] = field(default_factory=dict)
     sensor: str | None = None
-    pairs: tuple = ()
-    considered: dict = field(default_factory=dict)
+    pairs: tuple[Pair, ...] = ()
+    considered: dict[str, float] = field(default_factory=dict)
     details: str = ""
 
     @property
-    def decides(self):
+    def decides(self) -> bool:
         """Whether the test is expected to tell all explanations apart."""
-        return all(p.told_apart for p in self.pairs)
+        return all(p.separates for p in self.pairs)
 
 
-def confusion(d):
+def confusion(d: float) -> float:
     """Chance that of two explanations at distance D one is taken for the other [1]."""
     return float(norm.cdf(-0.5 * np.sqrt(max(d, 0.0))))
 
 
-def apart(names, distances):
+def apart(names: Sequence[str], distances: np.ndarray) -> list[list[int]]:
     """Explanations in groups: those of different groups a test is expected to tell apart.
 
     Parameters
@@ -123,7 +126,7 @@ def apart(names, distances):
     return groups
 
 
-def appreciable(now, after):
+def appreciable(now: float, after: float) -> bool:
     """Whether a test takes a pair appreciably further apart.
 
     It sets apart what is not apart now, or halves the chance that one is taken for the other.
@@ -138,7 +141,15 @@ def appreciable(now, after):
     return after >= DISTINGUISHABLE or confusion(after) <= _HALF * confusion(now)
 
 
-def told(text, names, now, after, advice, *, alone=False):
+def sentence_of(
+    text: str,
+    names: Sequence[str],
+    now: np.ndarray,
+    after: np.ndarray,
+    advice: Sequence[str],
+    *,
+    alone: bool = False,
+) -> str:
     """What to do and what comes of it, in words.
 
     Parameters
@@ -159,35 +170,56 @@ def told(text, names, now, after, advice, *, alone=False):
     left = [(j, i) for i in range(k) for j in range(i) if sure[i, j] < SURE]
     new = [(j, i) for i in range(k) for j in range(i) if now[i, j] < DISTINGUISHABLE and after[i, j] >= SURE]
     if not new:
-        best = min(left, key=lambda pair: confusion(after[pair]) / confusion(now[pair]))
-        others = _pairs_listed(names, [pair for pair in left if pair != best])
-        return (
-            f"{text}: within the limits this distinguishes {_listed([names[i] for i in best], 'and')} best, "
-            f"but one would still be taken for the other in {_percent(after[best])} of cases "
-            f"({_percent(now[best])} now){f', and it does not tell {others}' if others else ''}. {advice[0]}"
-        )
+        return _sentence_of_the_best_pair(text, names, now, after, left, advice[0])
     groups = apart(names, sure)
-    where = {i: g for g, group in enumerate(groups) for i in group}
-    across = [pair for pair in new if where[pair[0]] != where[pair[1]]]
-    if across:
-        spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
-        shown, not_parted = min(across, key=lambda pair: after[pair]), ""
-    else:
-        # a third explanation stands between those that are told apart
-        shown = max(new, key=lambda pair: after[pair])
-        spoken = _pairs_listed(names, new, " and ")
-        not_parted = f" It does not tell {_pairs_listed(names, left)}."
-    said = (
+    spoken, shown, not_parted = _what_is_parted(names, groups, new, left, after)
+    sentence = (
         f"{text}: this should tell {spoken}{', which moving the command alone does not' if alone else ''} "
         f"(one would be taken for the other in {_percent(after[shown])} of cases, now in "
         f"{_percent(now[shown])}).{not_parted} Diagnose the new recording together with the present one."
     )
-    rest = dict.fromkeys(advice[group[0]] for group in groups if len(group) > 1)
-    return f"{said} For the others: {' '.join(rest)}" if rest else said
+    others = dict.fromkeys(advice[group[0]] for group in groups if len(group) > 1)
+    return f"{sentence} For the others: {' '.join(others)}" if others else sentence
 
 
-def distances_told(names, now, after):
-    """Distances D of a plan for a specialist; the sentence of `told` has the chances that follow from them.
+def _sentence_of_the_best_pair(
+    text: str,
+    names: Sequence[str],
+    now: np.ndarray,
+    after: np.ndarray,
+    left: list[tuple[int, int]],
+    advice: str,
+) -> str:
+    """Words for a program that tells no pair apart for sure."""
+    best = min(left, key=lambda pair: confusion(float(after[pair])) / confusion(float(now[pair])))
+    others = _pairs_listed(names, [pair for pair in left if pair != best])
+    return (
+        f"{text}: within the limits this distinguishes {_listed([names[i] for i in best], 'and')} best, "
+        f"but one would still be taken for the other in {_percent(after[best])} of cases "
+        f"({_percent(now[best])} now){f', and it does not tell {others}' if others else ''}. {advice}"
+    )
+
+
+def _what_is_parted(
+    names: Sequence[str],
+    groups: list[list[int]],
+    new: list[tuple[int, int]],
+    left: list[tuple[int, int]],
+    after: np.ndarray,
+) -> tuple[str, tuple[int, int], str]:
+    """Explanations told apart, the pair whose chances are named, and words for what is not told."""
+    where = {i: g for g, group in enumerate(groups) for i in group}
+    across = [pair for pair in new if where[pair[0]] != where[pair[1]]]
+    if across:
+        spoken = " from ".join(_listed([names[i] for i in group], "or") for group in groups)
+        return spoken, min(across, key=lambda pair: after[pair]), ""
+    # a third explanation stands between those that are told apart
+    shown = max(new, key=lambda pair: after[pair])
+    return _pairs_listed(names, new, " and "), shown, f" It does not tell {_pairs_listed(names, left)}."
+
+
+def distances_in_words(names: Sequence[str], now: np.ndarray, after: np.ndarray) -> str:
+    """Distances D of a plan for a specialist; that of `sentence_of` has the chances that follow from them.
 
     Parameters
     ----------
@@ -207,21 +239,21 @@ def distances_told(names, now, after):
     )
 
 
-def _pairs_listed(names, pairs, joined=", nor "):
+def _pairs_listed(names: Sequence[str], pairs: Sequence[tuple[int, int]], joined: str = ", nor ") -> str:
     return joined.join(" from ".join(names[i].replace("_", " ") for i in pair) for pair in pairs)
 
 
-def _listed(names, joined):
+def _listed(names: Sequence[str], joined: str) -> str:
     names = [name.replace("_", " ") for name in names]
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} {joined} {names[-1]}"
 
 
-def _short(d):
+def _short(d: float) -> str:
     if d < 0.05:
         return "0"
     return f"{d:.0f}" if d >= 9.5 else f"{d:.2g}"
 
 
-def _percent(d):
+def _percent(d: float) -> str:
     share = 100.0 * confusion(d)
     return "less than 0.1 %" if share < 0.1 else f"{share:.2g} %"

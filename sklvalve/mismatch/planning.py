@@ -1,25 +1,35 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Choice of the test that separates the members of a class, or tells the size of its only one."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
 from sklvalve.mismatch.excitation import Advisor, Explanation
 from sklvalve.mismatch.forecast import Surroundings
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.plan import (
     SURE,
     Pair,
     TestPlan,
     appreciable,
     confusion,
-    distances_told,
-    told,
+    distances_in_words,
+    sentence_of,
 )
 from sklvalve.mismatch.programs import MOST_ROWS, TestLimits, as_now, library
 from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.given import ROLES as GIVEN
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.programs import Program
+    from sklvalve.mismatch.rivals import Finding
 
 # explanations that are simulated: the most probable ones
 _MOST = 4
@@ -35,7 +45,9 @@ _ENOUGH = 2.0 * SURE
 _NARROWS = 0.7
 
 
-def planned(problem, findings, limits=None):
+def planned(
+    problem: Problem, findings: Sequence[Finding], limits: TestLimits | None = None
+) -> TestPlan | None:
     """The test that is expected to tell most.
 
     Parameters
@@ -62,27 +74,27 @@ def planned(problem, findings, limits=None):
     return _Choice(advisor, finding, limits).plan()
 
 
-def _advisor(problem, finding):
-    members = list(class_of(finding).items())[:_MOST]
-    touched = {c for _, (_, who, _) in members for c in problem.channels_touched(who.effect)}
+def _advisor(problem: Problem, finding: Finding) -> Advisor:
+    likeliest = list(class_of(finding).items())[:_MOST]
+    touched = {c for _, (_, term, _) in likeliest for c in problem.channels_touched(term.effect)}
 
-    def explanation(name, probability, model):
+    def explanation(name: str, probability: float, model: Model) -> Explanation:
         return Explanation(name, probability, model, problem.misfits(model, touched))
 
-    found = [explanation(name, p, model) for name, (p, _, model) in members]
-    if len(found) == 1:
-        return Advisor(problem, found, None, finding.gain)
-    own = next(r for r in finding.rivals if r.term is finding.term)
-    rest = tuple(m for m in own.model.terms if m is not finding.term)
-    bare = problem.fit(rest, start=own.model)
-    gain = found[0].model.log_likelihood - bare.log_likelihood
-    return Advisor(problem, found, explanation("without", 0.0, bare), gain)
+    explanations = [explanation(name, p, model) for name, (p, _, model) in likeliest]
+    if len(explanations) == 1:
+        return Advisor(problem, explanations, None, finding.gain)
+    in_place = next(r for r in finding.rivals if r.term is finding.term)
+    others = tuple(m for m in in_place.model.terms if m is not finding.term)
+    bare = problem.fit(others, start=in_place.model)
+    gain = explanations[0].model.log_likelihood - bare.log_likelihood
+    return Advisor(problem, explanations, explanation("without", 0.0, bare), gain)
 
 
 class _Ranges:
     """Where and how long the command may move, by a recording and limits."""
 
-    def __init__(self, problem, limits):
+    def __init__(self, problem: Problem, limits: TestLimits) -> None:
         recording = problem.recording
         role = "command" if "command" in recording else "opening"
         command = np.clip(recording[role], 0.0, 1.0)
@@ -101,7 +113,7 @@ class _Ranges:
         # beyond what it has seen a trim learnt from the recording knows nothing
         self.whole = (0.0, 1.0) if problem.trim.known or "flow" not in recording else self.visited
 
-    def programs(self, opening, limits):
+    def programs(self, opening: tuple[float, float], limits: TestLimits) -> list[Program]:
         """Library for a range of the command."""
         return library(*opening, self.about, self.rows, self.step, limits)
 
@@ -109,32 +121,29 @@ class _Ranges:
 class _Choice:
     """Programs within limits, tried on the explanations of a class."""
 
-    def __init__(self, advisor, finding, limits):
+    def __init__(self, advisor: Advisor, finding: Finding, limits: TestLimits | None) -> None:
         self.advisor, self.finding = advisor, finding
         self.names = [e.name for e in advisor.explanations]
         weights = np.array([e.probability for e in advisor.explanations])
         self.weights = np.outer(weights, weights)[np.tril_indices(len(weights), -1)]
-        self.given, self.limits = limits is not None, limits or TestLimits()
+        self.limited, self.limits = limits is not None, limits or TestLimits()
         self.ranges = _Ranges(advisor.problem, self.limits)
         self.now = advisor.now()
         # what the present recording tells apart already speaks for no test
         self.open = self._least(self.now) < DISTINGUISHABLE
         # what was tried, and how much each asks of the process
-        self.tried, self.asks = [], []
+        self.tried: list[tuple[Program, str | None, np.ndarray]] = []
+        self.asks: list[int] = []
 
-    def plan(self):
+    def plan(self) -> TestPlan | None:
         """The best of all, looked at closely; None where none tells more."""
-        close = {}
+        close: dict[int, np.ndarray] = {}
         for asked, (programs, sensor) in enumerate(self._stages()):
-            for program in programs:
-                self.tried.append((program, sensor, self.advisor.distances(program, sensor)))
-                self.asks.append(asked)
+            self._try(programs, sensor, asked)
             if not self.tried:
                 continue
             before = [self._least(d) for _, _, d in self.tried]
-            for k in self._order(before, self.asks)[:_LOOKED_AT]:
-                if k not in close:
-                    close[k] = self.advisor.distances(*self.tried[k][:2], _ROUNDS)
+            self._look_closely(before, close)
             if any(np.all(self._least(d)[self.open] >= SURE) for d in close.values()):
                 break
         if not close:
@@ -144,42 +153,60 @@ class _Choice:
         pairs = zip(self._least(self.now), self._least(close[best]), strict=True)
         if not any(appreciable(now, then) for now, then in pairs):
             return None
-        return self._as_plan(*self.tried[best][:2], close[best], before)
+        program, sensor, _ = self.tried[best]
+        return self._as_plan(program, sensor, close[best], before)
 
-    def _stages(self):
+    def _try(self, programs: Sequence[Program], sensor: str | None, asked: int) -> None:
+        for program in programs:
+            self.tried.append((program, sensor, self.advisor.distances(program, sensor)))
+            self.asks.append(asked)
+
+    def _look_closely(self, before: list[np.ndarray], close: dict[int, np.ndarray]) -> None:
+        """Add closer distances of the programs that look best."""
+        for k in self._order(before, self.asks)[:_LOOKED_AT]:
+            if k not in close:
+                program, sensor, _ = self.tried[k]
+                close[k] = self.advisor.distances(program, sensor, _ROUNDS)
+
+    def _stages(self) -> Iterator[tuple[list[Program], str | None]]:
         """Programs, those first that ask least of the process, and the sensor that they need besides."""
         problem, limits, ranges = self.advisor.problem, self.limits, self.ranges
         recording = problem.recording
         opening = ranges.visited if limits.opening is None else limits.opening
-        first = ranges.programs(opening, limits) if opening[1] - opening[0] > 0.01 + 1e-9 else []
-        more = None if self.given else as_now(recording, ranges.rows)
-        yield ([more, *first] if more else first), None
+        yield self._first_programs(opening), None
         if limits.opening is None and ranges.whole != ranges.visited:
             yield ranges.programs(ranges.whole, limits), None
-        if not self.given and {"p1", "p2"} <= set(recording):
+        if not self.limited and {"p1", "p2"} <= set(recording):
             for pressures, share in _FREER:
                 yield self._with_pressures(replace(limits, pressures=pressures, pressure_share=share)), None
         if problem.coupled and "opening" in limits.sensors and "command" in recording:
-            yield ranges.programs(opening if self.given else ranges.whole, limits), "opening"
+            yield ranges.programs(opening if self.limited else ranges.whole, limits), "opening"
 
-    def _with_pressures(self, freer):
+    def _first_programs(self, opening: tuple[float, float]) -> list[Program]:
+        """What asks least: more of the same, and moves of the command within where it has been."""
+        wide = opening[1] - opening[0] > 0.01 + 1e-9
+        programs = self.ranges.programs(opening, self.limits) if wide else []
+        same = None if self.limited else as_now(self.advisor.problem.recording, self.ranges.rows)
+        return [same, *programs] if same else programs
+
+    def _with_pressures(self, freer: TestLimits) -> list[Program]:
         """Programs that move the first of the pressures, alone or with another."""
         ranges = dict.fromkeys((self.ranges.visited, self.ranges.whole))
         made = [p for r in ranges for p in self.ranges.programs(r, freer) if p.moved]
         return [p for p in made if freer.pressures[0] in p.moved]
 
-    def _least(self, distances):
+    def _least(self, distances: np.ndarray) -> np.ndarray:
         """Of each pair the smaller of both ways."""
         return np.minimum(distances, distances.T)[np.tril_indices(len(self.names), -1)]
 
-    def _order(self, found, asks):
+    def _order(self, distances: list[np.ndarray], asks: Sequence[int]) -> list[int]:
         """Numbers of the programs, the best first.
 
         What they tell apart for sure counts first; then how little they ask of the process; then the least
         distance, as far as it is of use. Where none tells anything apart, the chance that explanations are
         confused counts.
         """
-        table = np.array(found)
+        table = np.array(distances)
         able = self._able(table)
         if able.any():
             weight = ((table >= SURE) * self.weights)[:, able].sum(axis=1)
@@ -189,38 +216,41 @@ class _Choice:
             weight = np.zeros(len(table))
             least = -np.array([[confusion(d) for d in row] for row in table]) @ self.weights
 
-        def rank(k):
+        def rank(k: int) -> tuple[float, ...]:
             asked = asks[k] if able.any() else 0
             return -round(float(weight[k]), 6), asked, -min(float(least[k]), _ENOUGH), k
 
         return sorted(range(len(table)), key=rank)
 
-    def _able(self, table):
+    def _able(self, table: np.ndarray) -> np.ndarray:
         """Pairs that some program tells apart, and the present recording does not."""
         return (table >= SURE).any(axis=0) & self.open
 
-    def _advice(self):
+    def _advice(self) -> list[str]:
         """What the catalogue says of how to tell each of the members."""
-        members = class_of(self.finding)
-        return [members[name][1].effect.separated_by for name in self.names]
+        explanations = class_of(self.finding)
+        return [explanations[name][1].effect.separated_by for name in self.names]
 
-    def _as_plan(self, program, sensor, found, before):
-        both = np.minimum(found, found.T)
+    def _as_plan(
+        self, program: Program, sensor: str | None, distances: np.ndarray, before: list[np.ndarray]
+    ) -> TestPlan:
+        both = np.minimum(distances, distances.T)
         text = program.text
         if sensor is not None:
             text = f"Record the stem position too, and {text[0].lower()}{text[1:]}"
         if np.isfinite(self.limits.rate):
             text += f", never faster than {100 * self.limits.rate:.3g} %/s"
-        less = [self._least(d) for p, _, d in self.tried if not p.moved]
-        alone = bool(program.moved and less) and not self._able(np.array(less)).any()
-        sentence = told(text, self.names, self.now, both, self._advice(), alone=alone)
-        more = len(class_of(self.finding)) - len(self.names)
-        if more > 0:
-            sentence += f" {more} less probable explanation{'s were' if more > 1 else ' was'} not considered."
+        unmoved = [self._least(d) for p, _, d in self.tried if not p.moved]
+        alone = bool(program.moved and unmoved) and not self._able(np.array(unmoved)).any()
+        sentence = sentence_of(text, self.names, self.now, both, self._advice(), alone=alone)
+        omitted = len(class_of(self.finding)) - len(self.names)
+        if omitted > 0:
+            were = "s were" if omitted > 1 else " was"
+            sentence += f" {omitted} less probable explanation{were} not considered."
         ranks = np.array(before)
         able = self._able(ranks)
         shown = ranks[:, able if able.any() else slice(None)].min(axis=1)
-        considered = {}
+        considered: dict[str, float] = {}
         for (tried, _, _), least in zip(self.tried, shown, strict=True):
             considered[tried.name] = max(float(least), considered.get(tried.name, -np.inf))
         k = len(self.names)
@@ -228,16 +258,24 @@ class _Choice:
             Pair(
                 (self.names[j], self.names[i]),
                 float(self.now[i, j]),
-                (float(found[j, i]), float(found[i, j])),
+                (float(distances[j, i]), float(distances[i, j])),
             )
             for i in range(k)
             for j in range(i)
         ]
-        details = distances_told(self.names, self.now, both)
+        details = distances_in_words(self.names, self.now, both)
         return _plan(self.advisor, program, sentence, sensor, pairs, considered, details)
 
 
-def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None, details=""):
+def _plan(
+    advisor: Advisor,
+    program: Program,
+    sentence: str,
+    sensor: str | None = None,
+    pairs: Sequence[Pair] = (),
+    considered: dict[str, float] | None = None,
+    details: str = "",
+) -> TestPlan:
     recording = advisor.problem.recording
     surroundings = Surroundings(recording)
     return TestPlan(
@@ -253,7 +291,7 @@ def _plan(advisor, program, sentence, sensor=None, pairs=(), considered=None, de
     )
 
 
-def _for_its_size(advisor, finding, limits):
+def _for_its_size(advisor: Advisor, finding: Finding, limits: TestLimits) -> TestPlan | None:
     """The program that narrows the interval of an effect's main parameter most."""
     term = finding.rivals[0].term
     best = advisor.explanations[0]

@@ -1,26 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a finder is given, checked, and laid out on the problem."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable
 from copy import copy
 from dataclasses import replace
 from numbers import Integral
+from typing import Any
 
 from sklvalve.mismatch.effects import CATALOGUE, Effect
 from sklvalve.mismatch.effects.gas_expansion import GasExpansion
 from sklvalve.mismatch.effects.spring_fault import knows_air
 from sklvalve.mismatch.gate import effects_switched_off, redraws_the_flow
-from sklvalve.mismatch.hypothesis import begun, is_in
+from sklvalve.mismatch.hypothesis import Term, begun, is_in
 from sklvalve.mismatch.problem import Problem
-from sklvalve.recording import InputError
+from sklvalve.recording import InputError, Recording
 from sklvalve.recording.diagnosable import require_rows
-from sklvalve.simulation import Tolerance
+from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.going_on import going_on
 
 _NAMES = tuple(sorted({e.name for e in CATALOGUE}))
 
 
-def rows_to_use(whole, until):
+def rows_to_use(whole: Recording, until: int | None) -> int:
     """Number of rows of a recording that serve for finding.
 
     Raises
@@ -39,7 +44,12 @@ def rows_to_use(whole, until):
     return used
 
 
-def prepared_problem(recording, simulation=None, tolerance=None, trim=None):
+def prepared_problem(
+    recording: Recording,
+    simulation: ValveSimulation | None = None,
+    tolerance: Tolerance | None = None,
+    trim: Any = None,
+) -> Problem:
     """Problem for a recording and, where one is given, the simulation that it is to be held against.
 
     The simulation's own sheet, tolerance, effects and onsets count; where it was fitted, the values of its
@@ -63,7 +73,9 @@ def prepared_problem(recording, simulation=None, tolerance=None, trim=None):
     InputError
         If the sheet or the simulation names what is no effect, or an effect needs a role that is missing.
     """
-    valve, held, values = recording.valve, (), {}
+    valve = recording.valve
+    held: tuple[Term, ...] = ()
+    values: dict[str, float] = {}
     if simulation is not None:
         tolerance = tolerance or simulation.tolerance
         if simulation.valve is not None:
@@ -78,11 +90,11 @@ def prepared_problem(recording, simulation=None, tolerance=None, trim=None):
             f"{valve.source}: [simulation] physics names {strange[0]!r}, which is no effect; "
             f"the effects are {', '.join(_NAMES)}"
         )
-    more = {"valve": valve, "held": held, "held_values": values, "trim": trim}
-    return Problem(recording, tolerance or Tolerance(), valve.physics, **more)
+    tolerance = tolerance or Tolerance()
+    return Problem(recording, tolerance, valve.physics, valve=valve, held=held, held_values=values, trim=trim)
 
 
-def _held(simulation, recording):
+def _held(simulation: ValveSimulation, recording: Recording) -> tuple[Term, ...]:
     onsets = simulation.onsets or {}
     for effect in simulation.effects:
         if not isinstance(effect, Effect):
@@ -107,26 +119,28 @@ def _held(simulation, recording):
     return tuple(begun(effect, times.get(effect.key)) for effect in simulation.effects)
 
 
-def _made_by_the_drop(problem):
+def _made_by_the_drop(problem: Problem) -> tuple[str, ...]:
     """`by_drop` of effects that a pressure drop which nobody recorded would make just as well."""
     if "flow" not in problem.channels or not drop_is_unknown(problem.recording):
         return ()
     return ("always", "unseen") if problem.coupled else ("always",)
 
 
-def _knows_drive(chain):
+def _knows_drive(chain: Chain) -> bool:
     """Whether what goes on inside an actuator can be simulated without its position."""
     return chain.electric or knows_air(chain)
 
 
-def _throughout(effect):
+def _throughout(effect: Effect) -> Effect:
     """The same effect, there from the first row on or not at all."""
     steady = copy(effect)
     steady.may_begin = False
     return steady
 
 
-def candidates(problem, wanted, data):
+def candidates(
+    problem: Problem, wanted: str | Iterable[str | Effect], data: list[dict[str, Any]]
+) -> tuple[list[Effect], list[dict[str, Any]]]:
     """Effects of the catalogue that a recording can speak for, and what the others would need.
 
     Parameters
@@ -139,7 +153,7 @@ def candidates(problem, wanted, data):
 
     Returns
     -------
-    found : list of Effect
+    testable : list of Effect
     not_testable : list of dict
         ``name`` and ``needs``; and ``applies``, which is False, of what this fluid or actuator cannot have.
 
@@ -148,8 +162,33 @@ def candidates(problem, wanted, data):
     InputError
         If a name is no effect.
     """
+    asked, names = _asked(wanted)
+    off = effects_switched_off(data, asked)
+    # what the opening shows is not hidden by a flow that was drawn anew
+    off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)], asked)
+    by_the_drop = _made_by_the_drop(problem)
+    testable: list[Effect] = []
+    untestable: dict[str, str] = {}
+    for effect in asked:
+        # what the simulation holds already is calibrated, so it cannot be missing
+        if effect.name not in names or is_in(effect, problem.held):
+            continue
+        touched = problem.channels_touched(effect)
+        hidden = off_the_stem if "opening" in touched else off
+        obstacle = _obstacle(problem, effect, touched, hidden, by_the_drop)
+        if obstacle is not None:
+            untestable.setdefault(effect.name, obstacle)
+        else:
+            # what it does to a flow from a moment on, a drop does that changes then
+            steady = by_the_drop and touched == ("flow",) and effect.by_drop == "onset"
+            testable.append(_throughout(effect) if steady else effect)
+    return testable, _not_testable(problem.plain, testable, untestable)
+
+
+def _asked(wanted: str | Iterable[str | Effect]) -> tuple[tuple[Effect, ...], set[str]]:
+    """Effects of the catalogue and the caller's own, and the names of those to be considered."""
     wanted = [wanted] if isinstance(wanted, str) else list(wanted)
-    own = tuple(w for w in wanted if isinstance(w, Effect))
+    added = tuple(w for w in wanted if isinstance(w, Effect))
     names = {w for w in wanted if not isinstance(w, Effect)}
     if "all" in names:
         names = names - {"all"} | set(_NAMES)
@@ -158,51 +197,51 @@ def candidates(problem, wanted, data):
         raise InputError(
             f"effects names {strange[0]!r}, which is no effect; the effects are {', '.join(_NAMES)}"
         )
-    asked = (*CATALOGUE, *(e for e in own if e not in CATALOGUE))
-    off = effects_switched_off(data, asked)
-    # what the opening shows is not hidden by a flow that was drawn anew
-    off_the_stem = effects_switched_off([each for each in data if not redraws_the_flow(each)], asked)
-    found, untestable, by_the_drop = [], {}, _made_by_the_drop(problem)
-    names |= {e.name for e in own}
-    for effect in asked:
-        # what the simulation holds already is calibrated, so it cannot be missing
-        if effect.name not in names or is_in(effect, problem.held):
-            continue
-        missing = [role for role in effect.needs if role not in problem.recording]
-        touched = problem.channels_touched(effect)
-        hidden = off_the_stem if "opening" in touched else off
-        if missing:
-            untestable.setdefault(effect.name, " and ".join(missing))
-        elif effect.by_drop in by_the_drop:
-            untestable.setdefault(effect.name, "p1 and p2")
-        elif effect.name in hidden:
-            untestable.setdefault(effect.name, hidden[effect.name])
-        elif problem.plain.lacks(effect):
-            untestable.setdefault(effect.name, problem.plain.lacks(effect))
-        elif effect.stage == "actuator" and problem.coupled and not _knows_drive(problem.plain):
-            # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
-            untestable.setdefault(effect.name, "a recorded opening, or a data sheet of the actuator")
-        elif effect.possible(problem.plain) and touched:
-            # what it does to a flow from a moment on, a drop does that changes then
-            steady = by_the_drop and touched == ("flow",) and effect.by_drop == "onset"
-            found.append(_throughout(effect) if steady else effect)
-        else:
-            untestable.setdefault(effect.name, effect.requires)
-    tested, never = {e.name for e in found}, _never(problem.plain)
+    return (*CATALOGUE, *(e for e in added if e not in CATALOGUE)), names | {e.name for e in added}
+
+
+def _obstacle(
+    problem: Problem,
+    effect: Effect,
+    touched: tuple[str, ...],
+    hidden: dict[str, str],
+    by_the_drop: tuple[str, ...],
+) -> str | None:
+    """What a recording would need to speak for an effect; None where it does."""
+    missing = [role for role in effect.needs if role not in problem.recording]
+    if missing:
+        return " and ".join(missing)
+    if effect.by_drop in by_the_drop:
+        return "p1 and p2"
+    if effect.name in hidden:
+        return hidden[effect.name]
+    if problem.plain.lacks(effect):
+        return problem.plain.lacks(effect)
+    if effect.stage == "actuator" and problem.coupled and not _knows_drive(problem.plain):
+        # what goes on inside an actuator of which neither sheet nor signal tells cannot be simulated
+        return "a recorded opening, or a data sheet of the actuator"
+    return None if effect.possible(problem.plain) and touched else effect.requires
+
+
+def _not_testable(
+    chain: Chain, testable: Iterable[Effect], untestable: dict[str, str]
+) -> list[dict[str, Any]]:
+    """Effects that cannot be tested in any form, with what they need."""
+    tested, never = {e.name for e in testable}, _never(chain)
     lacking = [{"name": n, "needs": w} for n, w in untestable.items() if n not in tested]
-    return found, [
+    return [
         each | ({"needs": never[each["name"]], "applies": False} if each["name"] in never else {})
         for each in lacking
     ]
 
 
-def _never(chain):
+def _never(chain: Chain) -> dict[str, str]:
     """Effects that a valve of this fluid and actuator cannot have, and what it would have to have."""
     fluid = "gas" if GasExpansion().possible(chain) else "liquid"
-    found = {e.name: f"a {e.fluid}" for e in CATALOGUE if e.fluid not in ("", fluid)}
+    never = {e.name: f"a {e.fluid}" for e in CATALOGUE if e.fluid not in ("", fluid)}
     if chain.electric:
         of_air = "an actuator driven by air"
         moved = [e for e in CATALOGUE if e.requires != of_air]
         motors = {e.name for e in moved if e.stage != "actuator" or e.motor}
-        found |= {name: of_air for name in _NAMES if name not in motors}
-    return found
+        never |= {name: of_air for name in _NAMES if name not in motors}
+    return never

@@ -7,11 +7,18 @@ sealed: a logistic regression of a few facts known to the diagnosis (`borne_out`
 where they were measured).
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.mismatch.borne_out import SEALED, USUAL_P
+from sklvalve.mismatch.effects.base import Effect
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.borne_out import Numbers
 
 #: Findings about the data that make values coarse: thinned by a historian, or read in large steps.
 COARSE = ("compressed", "quantised")
@@ -50,19 +57,19 @@ class Grounds:
     few_signals: bool = False
 
     @property
-    def columns(self):
+    def columns(self) -> tuple[float, float, float, float]:
         """The facts as numbers, in the order of `Numbers.of_grounds`."""
         rarity = -np.log10(max(self.p_value, _LEAST_P)) + np.log10(USUAL_P)
         return float(rarity), float(self.beside), float(self.coarse), float(self.may_vanish)
 
 
-def is_coarse(data):
+def is_coarse(data: list[dict[str, Any]]) -> bool:
     """Whether findings about the data say that values are thinned or read in large steps."""
     kinds = [(each["finding"], each["role"]) for each in data]
     return any(f == COARSE[0] or (f == COARSE[1] and role in _READ_IN_STEPS) for f, role in kinds)
 
 
-def vanishing(effect, parameters):
+def vanishing(effect: Effect, parameters: dict[str, dict[str, Any]]) -> list[str]:
     """Sizes of an effect whose intervals hold the value at which it vanishes, where those of all sizes do.
 
     Parameters
@@ -81,7 +88,7 @@ def vanishing(effect, parameters):
     return list(known) if all(low <= null <= high for null, (low, high) in known.values()) else []
 
 
-def log_odds_of_name(name, held):
+def log_odds_of_name(name: str, held: dict[str, tuple[int, int]]) -> float:
     """Log odds that a class led by a name holds the truth, less those of any class.
 
     Of a name that rarely led a class the odds are drawn towards those of all.
@@ -98,7 +105,7 @@ def log_odds_of_name(name, held):
     return float(np.log(share / (1.0 - share)) - np.log(usual / (1.0 - usual)))
 
 
-def probability_of(grounds, numbers=SEALED):
+def probability_of(grounds: Grounds, numbers: Numbers = SEALED) -> float:
     """Probability that a class holds the truth, of recordings such as it was calibrated on.
 
     Parameters

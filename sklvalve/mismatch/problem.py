@@ -1,22 +1,31 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fits of hypotheses to one recording: a hypothesis is a set of effects, each from its onset on."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from copy import copy
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import Model
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.hypothesis import Model, Term
 from sklvalve.mismatch.noise_of_pieces import noise_of
 from sklvalve.mismatch.sharing import Sharing
 from sklvalve.mismatch.sizes import Sizes
+from sklvalve.recording import Recording, Valve
+from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import (
     channels_of,
     choose_trim,
     span_of,
 )
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.fitting import (
+    ChannelFit,
     Misfit,
     PlainNoise,
     fit_chain,
@@ -54,8 +63,17 @@ class Problem(Sharing, Sizes):
     """
 
     def __init__(
-        self, recording, tolerance, physics, rows=None, *, valve=None, held=(), held_values=None, trim=None
-    ):
+        self,
+        recording: Recording,
+        tolerance: Tolerance,
+        physics: Sequence[str],
+        rows: np.ndarray | None = None,
+        *,
+        valve: Valve | None = None,
+        held: Sequence[Term] = (),
+        held_values: dict[str, float] | None = None,
+        trim: Any = None,
+    ) -> None:
         self.recording, self.tolerance = recording, tolerance
         self.valve = recording.valve if valve is None else valve
         self.rows = rows
@@ -67,13 +85,14 @@ class Problem(Sharing, Sizes):
         self.choking = self.plain.choking
         self.coupled = "opening" not in recording
         self.spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in self.channels}
-        self.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
+        self.noise: dict[str, Any] = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
         # fits and noises found once are kept: in a search the same question comes up many times
-        self._known, self._learnt = {}, {}
+        self._known: dict[tuple, ChannelFit] = {}
+        self._learnt: dict[tuple[str, bool], Any] = {}
         # of an actuator that most rows bear out; `calibrated` finds it
-        self.sound_values: dict = {}
+        self.sound_values: dict[str, float] = {}
 
-    def chain(self, terms, recording=None):
+    def chain(self, terms: Sequence[Term], recording: Recording | None = None) -> Chain:
         """Chain with the effects of a hypothesis, for the recording of the problem or another one."""
         effects, onsets = self.physics_of(terms)
         if recording is None:
@@ -87,7 +106,7 @@ class Problem(Sharing, Sizes):
             choking=self.choking and "p1" in recording and "p2" in recording,
         )
 
-    def holding(self, terms, model):
+    def holding(self, terms: Sequence[Term], model: Model) -> Problem:
         """Problem of the same recording whose simulation holds these effects, as if they had been declared.
 
         Parameters
@@ -106,12 +125,21 @@ class Problem(Sharing, Sizes):
         other._known, other._learnt, other.sound_values = {}, {}, {}
         return other
 
-    def physics_of(self, terms):
+    def physics_of(self, terms: Sequence[Term]) -> tuple[list[Effect], dict[str, Any]]:
         """Effects of a hypothesis, those held included, and the onsets of those that have one."""
         every = (*self.held, *terms)
         return [m.effect for m in every], {m.effect.key: m.times for m in every if m.onset is not None}
 
-    def fit(self, terms, *, start=None, attempt=0, hold=None, rows=None, max_steps=20):
+    def fit(
+        self,
+        terms: Sequence[Term],
+        *,
+        start: Model | None = None,
+        attempt: int = 0,
+        hold: str | None = None,
+        rows: np.ndarray | None = None,
+        max_steps: int = 20,
+    ) -> Model:
         """Fit of a hypothesis.
 
         Parameters
@@ -135,27 +163,34 @@ class Problem(Sharing, Sizes):
         rows = self.rows if rows is None else rows
         chain = self.chain(terms)
         begin = dict(start.values) if start is not None else {}
-        values, spreads, predictions, likelihood = {}, {}, {}, 0.0
+        values: dict[str, float] = {}
+        spreads: dict[str, float] = {}
+        predictions: dict[str, np.ndarray] = {}
+        likelihood = 0.0
         for channels in self._groups(terms):
-            own = self._telling(terms, channels)
-            fixed = self._told_elsewhere(terms, channels, values)
+            fitted_here = self._telling(terms, channels)
+            fixed = self._fitted_elsewhere(terms, channels, values)
             asked = (
                 channels,
                 _signs(self._touching(terms, channels)),
                 tuple(fixed.items()),
-                attempt if own else 0,
+                attempt if fitted_here else 0,
                 hold,
                 max_steps,
                 None if rows is None else rows.tobytes(),
                 tuple(self.noise[c] for c in channels),
             )
-            sign = (*asked, self._origin(chain, begin, own, channels))
+            sign = (*asked, self._origin(chain, begin, fitted_here, channels))
             if sign not in self._known:
-                fit = self._fit_group(chain, channels, own, begin, attempt, hold, fixed, rows, max_steps)
+                fit = self._fit_group(
+                    chain, channels, fitted_here, begin, attempt, hold, fixed, rows, max_steps
+                )
                 self._known[sign] = fit
                 if fit.settled:
                     # begun where it ended it would move by rounding, and all that hangs on its values with it
-                    self._known.setdefault((*asked, self._origin(chain, fit.values, own, channels)), fit)
+                    self._known.setdefault(
+                        (*asked, self._origin(chain, fit.values, fitted_here, channels)), fit
+                    )
             fit = self._known[sign]
             values |= fit.values
             spreads |= fit.spreads
@@ -163,11 +198,24 @@ class Problem(Sharing, Sizes):
             likelihood += fit.log_likelihood
         return Model(terms, chain, values, predictions, likelihood, spreads)
 
-    def _origin(self, chain, begin, own, channels):
+    def _origin(
+        self, chain: Chain, begin: dict[str, float], terms: Sequence[Term], channels: Sequence[str]
+    ) -> tuple[float | None, ...]:
         """Where a fit begins: equal questions from equal starts have equal answers, whoever asks first."""
-        return tuple(begin.get(p.name) for p in self.parameters(chain, channels, own))
+        return tuple(begin.get(p.name) for p in self.parameters(chain, channels, terms))
 
-    def _fit_group(self, chain, channels, terms, begin, attempt, hold, fixed, rows, max_steps):
+    def _fit_group(
+        self,
+        chain: Chain,
+        channels: Sequence[str],
+        terms: Sequence[Term],
+        begin: dict[str, float],
+        attempt: int,
+        hold: str | None,
+        fixed: dict[str, float],
+        rows: np.ndarray | None,
+        max_steps: int,
+    ) -> ChannelFit:
         parameters = self.parameters(chain, channels, terms, attempt)
         if hold is not None:
             fixed = fixed | {
@@ -178,7 +226,7 @@ class Problem(Sharing, Sizes):
             chain, parameters, channels, self.noise, start=begin, fixed=fixed, rows=rows, max_steps=max_steps
         )
 
-    def misfits(self, model, channels):
+    def misfits(self, model: Model, channels: Iterable[str]) -> list[Misfit]:
         """Errors of a fitted hypothesis as functions of its parameters, for the groups of channels named.
 
         Returns
@@ -199,20 +247,20 @@ class Problem(Sharing, Sizes):
             for group in groups
         ]
 
-    def simulate(self, terms, values):
+    def simulate(self, terms: Sequence[Term], values: dict[str, float]) -> Model:
         """A hypothesis with given values, simulated and not fitted."""
         chain = self.chain(terms)
         return Model(tuple(terms), chain, values, simulate_channels(chain, values, self.channels), np.nan, {})
 
-    def residuals(self, model):
+    def residuals(self, model: Model) -> dict[str, np.ndarray]:
         """Recorded minus simulated, by channel."""
         return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
 
-    def use_noise(self, noise):
+    def use_noise(self, noise: dict[str, Any]) -> None:
         """Judge by this noise from now on."""
         self.noise = noise
 
-    def learn_noise(self, model, *, cautious=False, anew=False):
+    def learn_noise(self, model: Model, *, cautious: bool = False, anew: bool = False) -> None:
         """Fit the noise of every channel to what a model leaves over; `cautious` as in `fit_noise`.
 
         A channel that no effect of the model touches keeps what was learnt there before, unless `anew`: the
@@ -237,13 +285,13 @@ class Problem(Sharing, Sizes):
                 self._learnt[c, cautious] = noise[c]
         self.use_noise(noise)
 
-    def noise_settings(self, channel):
+    def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
         counts = self.tolerated(channel) * self.spans[channel]
         return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
     @contextmanager
-    def homoscedastic(self, model, rows=slice(None)):
+    def homoscedastic(self, model: Model, rows: np.ndarray | slice = slice(None)) -> Iterator[None]:
         """Noise of one size in all rows; the best explanation's makes little of a poor one's errors.
 
         The size is that of the residual in `rows`.
@@ -259,18 +307,22 @@ class Problem(Sharing, Sizes):
         finally:
             self.noise = kept
 
-    def least_squares(self, model):
+    def least_squares(self, model: Model) -> Model:
         """A hypothesis fitted for the least error itself, also from its effects' own starts."""
-        own = tuple(f"{m.effect.key}." for m in model.terms)
-        bare = {name: value for name, value in model.values.items() if not own or not name.startswith(own)}
+        prefixes = tuple(f"{m.effect.key}." for m in model.terms)
+        bare = {
+            name: value
+            for name, value in model.values.items()
+            if not prefixes or not name.startswith(prefixes)
+        }
         with self.homoscedastic(model):
             fits = [self.fit(model.terms, start=model, max_steps=15)]
-            for k in range(2 if own and self.coupled else 0):
+            for k in range(2 if prefixes and self.coupled else 0):
                 anew = self.fit(model.terms, start=replace(model, values=bare), attempt=k, max_steps=15)
                 fits.append(anew)
         return max(fits, key=lambda fitted: fitted.log_likelihood)
 
-    def sound(self, model):
+    def sound(self, model: Model) -> Model:
         """A hypothesis with the actuator as most rows have it, simulated and not fitted.
 
         Returns
@@ -282,7 +334,7 @@ class Problem(Sharing, Sizes):
             return model
         return self.judged(self.simulate(model.terms, model.values | self.sound_values))
 
-    def judged(self, model):
+    def judged(self, model: Model) -> Model:
         """A simulated hypothesis with its log likelihood, the distance from the priors included."""
         cost = sum(
             robust_cost(m.errors(m.vector.pack(model.values))) for m in self.misfits(model, self.channels)
@@ -290,5 +342,5 @@ class Problem(Sharing, Sizes):
         return replace(model, log_likelihood=-cost)
 
 
-def _signs(terms):
+def _signs(terms: Iterable[Term]) -> tuple:
     return tuple(sorted((m.sign for m in terms), key=str))

@@ -5,15 +5,24 @@ The noise model takes such moments for outliers, and means over stretches lose t
 to both sides alike, so the sides are counted: what favours one is no noise, however heavy its tails.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d, uniform_filter1d
 from scipy.stats import binom
 
+from sklvalve.mismatch.hypothesis import Model
+from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import flow_moved_by, step_of
 from sklvalve.recording.runs import runs
 from sklvalve.simulation.calibration import drop_is_unknown
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # moments are medians of so many rows, so that one row makes none, about the median of so many around
 _MOMENT, _AROUND = 5, 121
@@ -45,7 +54,7 @@ class Pulses:
     falls : bool
         Whether it is the lower side.
     size : float
-        Rms of the rest about its surroundings in these rows, share of span [1].
+        Rms of the residual about its surroundings in these rows, share of span [1].
     p_value : float
         Chance of sides as unequal where either is as likely as the other, over the share of the level that
         this look has.
@@ -60,16 +69,16 @@ class Pulses:
     channel = "flow"
 
     @property
-    def intervals(self):
+    def intervals(self) -> list[tuple[int, int]]:
         """First row and the one after the last of each moment."""
         return runs(self.rows)
 
 
-def find_pulses(problem, model, alpha):
+def find_pulses(problem: Problem, model: Model, alpha: float) -> Pulses | None:
     r"""Moments in which the flow breaks out to one side of its simulation.
 
-    Of the rest r of the flow, :math:`h = \mathrm{median}_5(r - \mathrm{median}_{121}(r))` is taken, and runs
-    of rows beyond 3.5 times its robust standard deviation are counted above and below. With n moments of
+    Of the residual r of the flow, :math:`h = \mathrm{median}_5(r - \mathrm{median}_{121}(r))` is taken, and
+    runs of rows beyond 3.5 times its robust standard deviation are counted above and below. With n moments of
     which m are on the side of more, chance makes as many with
 
     .. math:: p = 2 \sum_{k \ge m} \binom{n}{k} 2^{-n}
@@ -97,17 +106,17 @@ def find_pulses(problem, model, alpha):
     if "flow" not in problem.channels or problem.coupled or drop_is_unknown(recording):
         return None
     span = problem.spans["flow"]
-    rest, shown = problem.residuals(model)["flow"] / span, model.predictions["flow"] / span
-    usable = np.isfinite(rest) & _settled(shown, recording.spans)
+    residual, shown = problem.residuals(model)["flow"] / span, model.predictions["flow"] / span
+    usable = np.isfinite(residual) & _settled(shown, recording.spans)
     if usable.sum() < _FEWEST_ROWS:
         return None
-    about = _about_surroundings(rest, recording.spans)
+    about = _about_surroundings(residual, recording.spans)
     about -= np.median(about[usable])
     scatter = _NORMAL * np.median(np.abs(about[usable]))
     limit = max(
         _OUT * scatter, _OF_WHAT_COUNTS * problem.least("flow"), _STEPS * _step_in_flow(recording, span)
     )
-    above, below = (_moments(usable & (side * about > limit)) for side in (1.0, -1.0))
+    above, below = (_instants(usable & (side * about > limit)) for side in (1.0, -1.0))
     most, fewest = max(len(above), len(below)), min(len(above), len(below))
     p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)) / _OF_ALPHA)
     if p_value > alpha:
@@ -118,13 +127,13 @@ def find_pulses(problem, model, alpha):
     return Pulses(rows, most, fewest, falls, size, p_value) if size >= problem.least("flow") else None
 
 
-def _step_in_flow(recording, span):
+def _step_in_flow(recording: Recording, span: float) -> float:
     """What the steps of the readings, or what a historian held, may make of the flow, share of span [1]."""
     moved = [flow_moved_by(recording, step_of(recording, role)) for role in ("p1", "p2") if role in recording]
     return max(step_of(recording, "flow") / span, _STEEPEST * step_of(recording, "opening"), *moved, 0.0)
 
 
-def _settled(shown, spans):
+def _settled(shown: np.ndarray, spans: Sequence[tuple[int, int]]) -> np.ndarray:
     """Rows in which something flows, and near which the simulated flow does not move."""
     settled = np.zeros(len(shown), dtype=bool)
     for low, high in spans:
@@ -135,11 +144,11 @@ def _settled(shown, spans):
     return settled
 
 
-def _about_surroundings(rest, spans):
+def _about_surroundings(residual: np.ndarray, spans: Sequence[tuple[int, int]]) -> np.ndarray:
     """Medians of few rows about that of many around, each recording for itself; gaps are left out."""
-    about, known = np.zeros(len(rest)), np.isfinite(rest)
+    about, known = np.zeros(len(residual)), np.isfinite(residual)
     for low, high in spans:
-        piece, seen = rest[low:high], known[low:high]
+        piece, seen = residual[low:high], known[low:high]
         if not seen.any():
             continue
         filled = np.interp(np.arange(len(piece)), np.flatnonzero(seen), piece[seen])
@@ -148,9 +157,10 @@ def _about_surroundings(rest, spans):
     return about
 
 
-def _moments(out):
+def _instants(out: np.ndarray) -> list[int]:
     """First rows of runs of two rows or more, those close behind another one left out."""
-    starts, last = [], -_APART - 1
+    starts: list[int] = []
+    last = -_APART - 1
     for first, end in runs(out):
         if end - first < 2:
             continue
@@ -160,10 +170,10 @@ def _moments(out):
     return starts
 
 
-def _whole(wider, starts):
+def _whole(wider: np.ndarray, starts: Sequence[int]) -> np.ndarray:
     """The runs of a wider mask that hold one of these rows."""
-    rows, starts = np.zeros(len(wider), dtype=bool), np.array(starts)
+    rows, beginnings = np.zeros(len(wider), dtype=bool), np.array(starts)
     for first, end in runs(wider):
-        if np.searchsorted(starts, first) < np.searchsorted(starts, end):
+        if np.searchsorted(beginnings, first) < np.searchsorted(beginnings, end):
             rows[first:end] = True
     return rows

@@ -1,14 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Why a diagnosis names nothing: which check stopped it, how far off it was, and what would change it."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 from sklvalve.mismatch.verdict import class_of
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.goodness_of_fit import LeftOver
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding
 
 # of a larger class the likeliest are named
 _MANY = 4
 _NAMELESS = ("cannot_tell", "none_of_these")
 
 
-def not_upheld(findings):
+def not_upheld(findings: Sequence[Finding]) -> str:
     """The reason where rows that a fit had not seen speak against all that was found."""
     return (
         f"{_begun(_names(findings))} fits all rows, but does not predict rows left out of the fit: at least "
@@ -16,7 +27,7 @@ def not_upheld(findings):
     )
 
 
-def too_much_left(left, findings, problem):
+def too_much_left(left: LeftOver, findings: Sequence[Finding], problem: Problem) -> str:
     """The reason where the flow is further off than noise allows, in the recording's own unit."""
     what = f"With {_names(findings)} the simulation" if findings else "The simulation"
     size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
@@ -27,7 +38,7 @@ def too_much_left(left, findings, problem):
     )
 
 
-def in_recorded(problem, channel, share):
+def in_recorded(problem: Problem, channel: str, share: float) -> str:
     """A share of a channel's span in words, in the unit in which it was recorded."""
     recording = problem.recording
     size = share * problem.spans[channel] * abs(recording.per_si(channel))
@@ -35,7 +46,9 @@ def in_recorded(problem, channel, share):
     return f"{100.0 * size:.2g} % of travel" if unit == "1" else f"{size:.2g} {unit}"
 
 
-def reasons_of(judgement, mend, problem, doubts=()):
+def reasons_of(
+    judgement: Judgement, mend: str | None, problem: Problem, doubts: Sequence[str] = ()
+) -> list[str]:
     """Reasons of a verdict, in plain sentences.
 
     Parameters
@@ -56,49 +69,47 @@ def reasons_of(judgement, mend, problem, doubts=()):
     compared = [] if judgement.referee is None else list(judgement.referee.reasons)
     if judgement.verdict not in _NAMELESS:
         return [*doubts, *compared]
-    found = [*judgement.why, *doubts]
+    reasons = [*judgement.why, *doubts]
     if judgement.strays is not None:
-        found.append(judgement.strays.reason)
+        reasons.append(judgement.strays.reason)
     if judgement.event is not None and not judgement.names_event:
-        found.append(
+        reasons.append(
             "The last rows were compared with a simulation fitted to the rows before them: no effect that "
             "was tried explains half of the difference. A longer recording would tell more."
         )
     elif judgement.change is not None:
-        found.append(
+        reasons.append(
             f"The {judgement.change.channel} changed at one time, and no effect that was tried explains it."
         )
     if judgement.pulses is not None:
-        found.append(
+        reasons.append(
             f"The flow deviates to one side at {judgement.pulses.many} moments and to the other at "
             f"{judgement.pulses.against}: no effect of the catalogue behaves like that."
         )
-    if judgement.unknown is not None:
-        found.append(
+    unknown = judgement.unknown
+    if unknown is not None:
+        size = in_recorded(problem, unknown.channel, unknown.size)
+        reasons.append(
             "No effect that was tried accounts for a predictable deviation of the "
-            f"{judgement.unknown.channel} by {in_recorded(problem, *_of(judgement))}."
+            f"{unknown.channel} by {size}."
         )
-    found += compared
-    return found or [
+    reasons += compared
+    return reasons or [
         "Simulation and recording differ by more than chance, but no single effect that was tried explains "
         "enough to be named."
     ]
 
 
-def _of(judgement):
-    return judgement.unknown.channel, judgement.unknown.size
-
-
-def _names(findings):
+def _names(findings: Sequence[Finding]) -> str:
     """Names of what was found; of a large class the likeliest."""
-    told = []
+    parts = []
     for finding in findings:
         names = [name.replace("_", " ") for name in class_of(finding)]
         if len(names) > _MANY:
             names = [*names[: _MANY - 1], f"one of {len(names) - _MANY + 1} others"]
-        told.append(" or ".join(names))
-    return " and ".join(told) or "the explanation"
+        parts.append(" or ".join(names))
+    return " and ".join(parts) or "the explanation"
 
 
-def _begun(words):
+def _begun(words: str) -> str:
     return words[:1].upper() + words[1:]

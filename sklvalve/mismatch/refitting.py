@@ -1,16 +1,25 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A fitted hypothesis fitted again to some of its rows, by one step of its linearisation."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.linearised import Linearised
 from sklvalve.simulation.fitting import left_of, simulate_channels
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # of a step to first order so much is tried, as long as it makes the rows worse that it should make better
 _SHARES = (1.0, 0.3, 0.1, 0.03)
 
 
-def lines_of(problem, model):
+def lines_of(problem: Problem, model: Model) -> list[Linearised]:
     """A hypothesis linearised, channels that share no parameter each by itself."""
     lines = {}
     for channel in problem.channels:
@@ -19,7 +28,9 @@ def lines_of(problem, model):
     return list(lines.values())
 
 
-def refitted(problem, model, lines, rows):
+def refitted(
+    problem: Problem, model: Model, lines: Sequence[Linearised], rows: np.ndarray
+) -> dict[str, float]:
     """Values fitted to some rows only: one step, shortened where the simulation bends before its end."""
     values = dict(model.values)
     for line in lines:
@@ -34,7 +45,7 @@ def refitted(problem, model, lines, rows):
     return values
 
 
-def _error(problem, made, line, rows):
+def _error(problem: Problem, made: dict[str, np.ndarray], line: Linearised, rows: np.ndarray) -> float:
     """Squared errors of the channels of a line on some rows, each in its own size."""
     return sum(
         np.nansum(left_of(problem.recording, made, c)[rows] ** 2) / problem.spans[c] ** 2

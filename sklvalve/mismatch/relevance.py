@@ -1,13 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether an effect in a fitted hypothesis is one that counts."""
 
+from __future__ import annotations
+
 from dataclasses import fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import own_values, penalised_likelihood
+from sklvalve.mismatch.hypothesis import Model, Term, own_values, penalised_likelihood
 from sklvalve.mismatch.scatter import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.simulation import Tolerance
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # what the model of an effect gets wrong is no physics of its own: without a further effect this many times
 # as much (mean square) must be left over, or it must be a fair share of the strongest and gain in more than
@@ -20,7 +26,7 @@ _OF_A_RIVAL = 0.5
 _AT_AN_END = 1e-3
 
 
-def is_relevant(problem, model, without, threshold):
+def is_relevant(problem: Problem, model: Model, without: Model, threshold: float) -> bool:
     """Whether the last effect of a hypothesis is one more that the recording asks for.
 
     Parameters
@@ -53,7 +59,7 @@ def is_relevant(problem, model, without, threshold):
     return fair and gain_in_spreads(problem, model, without) >= SPREADS
 
 
-def may_explain(problem, model, without):
+def may_explain(problem: Problem, model: Model, without: Model) -> bool:
     """Whether the last effect is of a size to explain anything: what is small or absurd does not.
 
     What a data sheet leaves open may gain a lot and is no mismatch; an explanation that needs all that is
@@ -64,7 +70,7 @@ def may_explain(problem, model, without):
     return counts and not _absurd(model, term)
 
 
-def may_be_instead(problem, model, without):
+def may_be_instead(problem: Problem, model: Model, without: Model) -> bool:
     """Whether the last effect may be what stands in the place of another that counts.
 
     Of one that began it is told already that something did: what made it may be shorter than a response that
@@ -76,7 +82,7 @@ def may_be_instead(problem, model, without):
     return open_to_it and problem.counts(sizes) and not _absurd(model, term)
 
 
-def _absurd(model, term):
+def _absurd(model: Model, term: Term) -> bool:
     """Whether an effect's own size stands at the end of what is physically possible."""
     first = term.effect.quantities(model.chain)[0]
     size, low, high = model.values[f"{term.effect.key}.{first.name}"], first.low, first.high
@@ -85,13 +91,13 @@ def _absurd(model, term):
     return min(size - low, high - size) < _AT_AN_END * (high - low)
 
 
-def _leaves_most(problem, model, without, channel):
+def _leaves_most(problem: Problem, model: Model, without: Model, channel: str) -> bool:
     """Whether without its last effect at least twice as much (mean square) is left over in a channel."""
     left = [np.nanmean(problem.residuals(m)[channel] ** 2) for m in (model, without)]
     return bool(left[1] > _LEFT_WITHOUT * left[0])
 
 
-def beyond_tolerance(problem, model, term):
+def beyond_tolerance(problem: Problem, model: Model, term: Term) -> bool:
     """Whether an effect, as a model has it, lies beyond what a data sheet leaves open.
 
     Beyond by more than a simulation gets wrong of its size: a sound valve may stand at the edge.

@@ -1,12 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Noise of a signal from rows that come back to the same drivers: wander and memory are in it."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.steady import LENGTH, Floor, steady_floor, steady_starts
 from sklvalve.recording.noise import noise_floor
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.steady import Driver
 
 # what rests is averaged over so many rows, and one row in so many is asked
 _AVERAGED = 9
@@ -18,7 +25,9 @@ _PARTNERS, _FEWEST_SETTLED, _FEWEST, _MOST = 3, 100, 60, 1500
 _DEGREE = 3
 
 
-def repeats_floor(values, driver, beside=(), quantum=0.0):
+def repeats_floor(
+    values: np.ndarray, driver: Driver | None, beside: Sequence[Driver] = (), quantum: float = 0.0
+) -> Floor:
     r"""Noise of a signal, from pairs of rows at which all that drives it has come back to the same values.
 
     .. math:: \hat\sigma^2 = \tfrac12 \overline{(\Delta y - g \cdot \Delta d)^2} - \overline{g^2 \sigma_d^2}
@@ -66,7 +75,7 @@ def repeats_floor(values, driver, beside=(), quantum=0.0):
     return Floor(float(np.sqrt(max(variance, quantum**2 / 12.0))), rows)
 
 
-def _settled(values, driver, beside):
+def _settled(values: np.ndarray, driver: Driver, beside: Sequence[Driver]) -> np.ndarray:
     """Rows in which the driver has come to rest, some way from each other."""
     rests = np.zeros(len(values), dtype=bool)
     # means must not reach out of the stretch
@@ -77,27 +86,29 @@ def _settled(values, driver, beside):
     return at[:: max(int(np.ceil(len(at) / _MOST)), 1)]
 
 
-def _averaged(values):
+def _averaged(values: np.ndarray) -> np.ndarray:
     """Means over some rows; what touches a gap is one."""
     return np.convolve(values, np.full(_AVERAGED, 1.0 / _AVERAGED), "same")
 
 
-def _slopes(table, spread, signal):
+def _slopes(table: np.ndarray, spread: np.ndarray, signal: np.ndarray) -> np.ndarray:
     """Slopes of a cubic through the signal, at each row."""
     scaled = (table - table.mean(axis=0)) / spread
     powers = [p for n in range(_DEGREE + 1) for p in combinations_with_replacement(range(scaled.shape[1]), n)]
     columns = np.column_stack([np.prod(scaled[:, list(p)], axis=1) for p in powers])
     weights = np.linalg.lstsq(columns, signal, rcond=1e-8)[0]
-    found = np.zeros_like(scaled)
+    slopes = np.zeros_like(scaled)
     for weight, power in zip(weights, powers, strict=True):
         for one in set(power):
-            rest = list(power)
-            rest.remove(one)
-            found[:, one] += weight * power.count(one) * np.prod(scaled[:, rest], axis=1)
-    return found / spread
+            others = list(power)
+            others.remove(one)
+            slopes[:, one] += weight * power.count(one) * np.prod(scaled[:, others], axis=1)
+    return slopes / spread
 
 
-def _pairs(table, slopes, at, near, apart):
+def _pairs(
+    table: np.ndarray, slopes: np.ndarray, at: np.ndarray, near: float, apart: float
+) -> tuple[np.ndarray, np.ndarray]:
     """Rows and their nearest likes, as two arrays of places."""
     # a slope may vanish by chance: what is alike must be so by the usual one as well
     steep = np.maximum(np.abs(slopes), np.median(np.abs(slopes), axis=0))

@@ -7,16 +7,24 @@ lasts. Where much of the opening is left, the effects are tried without regard t
 so that a stroke missed for long weighs as much as it is wide, and also from a sound actuator.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.hypothesis import penalised_likelihood
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.hypothesis import Model, penalised_likelihood
 from sklvalve.mismatch.onset import fit_with_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # steps of a rough fit; so many effects are fitted to the end
 _STEPS = 6
@@ -25,7 +33,7 @@ _FITTED = 4
 _LEFT = 0.5
 
 
-def much_is_left(problem, model):
+def much_is_left(problem: Problem, model: Model) -> bool:
     """Whether a hypothesis without any actuator effect leaves more of the opening than counts.
 
     Parameters
@@ -42,7 +50,7 @@ def much_is_left(problem, model):
     return _left_of_opening(problem, model) > problem.least("opening") ** 2
 
 
-def restarted(problem, model, effects):
+def restarted(problem: Problem, model: Model, effects: Sequence[Effect]) -> list[Model]:
     """Hypotheses with one actuator effect more, wherever the calibration of the hypothesis so far lies.
 
     Parameters
@@ -63,7 +71,7 @@ def restarted(problem, model, effects):
     if not bent:
         return []
     bases = [model, *([problem.sound(model)] if problem.sound_values else [])]
-    met = {}
+    met: dict[str, list[Model]] = {}
     with problem.homoscedastic(model):
         for base in bases:
             begin = problem.fit(model.terms, start=base, max_steps=_STEPS)
@@ -75,17 +83,17 @@ def restarted(problem, model, effects):
         )
         near = [m for each in best[:_FITTED] for m in each]
         rough = list(parallel_map(lambda m: problem.fit(m.terms, start=m, max_steps=_STEPS), near))
-        chosen = {}
+        chosen: dict[str, Model] = {}
         for m in sorted(rough, key=lambda m: penalised_likelihood(problem, m), reverse=True):
             chosen.setdefault(m.terms[-1].effect.key, m)
         fitted = list(parallel_map(lambda m: _to_the_end(problem, model, m), chosen.values()))
     fitted = list(parallel_map(lambda m: _judged(problem, m), fitted))
     most = _LEFT * _left_of_opening(problem, model)
     left = [(_left_of_opening(problem, m), m) for m in fitted]
-    return [m for rest, m in sorted(left, key=lambda each: each[0]) if rest <= most]
+    return [m for size, m in sorted(left, key=lambda each: each[0]) if size <= most]
 
 
-def _judged(problem, model):
+def _judged(problem: Problem, model: Model) -> Model:
     """A hypothesis under the noise of the problem, fitted from more than where white noise has led it.
 
     Where the simulated stem hunts, no step of a fit gains anything: so the positioner is begun anew too, as
@@ -101,17 +109,17 @@ def _judged(problem, model):
     return max(near or fits[:1], key=lambda m: m.log_likelihood)
 
 
-def _left_of_opening(problem, model):
+def _left_of_opening(problem: Problem, model: Model) -> float:
     """Mean square of what a hypothesis leaves of the opening, beyond the sensor's own noise."""
     floor = problem.noise["opening"].floor
     return float(np.nanmean(problem.residuals(model)["opening"] ** 2)) - floor**2
 
 
-def _to_the_end(problem, model, rough):
+def _to_the_end(problem: Problem, model: Model, rough: Model) -> Model:
     last = rough.terms[-1]
     fitted = problem.fit(rough.terms, start=rough)
     if last.onset is None:
         return fitted
-    rest = replace(model, values=fitted.values)
-    begun = fit_with_onset(problem, rest, last.effect, onset=last.onset, max_steps=15)
+    answered = replace(model, values=fitted.values)
+    begun = fit_with_onset(problem, answered, last.effect, onset=last.onset, max_steps=15)
     return to_the_sample(problem, max(fitted, begun, key=lambda m: m.log_likelihood))

@@ -1,10 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What else could stand in the place of an effect that was found, and how far from it that is."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.hypothesis import Model, Term, begun, is_in, penalised_likelihood
 from sklvalve.mismatch.inference.posterior import distance, posterior
 from sklvalve.mismatch.onset_sample import to_the_sample
@@ -12,6 +17,9 @@ from sklvalve.mismatch.relevance import may_be_instead
 from sklvalve.mismatch.screening import screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
 _FITTED = 4
@@ -55,12 +63,19 @@ class Finding:
     """
 
     term: Term
-    rivals: list
+    rivals: list[Rival]
     gain: float
-    sizes: dict
+    sizes: dict[str, float]
 
 
-def find_rivals(problem, model, effects, report, seen=None, of=None):
+def find_rivals(
+    problem: Problem,
+    model: Model,
+    effects: Sequence[Effect],
+    report: Callable[[float], object] | None,
+    seen: dict[str, Model] | None = None,
+    of: Sequence[Term] | None = None,
+) -> list[Finding]:
     """For each effect found, what else could stand in its place.
 
     Parameters
@@ -81,13 +96,13 @@ def find_rivals(problem, model, effects, report, seen=None, of=None):
     """
     findings = []
     for i, term in enumerate(model.terms if of is None else of):
-        rest = tuple(m for m in model.terms if m is not term)
-        without = problem.fit(rest, start=model)
-        others = [e for e in effects if e.key != term.effect.key and not is_in(e, rest)]
+        other_terms = tuple(m for m in model.terms if m is not term)
+        without = problem.fit(other_terms, start=model)
+        others = [e for e in effects if e.key != term.effect.key and not is_in(e, other_terms)]
         others = [e for e in others if _touch_the_same(problem, e, term.effect)]
         places = [(term, model)]
-        instead = _others_in_place(problem, model, rest, without, others, term, seen or {})
-        places += [(who, fitted) for who, fitted in instead if may_be_instead(problem, fitted, without)]
+        instead = _others_in_place(problem, model, other_terms, without, others, term, seen or {})
+        places += [(place, fitted) for place, fitted in instead if may_be_instead(problem, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = weighed(problem, places, without)
         findings.append(Finding(term, rivals, gain, problem.change(model, without)))
@@ -96,7 +111,7 @@ def find_rivals(problem, model, effects, report, seen=None, of=None):
     return sorted(findings, key=lambda f: f.gain, reverse=True)
 
 
-def without_rival(problem, finding, model, rejected):
+def without_rival(problem: Problem, finding: Finding, model: Model, rejected: Model) -> Finding:
     """A finding without one of its rivals, the others weighed anew.
 
     Parameters
@@ -111,62 +126,74 @@ def without_rival(problem, finding, model, rejected):
     left = [(r.term, r.model) for r in finding.rivals if r.model is not rejected]
     if len(left) == len(finding.rivals):
         return finding
-    rest = tuple(m for m in model.terms if m is not finding.term)
-    return replace(finding, rivals=weighed(problem, left, problem.fit(rest, start=model)))
+    other_terms = tuple(m for m in model.terms if m is not finding.term)
+    return replace(finding, rivals=weighed(problem, left, problem.fit(other_terms, start=model)))
 
 
-def _others_in_place(problem, model, rest, without, others, term, seen):
+def _others_in_place(
+    problem: Problem,
+    model: Model,
+    other_terms: tuple[Term, ...],
+    without: Model,
+    others: Sequence[Effect],
+    term: Term,
+    seen: dict[str, Model],
+) -> list[tuple[Term, Model]]:
     """Other effects in the place of one, each from the best of two calibrations, as (Term, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
-    bare = problem.judged(problem.simulate(rest, model.values))
-    found = {}
+    bare = problem.judged(problem.simulate(other_terms, model.values))
+    best: dict[str, Model] = {}
     for base in (bare, without):
         # no race: a class is to hold all that cannot be told apart, not the best four alone
         rough = screened(problem, base, others, onset=term.times, always=others)
-        worth_it = [
+        promising = [
             k < _FITTED
             or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
             or _alike(m.terms[-1].effect, term.effect)
             for k, m in enumerate(rough)
         ]
-        near = [m for m, fit in zip(rough, worth_it, strict=True) if fit]
-        far = [m for m, fit in zip(rough, worth_it, strict=True) if not fit]
-        _keep_the_best(found, (*parallel_map(lambda m: _fitted(problem, m), near), *far))
+        near = [m for m, fit in zip(rough, promising, strict=True) if fit]
+        far = [m for m, fit in zip(rough, promising, strict=True) if not fit]
+        _keep_the_best(best, (*parallel_map(lambda m: _fitted(problem, m), near), *far))
     met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, term.effect)]
-    there = [_where_it_was_met(problem, model, rest, begun(e, term.times), seen) for e in met]
-    there += _elsewhere(problem, model, rest, term, others)
-    _keep_the_best(found, parallel_map(lambda m: _fitted(problem, m), there))
-    return [(fitted.terms[-1], fitted) for fitted in found.values()]
+    there = [_where_it_was_met(problem, model, other_terms, begun(e, term.times), seen) for e in met]
+    there += _elsewhere(problem, model, other_terms, term, others)
+    _keep_the_best(best, parallel_map(lambda m: _fitted(problem, m), there))
+    return [(fitted.terms[-1], fitted) for fitted in best.values()]
 
 
-def _alike(effect, other):
+def _alike(effect: Effect, other: Effect) -> bool:
     return bool(effect.alike) and effect.alike == other.alike
 
 
-def _may_lie_elsewhere(effect, other):
+def _may_lie_elsewhere(effect: Effect, other: Effect) -> bool:
     """Whether one effect in place of another may ask for a calibration far from the other's."""
     return _alike(effect, other) or {effect.stage, other.stage} <= set(ACTUATOR_STAGES)
 
 
-def _fitted(problem, begin):
+def _fitted(problem: Problem, begin: Model) -> Model:
     return to_the_sample(problem, problem.fit(begin.terms, start=begin))
 
 
-def _keep_the_best(found, models):
+def _keep_the_best(best: dict[str, Model], models: Iterable[Model]) -> None:
     for m in models:
-        before = found.get(m.terms[-1].effect.key)
+        before = best.get(m.terms[-1].effect.key)
         if before is None or m.log_likelihood > before.log_likelihood:
-            found[m.terms[-1].effect.key] = m
+            best[m.terms[-1].effect.key] = m
 
 
-def _where_it_was_met(problem, model, rest, term, seen):
+def _where_it_was_met(
+    problem: Problem, model: Model, other_terms: tuple[Term, ...], term: Term, seen: dict[str, Model]
+) -> Model:
     """A rival to be fitted from where the search met it."""
-    own = (f"{term.effect.key}.", "actuator_")
-    met = {name: value for name, value in seen[term.effect.key].values.items() if name.startswith(own)}
-    return problem.simulate((*rest, term), model.values | met)
+    prefixes = (f"{term.effect.key}.", "actuator_")
+    met = {name: value for name, value in seen[term.effect.key].values.items() if name.startswith(prefixes)}
+    return problem.simulate((*other_terms, term), model.values | met)
 
 
-def _elsewhere(problem, model, rest, term, others):
+def _elsewhere(
+    problem: Problem, model: Model, other_terms: tuple[Term, ...], term: Term, others: Sequence[Effect]
+) -> list[Model]:
     """Rivals in the actuator to be fitted from the calibrations that they ask for themselves."""
     if term.effect.stage not in ACTUATOR_STAGES:
         return []
@@ -174,11 +201,11 @@ def _elsewhere(problem, model, rest, term, others):
     for effect in (e for e in others if e.begins_with):
         largest = {f"{effect.key}.{q.name}": q.starts[-1] for q in effect.quantities(model.chain)}
         values = model.values | dict(effect.begins_with) | largest
-        begun_anew.append(problem.simulate((*rest, begun(effect, term.times)), values))
+        begun_anew.append(problem.simulate((*other_terms, begun(effect, term.times)), values))
     return begun_anew
 
 
-def weighed(problem, places, without):
+def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Model) -> list[Rival]:
     """Explanations in one place, with distances from the best and probabilities, the most probable first.
 
     Parameters
@@ -193,11 +220,11 @@ def weighed(problem, places, without):
     gain = best - without.log_likelihood
     probabilities = posterior(np.array([penalised_likelihood(problem, fitted) for _, fitted in places]), gain)
     rivals = [
-        Rival(who, fitted, float(probability), distance(best, likelihood, gain))
-        for (who, fitted), probability, likelihood in zip(places, probabilities, likelihoods, strict=True)
+        Rival(term, fitted, float(probability), distance(best, likelihood, gain))
+        for (term, fitted), probability, likelihood in zip(places, probabilities, likelihoods, strict=True)
     ]
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
 
 
-def _touch_the_same(problem, effect, other):
+def _touch_the_same(problem: Problem, effect: Effect, other: Effect) -> bool:
     return bool(set(problem.channels_touched(effect)) & set(problem.channels_touched(other)))

@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How far what one explanation gains on another is borne out over time, event by event."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.onset import row_losses
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # what a simulation gets wrong of most effects, share of their size
 SHARE_MISTAKEN = 0.15
@@ -12,7 +20,7 @@ _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
 
 
-def gain_in_spreads(problem, better, other):
+def gain_in_spreads(problem: Problem, better: Model, other: Model) -> float:
     """Log likelihood that one fit gains on another, in standard deviations of its scatter over time.
 
     The scatter is the recording's own, stretch by stretch (Vuong, Econometrica 57, 1989): what one event

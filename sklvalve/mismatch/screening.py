@@ -9,12 +9,21 @@ calibrated simulation, taken once and kept within the bounds of the data sheet.
 It is a race: before every step those leave that cannot come among the best any more, most before the first.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 
+from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.hypothesis import Model, Term, begun, complexity_penalty
 from sklvalve.mismatch.linearised import Linearised
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 # steps of an effect's own parameters; a fit of all that is promising follows
 _STEPS = 3
@@ -24,7 +33,16 @@ _BEST = 4
 _AT_MOST = 3.0
 
 
-def screened(problem, model, effects, *, onset=False, also=(), always=(), report=None):
+def screened(
+    problem: Problem,
+    model: Model,
+    effects: Sequence[Effect],
+    *,
+    onset: Any = False,
+    also: Sequence[tuple[Model, Sequence[Effect]]] = (),
+    always: Sequence[Effect] = (),
+    report: Callable[[float], object] | None = None,
+) -> list[Model]:
     """Hypotheses with one effect more, to first order in the calibration, the most likely first.
 
     Parameters
@@ -51,9 +69,10 @@ def screened(problem, model, effects, *, onset=False, also=(), always=(), report
         cannot come among the best.
     """
     starts = [each for base in ((model, effects), *also) for each in _lines(problem, *base)]
-    left, staying = [], {e.key for e in always}
-    for i, found in enumerate(parallel_map(lambda each: _of_one_effect(problem, *each, onset), starts)):
-        left += found
+    left: list[Trial] = []
+    staying = {e.key for e in always}
+    for i, trials in enumerate(parallel_map(lambda each: _of_one_effect(problem, each, onset), starts)):
+        left += trials
         if report:
             # the starts take about as long as all steps
             report(0.5 * (i + 1) / len(starts))
@@ -66,22 +85,25 @@ def screened(problem, model, effects, *, onset=False, also=(), always=(), report
     return sorted((t.hypothesis() for t in left), key=lambda m: m.log_likelihood, reverse=True)
 
 
-def _lines(problem, model, effects):
+def _lines(
+    problem: Problem, model: Model, effects: Sequence[Effect]
+) -> list[tuple[Model, Linearised, Effect]]:
     """Each effect that changes a channel with the hypothesis, linearised for the channels that it changes."""
     touched = {e.key: problem.channels_touched(e) for e in effects}
     lines = {t: Linearised(problem, model, t) for t in dict.fromkeys(touched.values()) if t}
     return [(model, lines[touched[e.key]], e) for e in effects if touched[e.key]]
 
 
-def _of_one_effect(problem, model, line, effect, onset):
-    given = onset is not False
-    trial = Trial(problem, model, line, begun(effect, onset) if given else Term(effect))
+def _of_one_effect(problem: Problem, start: tuple[Model, Linearised, Effect], onset: Any) -> list[Trial]:
+    model, line, effect = start
+    fixed = onset is not False
+    trial = Trial(problem, model, line, begun(effect, onset) if fixed else Term(effect))
     starts = trial.starts()
     made = trial.simulated(starts)
     gains = [line.gain_at_any_size(errors) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in gains]))
     trial.begin(starts[k], made[k][0], gains[k][0], max(promise for _, promise in gains))
-    if not effect.may_begin or given:
+    if not effect.may_begin or fixed:
         return [trial]
     best = [line.likeliest_onset(errors) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in best]))
@@ -91,9 +113,9 @@ def _of_one_effect(problem, model, line, effect, onset):
     return [trial, late]
 
 
-def _within_reach(trials, staying):
+def _within_reach(trials: Sequence[Trial], staying: set[str]) -> list[Trial]:
     """Trials that may yet come among the best, as far as they promise, and those of effects that stay."""
-    best = {}
+    best: dict[str, float] = {}
     for t in trials:
         best[t.key] = max(t.penalised_likelihood, best.get(t.key, -np.inf))
     last = min(sorted(best.values())[-_BEST:], default=-np.inf)
@@ -118,15 +140,16 @@ class Trial:
         What it would add if it went on as it begins, at any size of either sign.
     """
 
-    def __init__(self, problem, model, line, term):
+    def __init__(self, problem: Problem, model: Model, line: Linearised, term: Term) -> None:
         self.model, self.line, self.term = model, line, term
         self.chain = problem.chain((*model.terms, term))
         self.quantities = term.effect.quantities(self.chain)
         self.misfit = self._misfit(problem, 0)
         self._problem, self._penalty = problem, complexity_penalty(problem, term)
-        self._settled, self._cost = False, None
+        self._settled = False
+        self._cost: float | None = None
 
-    def _misfit(self, problem, attempt):
+    def _misfit(self, problem: Problem, attempt: int) -> Misfit:
         parameters = [q.parameter_of(self.key, attempt) for q in self.quantities]
         return Misfit(
             self.chain,
@@ -138,45 +161,45 @@ class Trial:
         )
 
     @property
-    def key(self):
+    def key(self) -> str:
         """Key of its effect."""
         return self.term.effect.key
 
     @property
-    def penalised_likelihood(self):
+    def penalised_likelihood(self) -> float:
         """Log likelihood of the hypothesis with the effect, less its price."""
         return self.model.log_likelihood + self.gain - self._penalty
 
     @property
-    def reach(self):
+    def reach(self) -> float:
         """What it may come to be worth."""
         return self.model.log_likelihood + _AT_MOST * max(self.gain, self.promise) - self._penalty
 
-    def starts(self):
+    def starts(self) -> list[np.ndarray]:
         """Where the effect's own fits begin."""
         many = max(len(q.starts) for q in self.quantities)
         return [self._inside(self._misfit(self._problem, k).vector.pack({})) for k in range(many)]
 
-    def _inside(self, z):
+    def _inside(self, z: np.ndarray) -> np.ndarray:
         vector = self.misfit.vector
         inside = 1e-6 * (vector.high - vector.low)
         return np.clip(z, vector.low + inside, vector.high - inside)
 
-    def simulated(self, several):
+    def simulated(self, several: Sequence[np.ndarray]) -> list[tuple[dict[str, np.ndarray], np.ndarray]]:
         """Predictions and whitened residuals with the effect's parameters at several points."""
         if "opening" in self.line.channels:
             self.chain.free_runs_ahead([self.misfit.values(z) for z in several])
         made = [self.misfit.predictions(z) for z in several]
         return [(predictions, self._errors_of(predictions)) for predictions in made]
 
-    def _errors_of(self, predictions):
+    def _errors_of(self, predictions: dict[str, np.ndarray]) -> np.ndarray:
         return self.line.with_priors(self.misfit.whitened(predictions))
 
-    def begin(self, z, predictions, gain, promise):
+    def begin(self, z: np.ndarray, predictions: dict[str, np.ndarray], gain: float, promise: float) -> None:
         """Put the effect's parameters at a start that was simulated."""
         self._z, self._predictions, self.gain, self.promise = z, predictions, gain, promise
 
-    def step(self):
+    def step(self) -> None:
         """One step of the effect's own parameters."""
         if self._settled:
             return
@@ -194,16 +217,17 @@ class Trial:
         self.gain = line.cost - self._cost
         self._settled = before - self._cost < 0.5 + 1e-3 * self._cost
 
-    def _moved_to(self, z):
+    def _moved_to(self, z: np.ndarray) -> bool:
         """Whether another point is likelier; if so, the trial stands there."""
         [(predictions, errors)] = self.simulated([z])
         cost, answer = self.line.answered(errors)
+        assert self._cost is not None
         if cost >= self._cost:
             return False
         self._z, self._predictions, self._cost, self._answer = z, predictions, cost, answer
         return True
 
-    def hypothesis(self):
+    def hypothesis(self) -> Model:
         """The hypothesis with the effect as far as it has come."""
         values = self.model.values | self.line.values(self._answer) | self.misfit.vector.values(self._z)
         made = self.line.predictions(self._predictions, self._answer)

@@ -1,14 +1,34 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Which channels share parameters, and which parameters a fit of some channels moves."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.hypothesis import Term
+from sklvalve.recording import Recording, Valve
+from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import flow_parameters, opening_parameters
+from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import ACTUATOR_STAGES
+from sklvalve.simulation.parameters import Parameter
 
 
 class Sharing:
     """Part of a problem: it has ``recording, valve, tolerance, trim, plain, channels, coupled, held``."""
 
-    def channels_touched(self, effect):
+    recording: Recording
+    valve: Valve
+    tolerance: Tolerance
+    trim: Any
+    plain: Chain
+    channels: tuple[str, ...]
+    coupled: bool
+    held: tuple[Term, ...]
+
+    def channels_touched(self, effect: Effect) -> tuple[str, ...]:
         """Channels whose simulation an effect changes."""
         if self.coupled:
             return self.channels
@@ -18,41 +38,49 @@ class Sharing:
             return self.channels
         return tuple(c for c in self.channels if c == "flow")
 
-    def _groups(self, terms):
+    def _groups(self, terms: Iterable[Term]) -> tuple[tuple[str, ...], ...]:
         stages = {m.effect.stage for m in (*self.held, *terms)}
         joined = self.coupled or "position_sensor" in stages
         return (self.channels,) if joined else tuple((c,) for c in sorted(self.channels))
 
-    def calibration(self, channels):
+    def calibration(self, channels: Sequence[str]) -> list[Parameter]:
         """Parameters that the data sheet leaves open for some channels."""
-        found = []
+        parameters: list[Parameter] = []
         if "opening" in channels or self.coupled:
-            found += opening_parameters(self.recording, self.valve, self.tolerance)
+            parameters += opening_parameters(self.recording, self.valve, self.tolerance)
         if "flow" in channels:
             choking = self.plain.choking and self.plain.margin is not None
-            found += flow_parameters(self.recording, self.valve, self.tolerance, self.trim, choking=choking)
+            parameters += flow_parameters(
+                self.recording, self.valve, self.tolerance, self.trim, choking=choking
+            )
         for term in self._telling(self.held, channels):
-            found += [q.parameter_of(term.effect.key) for q in term.effect.quantities(self.plain)]
-        return found
+            parameters += [q.parameter_of(term.effect.key) for q in term.effect.quantities(self.plain)]
+        return parameters
 
-    def parameters(self, chain, channels, terms, attempt=0):
+    def parameters(
+        self, chain: Chain, channels: Sequence[str], terms: Iterable[Term], attempt: int = 0
+    ) -> list[Parameter]:
         """All that a fit of some channels moves: what the sheet leaves open, and what the effects bring."""
         brought = [q.parameter_of(m.effect.key, attempt) for m in terms for q in m.effect.quantities(chain)]
         return self.calibration(channels) + brought
 
-    def _touching(self, terms, channels):
+    def _touching(self, terms: Iterable[Term], channels: Sequence[str]) -> list[Term]:
         return [m for m in terms if set(self.channels_touched(m.effect)) & set(channels)]
 
-    def _telling(self, terms, channels):
+    def _telling(self, terms: Iterable[Term], channels: Sequence[str]) -> list[Term]:
         """Members whose parameters a fit of some channels moves."""
-        return [m for m in self._touching(terms, channels) if not self._is_told_elsewhere(m.effect, channels)]
+        return [
+            m for m in self._touching(terms, channels) if not self._is_fitted_elsewhere(m.effect, channels)
+        ]
 
-    def _is_told_elsewhere(self, effect, channels):
+    def _is_fitted_elsewhere(self, effect: Effect, channels: Sequence[str]) -> bool:
         # what a sensor in the loop reads off is the flow's to tell; the opening shows its stops
         return effect.in_loop and channels == ("opening",) and "flow" in self.channels
 
-    def _told_elsewhere(self, terms, channels, values):
+    def _fitted_elsewhere(
+        self, terms: Iterable[Term], channels: Sequence[str], values: dict[str, float]
+    ) -> dict[str, float]:
         """Parameters, already fitted, of members that these channels show and do not tell."""
         every = [m.effect for m in (*self.held, *terms)]
-        shown = tuple(f"{e.key}." for e in every if self._is_told_elsewhere(e, channels))
+        shown = tuple(f"{e.key}." for e in every if self._is_fitted_elsewhere(e, channels))
         return {name: value for name, value in values.items() if shown and name.startswith(shown)}

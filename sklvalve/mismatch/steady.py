@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Noise of a signal in stretches in which what drives it rests: a floor that no model has a part in."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.recording import Recording
 from sklvalve.recording.noise import noise_floor
 
 # rows of a stretch, and rows of rest before it that let everything settle
 LENGTH, SETTLING = 40, 20
 # a driver rests where it scatters about a straight line by no more than this many times its own variance,
 # and goes no further than this share of its range
-_AT_REST, _FURTHEST = 1.5, 0.02
+_STILL, _FURTHEST = 1.5, 0.02
 # a command has no noise of its own; what moves it less than this moves no stem [1]
-_COMMAND_AT_REST = 1e-3
+_COMMAND_STILL = 1e-3
 _FEWEST = 5
 # stretches this far above the median stretch hold a movement that no driver shows
 _STRANGE = 4.0
@@ -55,7 +59,7 @@ class Driver:
     noise: float
 
 
-def drivers_of(recording, channel):
+def drivers_of(recording: Recording, channel: str) -> tuple[Driver | None, list[Driver]]:
     """What drives a recorded signal.
 
     Parameters
@@ -73,19 +77,21 @@ def drivers_of(recording, channel):
     name = "opening" if channel == "flow" and "opening" in recording else "command"
     if name not in recording or recording.resolution(name) == 0.0:
         return None, []
-    beside = [r for r in ("p1", "p2") if channel == "flow" and r in recording]
-    beside = [_driver(recording, r) for r in beside if recording.resolution(r) > 0.0]
+    pressures = [r for r in ("p1", "p2") if channel == "flow" and r in recording]
+    beside = [_driver(recording, r) for r in pressures if recording.resolution(r) > 0.0]
     return _driver(recording, name), beside
 
 
-def _driver(recording, name):
+def _driver(recording: Recording, name: str) -> Driver:
     if name == "command":
-        return Driver(name, recording[name], _COMMAND_AT_REST)
+        return Driver(name, recording[name], _COMMAND_STILL)
     noise = np.nan_to_num(noise_floor(recording[name]))
     return Driver(name, recording[name], max(noise, recording.resolution(name) / np.sqrt(12.0)))
 
 
-def steady_starts(values, driver, beside=(), every=1):
+def steady_starts(
+    values: np.ndarray, driver: Driver, beside: Sequence[Driver] = (), every: int = 1
+) -> np.ndarray:
     """First rows of stretches of `LENGTH` rows, the driver at rest since `SETTLING` rows before.
 
     Parameters
@@ -111,17 +117,18 @@ def steady_starts(values, driver, beside=(), every=1):
     filled = np.where(known, driver.values, 0.0)
     scatter, drift = _about_lines(filled - filled[known].mean() if known.any() else filled, width)
     whole = np.convolve(known, np.ones(width), "valid") > width - 0.5
-    rests = whole & (scatter <= _AT_REST * driver.noise**2)
+    rests = whole & (scatter <= _STILL * driver.noise**2)
     rests &= np.abs(drift) <= _FURTHEST * np.ptp(driver.values[known]) if known.any() else False
-    starts, free = [], 0
-    for k in np.flatnonzero(rests):
+    starts: list[int] = []
+    free = 0
+    for k in np.flatnonzero(rests).tolist():
         if k >= free:
             starts.append(k + SETTLING)
             free = k + every
     return np.array(starts, dtype=int)
 
 
-def _about_lines(values, width):
+def _about_lines(values: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Variance about a straight line, and rise of that line, in every run of so many rows."""
     t = np.arange(width) - 0.5 * (width - 1)
     total, squares = (np.convolve(v, np.ones(width), "valid") for v in (values, values**2))
@@ -130,7 +137,9 @@ def _about_lines(values, width):
     return np.maximum(left, 0.0) / (width - 2), slope * (width - 1)
 
 
-def steady_floor(values, driver, beside=(), quantum=0.0):
+def steady_floor(
+    values: np.ndarray, driver: Driver | None, beside: Sequence[Driver] = (), quantum: float = 0.0
+) -> Floor:
     """Quick noise of a signal, from stretches in which what drives it rests.
 
     In each stretch the signal scatters about a straight line and about what the pressures beside do in

@@ -6,12 +6,19 @@ from what it leaves finds nothing strange in them. So the rest of the opening is
 valve may leave, window by window: its sensor's noise, what counts, and a share of what it moves.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.stick_slip import sensor_noise
 from sklvalve.recording.runs import runs
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
 
 #: Healthy recordings of a simulated plant with the position recorded in which no stem strays: the third of
 #: their windows is at 0.85 of what a sound valve may leave, or less. The rule was made on half of them.
@@ -47,17 +54,17 @@ class StemResidual:
     size: float
 
     @property
-    def evident(self):
+    def evident(self) -> bool:
         """Whether they are too many for chance."""
         return self.windows >= _EVIDENT
 
     @property
-    def intervals(self):
+    def intervals(self) -> list[tuple[int, int]]:
         """First row and the one after the last of each run of such windows."""
         return runs(self.rows)
 
     @property
-    def reason(self):
+    def reason(self) -> str:
         """What it says, for people."""
         return (
             f"In {self.windows} of {self.of} stretches of {_WINDOW} rows the stem is further from its "
@@ -66,7 +73,7 @@ class StemResidual:
         )
 
 
-def stem_residual(problem, model):
+def stem_residual(problem: Problem, model: Model) -> StemResidual | None:
     r"""Windows of 40 rows in which the recorded stem strays from the simulated one.
 
     .. math:: e > 1.5 \sqrt{\sigma^2 + c^2 + (0.1\, s)^2}
@@ -83,7 +90,7 @@ def stem_residual(problem, model):
 
     Returns
     -------
-    rest : StemRest or None
+    residual : StemResidual or None
         None where no position is recorded, or none is simulated.
     """
     if "opening" not in problem.channels:

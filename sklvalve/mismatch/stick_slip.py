@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Slips of a sticking stem, found as events: what a free run that has lost their times cannot show."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from sklvalve.mismatch.drive_marks import rows_between_readings, rows_late, way_in_a_row
 
@@ -45,11 +48,11 @@ class Slips:
     past: np.ndarray
 
     @property
-    def evident(self):
+    def evident(self) -> bool:
         return len(self.rows) >= _EVIDENT and bool(self.sizes.min() < 0.0 < self.sizes.max())
 
 
-def find_slips(command, opening):
+def find_slips(command: ArrayLike, opening: ArrayLike) -> Slips:
     r"""Slips: the stem rests, jumps within a step, and lands where no command has called it.
 
     A positioner that acts on the error has no reason to carry a stem past its command; friction at rest
@@ -112,7 +115,7 @@ def find_slips(command, opening):
     least = max(_LEAST, _NOISES * noise, _FASTER * way_in_a_row(x, noise))
     behind = _BEHIND + rows_late(u, x, noise)
     jump = np.diff(x)
-    found = []
+    jumps = []
     with np.errstate(invalid="ignore"):
         candidates = np.flatnonzero(np.abs(jump) > least)
     for k in candidates[(candidates >= _BEGINNING) & (candidates < len(x) - 2)]:
@@ -124,12 +127,12 @@ def find_slips(command, opening):
         resting = np.sum(np.abs(jump[k - _BEFORE : k]) < max(_RESTING * size, 4.0 * noise)) >= 2
         # comparisons with NaN are false: a gap nearby leaves the step out
         if resting and stays and past > max(_PAST * size, 4.0 * noise) and np.ptp(near) < _COMMANDED * size:
-            found.append((k, jump[k], past))
-    rows, sizes, beyond = np.array(found, dtype=float).reshape(-1, 3).T
+            jumps.append((k, jump[k], past))
+    rows, sizes, beyond = np.array(jumps, dtype=float).reshape(-1, 3).T
     return Slips(rows.astype(int), sizes, beyond)
 
 
-def sensor_noise(x):
+def sensor_noise(x: np.ndarray) -> float:
     """White noise of a sensor, by how its series bends from row to row."""
     bends = np.diff(x, 2)
     bends = bends[np.isfinite(bends)]

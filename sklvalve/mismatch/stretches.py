@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Long recordings: searched on stretches spread over them, and what is found is fitted to every row."""
 
+from __future__ import annotations
+
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -9,17 +12,24 @@ from sklvalve.mismatch.detect import mismatch_p_value
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.events import simulated
 from sklvalve.mismatch.gathering import without_settling
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.onset import best_onset
 from sklvalve.mismatch.onset_sample import to_the_sample
 from sklvalve.mismatch.prove import correction_holds_out, cross_validated
 from sklvalve.mismatch.pulses import find_pulses
 from sklvalve.mismatch.stem_residual import stem_residual
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding, Rival
 
 #: Rows of one stretch: long beside the slow wander of a meter, short beside a recording of a day.
 STRETCH = 640
 
 
-def stretches_of(recording, most):
+def stretches_of(recording: Recording, most: int | None) -> Recording:
     """Evenly spread stretches of a recording, one behind the other, each with the times of its own.
 
     Parameters
@@ -46,7 +56,7 @@ def stretches_of(recording, most):
     return without_settling(chosen, np.arange(many) * length)
 
 
-def over_the_whole(problem, judged, alpha):
+def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
     """A judgement made on stretches, with its simulations fitted to every row.
 
     Names, classes, and the test for any mismatch stay those of the stretches; parameters, their intervals,
@@ -80,18 +90,18 @@ def over_the_whole(problem, judged, alpha):
     if judged.unknown is None:
         return replace(judged, tried=None)
     tried = cross_validated(problem, model, judged.unknown)
-    kept, told = correction_holds_out(problem, tried, judged.unknown.channel)
-    return replace(judged, tried=tried, kept=kept, errors=told)
+    kept, errors = correction_holds_out(problem, tried, judged.unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=errors)
 
 
-def _seen_in_the_whole(problem, judged, alpha):
+def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
     """A judgement whose rows that speak for themselves are those of the whole; none if that shows none."""
     strays, pulses = judged.strays, judged.pulses
     if strays is None and pulses is None:
         return judged
     if strays is not None:
         strays = stem_residual(problem, judged.nominal)
-        strays = strays if strays.evident else None
+        strays = strays if strays is not None and strays.evident else None
     if pulses is not None:
         pulses = find_pulses(problem, judged.nominal, alpha)
     judged = replace(judged, strays=strays, pulses=pulses)
@@ -101,23 +111,23 @@ def _seen_in_the_whole(problem, judged, alpha):
     return judged
 
 
-def _with_events(problem, model, searched):
+def _with_events(problem: Problem, model: Model, searched: Model) -> Model:
     """A hypothesis with the events that the search told, which change no simulation."""
-    told = tuple(m for m in searched.terms if m.effect in EVENTS)
-    if not told:
+    events = tuple(m for m in searched.terms if m.effect in EVENTS)
+    if not events:
         return model
-    own = tuple(f"{m.effect.key}." for m in told)
-    terms = (*told, *model.terms)
+    prefixes = tuple(f"{m.effect.key}." for m in events)
+    terms = (*events, *model.terms)
     return replace(
         model,
         terms=terms,
         chain=problem.chain(terms),
-        values=model.values | {k: v for k, v in searched.values.items() if k.startswith(own)},
-        spreads=model.spreads | {k: v for k, v in searched.spreads.items() if k.startswith(own)},
+        values=model.values | {k: v for k, v in searched.values.items() if k.startswith(prefixes)},
+        spreads=model.spreads | {k: v for k, v in searched.spreads.items() if k.startswith(prefixes)},
     )
 
 
-def _fitted(problem, model):
+def _fitted(problem: Problem, model: Model) -> Model:
     """A hypothesis fitted to every row, by the noise that it leaves there."""
     # rows between a stretch and the onset that it suggested must not pass for noise
     fitted = _dated(problem, problem.simulate(model.terms, model.values))
@@ -126,46 +136,46 @@ def _fitted(problem, model):
         fitted = problem.fit(fitted.terms, start=fitted)
     for term in fitted.terms:
         if term.onset is not None and not term.effect.grows:
-            rest = tuple(m for m in fitted.terms if m is not term)
-            fitted = to_the_sample(problem, problem.fit((*rest, term), start=fitted))
+            others = tuple(m for m in fitted.terms if m is not term)
+            fitted = to_the_sample(problem, problem.fit((*others, term), start=fitted))
     return fitted
 
 
-def _dated(problem, model):
+def _dated(problem: Problem, model: Model) -> Model:
     """A simulated hypothesis with the onsets that all rows tell; stretches leave hours between them."""
     for term in model.terms:
         if term.onset is None or term.effect.grows or term.switches:
             continue
-        rest = tuple(m for m in model.terms if m is not term)
-        without = problem.simulate(rest, model.values)
-        throughout = problem.simulate((*rest, replace(term, onset=None)), model.values)
+        others = tuple(m for m in model.terms if m is not term)
+        without = problem.simulate(others, model.values)
+        throughout = problem.simulate((*others, replace(term, onset=None)), model.values)
         moved = replace(term, onset=best_onset(problem, without, throughout))
-        model = problem.simulate((*rest, moved), model.values)
+        model = problem.simulate((*others, moved), model.values)
     return model
 
 
-def _finding(problem, finding, model):
+def _finding(problem: Problem, finding: Finding, model: Model) -> Finding:
     """A finding with the parameters of the whole for the effect in place; its rivals stay, as simulated."""
-    own = {m.effect.key: m for m in model.terms}[finding.term.effect.key]
-    searched = next(r.model for r in finding.rivals if r.term.effect.key == own.effect.key)
+    in_place = {m.effect.key: m for m in model.terms}[finding.term.effect.key]
+    searched = next(r.model for r in finding.rivals if r.term.effect.key == in_place.effect.key)
     # all rows are many times those searched: of likelihoods only differences go with the others
-    more = model.log_likelihood - searched.log_likelihood
+    gain = model.log_likelihood - searched.log_likelihood
     rivals = [
-        replace(r, term=own, model=model) if r.model is searched else _rival(problem, r, more)
+        replace(r, term=in_place, model=model) if r.model is searched else _rival(problem, r, gain)
         for r in finding.rivals
     ]
-    return replace(finding, term=own, rivals=rivals)
+    return replace(finding, term=in_place, rivals=rivals)
 
 
-def with_every_row(problem, finding):
+def with_every_row(problem: Problem, finding: Finding) -> Finding:
     """A finding of a part of the rows with its explanations simulated in every row, as they are."""
     rivals = [_rival(problem, r) for r in finding.rivals]
     return replace(finding, rivals=rivals)
 
 
-def _rival(problem, rival, more=0.0):
+def _rival(problem: Problem, rival: Rival, gain: float = 0.0) -> Rival:
     """A rival with every row simulated, its log likelihood larger by so much."""
     model = rival.model
     made = problem.simulate(model.terms, model.values)
-    made = replace(made, log_likelihood=model.log_likelihood + more, spreads=model.spreads)
+    made = replace(made, log_likelihood=model.log_likelihood + gain, spreads=model.spreads)
     return replace(rival, model=made)

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Errors that a recorded motor answers or leaves alone: where a fit of its dead band begins."""
 
+from __future__ import annotations
+
 from functools import lru_cache
 
 import numpy as np
 
+from sklvalve.recording import Recording
+
 # a motor that has not begun to move by then leaves the error alone [s]
 _ANSWERS_WITHIN = 0.8
 # what a position sensor shows of a motor at rest [1]
-_AT_REST = 3e-4
+_STILL = 3e-4
 _FEWEST = 5
 
 
 @lru_cache(maxsize=8)
-def seen_thresholds(recording):
+def seen_thresholds(recording: Recording) -> tuple[tuple[float, float], tuple[float, float] | None] | None:
     """Errors from which on a recorded motor starts, going on and turning [1]; None where few are seen.
 
     Of the errors that it left alone until the next step and of those that it answered, each threshold is the
@@ -35,16 +39,16 @@ def seen_thresholds(recording):
     steps = np.flatnonzero(np.abs(np.diff(command)) > 1e-6) + 1
     many = max(round(_ANSWERS_WITHIN / recording.sample_time), 1)
     ends = np.append(steps[1:], len(x) - 1)
-    seen: dict = {False: [], True: []}
+    seen: dict[bool, list[tuple[float, bool]]] = {False: [], True: []}
     last = 0.0
-    for k, end in zip(steps, ends, strict=True):
+    for k, end in zip(steps.tolist(), ends.tolist(), strict=True):
         before, until = max(k - 1, 0), min(end, k + many)
         error, moved = command[k] - x[k], x[until] - x[k]
-        resting = abs(x[k] - x[before]) < _AT_REST
+        resting = abs(x[k] - x[before]) < _STILL
         if not np.isfinite(error + moved) or not resting or time[until] - time[k] < 0.5 * _ANSWERS_WITHIN:
-            last = np.sign(moved) if abs(moved) > 10.0 * _AT_REST else last
+            last = np.sign(moved) if abs(moved) > 10.0 * _STILL else last
             continue
-        started = abs(moved) > max(2.0 * _AT_REST, 0.2 * abs(error)) and moved * error > 0.0
+        started = abs(moved) > max(2.0 * _STILL, 0.2 * abs(error)) and moved * error > 0.0
         if last != 0.0:
             seen[bool(error * last < 0.0)].append((abs(error), started))
         last = np.sign(moved) if started else last
@@ -54,7 +58,7 @@ def seen_thresholds(recording):
     return limits[0], limits[1]
 
 
-def _limit(events):
+def _limit(events: list[tuple[float, bool]]) -> tuple[float, float] | None:
     """Errors left alone and answered beside the threshold; None where one kind is missing."""
     if len(events) < _FEWEST:
         return None

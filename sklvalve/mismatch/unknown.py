@@ -1,14 +1,23 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What no effect of the catalogue explains: whether the rest can be predicted, from what, and how much."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.mismatch.cycles import find_cycle
 from sklvalve.mismatch.detect import effect_strength
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.low_pass_residual import held_out_errors, low_pass_residual, skills, tuned
 from sklvalve.simulation.calibration import drop_is_unknown
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.low_pass_residual import TunedResidual
+    from sklvalve.mismatch.problem import Problem
 
 _MOST_SHIFTS = 100
 # share of the variance of the slow rest that must be predicted
@@ -37,20 +46,34 @@ class Unknown:
     """
 
     channel: str
-    inputs: tuple
+    inputs: tuple[str, ...]
     size: float
     skill: float
     p_value: float
-    correction: dict
+    correction: dict[str, Any]
     period: float | None = None
 
 
-def find_unknown(problem, model, *, alpha, random_state=0, channels=None):
+def find_unknown(
+    problem: Problem,
+    model: Model,
+    *,
+    alpha: float,
+    random_state: int = 0,
+    channels: Sequence[str] | None = None,
+) -> Unknown | None:
     """The predictable rest alone, as `look_for_residual` finds it; None where there is none."""
     return look_for_residual(problem, model, alpha=alpha, random_state=random_state, channels=channels)[0]
 
 
-def look_for_residual(problem, model, *, alpha, random_state=0, channels=None):
+def look_for_residual(
+    problem: Problem,
+    model: Model,
+    *,
+    alpha: float,
+    random_state: int = 0,
+    channels: Sequence[str] | None = None,
+) -> tuple[Unknown | None, float | None]:
     """Look for a predictable rest in each channel.
 
     The rest is averaged over short stretches in which nothing moves fast, and predicted from slow signals by
@@ -76,25 +99,26 @@ def look_for_residual(problem, model, *, alpha, random_state=0, channels=None):
         Of the strongest rest, one that counts or not; None where none could be learnt.
     """
     rng = np.random.default_rng(random_state)
-    best, effect_strengths = None, []
+    best: Unknown | None = None
+    effect_strengths: list[float] = []
     for channel in problem.channels if channels is None else channels:
         if channel == "flow" and drop_is_unknown(problem.recording):
             # without a recorded pressure drop, a flow residual mostly reflects the unmeasured drop
             continue
         slow = low_pass_residual(problem, model, channel)
-        learnt = None
+        in_channel = None
         if slow is not None:
             learnt = tuned(slow)
             chance = _by_chance(learnt, rng)
-            effect_strengths.append(_strength(problem, channel, learnt, chance))
-            learnt = _in_channel(problem, channel, learnt, chance, alpha)
-        for found in (learnt, _cycle_in(problem, model, channel, alpha)):
-            if found is not None and (best is None or found.size > best.size):
-                best = found
+            effect_strengths.append(_evidence_of(problem, channel, learnt, chance))
+            in_channel = _in_channel(problem, channel, learnt, chance, alpha)
+        for candidate in (in_channel, _cycle_in(problem, model, channel, alpha)):
+            if candidate is not None and (best is None or candidate.size > best.size):
+                best = candidate
     return best, max(effect_strengths, default=None)
 
 
-def _by_chance(learnt, rng):
+def _by_chance(learnt: TunedResidual, rng: np.random.Generator) -> np.ndarray:
     """Skills with the rest shifted against its inputs: the inputs, and all that is dear about them, stay."""
     y = learnt.slow.y
     possible = np.arange(len(y) // 8, len(y) - len(y) // 8)
@@ -102,14 +126,16 @@ def _by_chance(learnt, rng):
     return skills(learnt.held_out, np.column_stack([np.roll(y, s) for s in shifts]))[0]
 
 
-def _strength(problem, channel, learnt, chance):
+def _evidence_of(problem: Problem, channel: str, learnt: TunedResidual, chance: np.ndarray) -> float:
     deviations = (learnt.skill - chance.mean()) / max(float(chance.std()), 1e-12)
     # without a kink where the skill is that of chance, so that no two recordings are alike
     deviations = np.logaddexp(0.0, deviations)
     return effect_strength(deviations, _acting_rms(learnt.predicted) / problem.least(channel))
 
 
-def _in_channel(problem, channel, best, chance, alpha):
+def _in_channel(
+    problem: Problem, channel: str, best: TunedResidual, chance: np.ndarray, alpha: float
+) -> Unknown | None:
     size = _acting_rms(best.predicted)
     if size < problem.least(channel) or best.skill < _LEAST_SKILL:
         return None
@@ -122,7 +148,7 @@ def _in_channel(problem, channel, best, chance, alpha):
     return Unknown(channel, matter, size, float(best.skill), float(p_value), correction)
 
 
-def _cycle_in(problem, model, channel, alpha):
+def _cycle_in(problem: Problem, model: Model, channel: str, alpha: float) -> Unknown | None:
     """A rest of the flow that comes back in time; what makes a stem swing, the actuator's effects say."""
     cycle = find_cycle(problem, model, channel) if channel == "flow" else None
     if cycle is None or cycle.p_value > alpha:
@@ -135,17 +161,17 @@ def _cycle_in(problem, model, channel, alpha):
     if size < problem.least(channel) or best.skill < _LEAST_SKILL:
         return None
     correction = best.correction(channel, problem.spans[channel])
-    told = (f"a cycle of {cycle.period:.3g} s", *best.names[2:])
-    return Unknown(channel, told, size, best.skill, cycle.p_value, correction, cycle.period)
+    inputs = (f"a cycle of {cycle.period:.3g} s", *best.names[2:])
+    return Unknown(channel, inputs, size, best.skill, cycle.p_value, correction, cycle.period)
 
 
-def _acting_rms(predicted):
+def _acting_rms(predicted: np.ndarray) -> float:
     size = np.abs(predicted)
     acting = size > 0.25 * np.quantile(size, 0.99)
     return float(np.sqrt(np.mean(predicted[acting] ** 2))) if acting.any() else 0.0
 
 
-def _inputs_that_matter(tuned):
+def _inputs_that_matter(tuned: TunedResidual) -> tuple[str, ...]:
     """Inputs whose loss costs a good part of the skill."""
     names, skill = tuned.names, tuned.skill
     if len(names) == 1:

@@ -1,26 +1,37 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From fits to words: classes of explanations that the recording cannot tell apart, and the verdict."""
 
+from __future__ import annotations
+
 import re
+from collections.abc import Collection, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.mismatch.decide.constants import RESIDUAL_SHARE
-from sklvalve.mismatch.hypothesis import own_values
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.hypothesis import Model, Term, own_values
 from sklvalve.mismatch.inference.posterior import smallest_class
 from sklvalve.mismatch.intervals import interval_of
 from sklvalve.mismatch.probability import vanishing
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding, Rival
+    from sklvalve.mismatch.unknown import Unknown
 
 # so near to a bound, share of what is possible, a parameter lies at it
 _NEAR_BOUND = 0.02
 
 
-def class_of(finding):
+def class_of(finding: Finding) -> dict[str, tuple[float, Term, Model]]:
     """Members of the smallest class that most likely holds the truth: name -> (probability, Term, Model).
 
     Forms of one effect are one name, with the most probable form's member and model.
     """
-    likeliest: dict = {}
+    likeliest: dict[str, Rival] = {}
     for rival in sorted(finding.rivals, key=lambda r: -r.probability):
         likeliest.setdefault(rival.term.effect.name, rival)
     total = dict.fromkeys(likeliest, 0.0)
@@ -32,7 +43,9 @@ def class_of(finding):
     }
 
 
-def verdict_of(findings, unknown, enough, explained):
+def verdict_of(
+    findings: list[Finding], unknown: Unknown | None, enough: bool, explained: float
+) -> tuple[str, list[Finding]]:
     """Verdict, and the findings that stand.
 
     Parameters
@@ -53,50 +66,50 @@ def verdict_of(findings, unknown, enough, explained):
     return "named", findings
 
 
-def effect_entry(finding, recording, problem):
+def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> dict[str, Any]:
     """The entry of diagnosis.json for one finding, but for how sure it is (`assessed`).
 
     Its probabilities are those among the explanations at hand.
     """
-    members = class_of(finding)
-    _, who, fitted = next(iter(members.values()))
-    total = sum(p for p, _, _ in members.values())
-    values = own_values(who, fitted)
-    entry = {
-        "members": [{"name": n, "probability": float(p)} for n, (p, _, _) in members.items()],
+    explanations = class_of(finding)
+    _, term, fitted = next(iter(explanations.values()))
+    total = sum(p for p, _, _ in explanations.values())
+    values = own_values(term, fitted)
+    entry: dict[str, Any] = {
+        "members": [{"name": n, "probability": float(p)} for n, (p, _, _) in explanations.items()],
         "probability": float(total),
-        "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
+        "blocks": sorted({w.effect.block for _, w, _ in explanations.values()}),
         "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
-        "onset": None if who.onset is None else float(who.onset - fitted.chain.clock[0]),
-        **({"spells": _episodes(who, fitted)} if who.switches else {}),
+        "onset": None if term.onset is None else float(term.onset - fitted.chain.clock[0]),
+        **({"spells": _episodes(term, fitted)} if term.switches else {}),
         "parameters": {},
-        "sentence": _sentence(who, values, who.effect.quantities(fitted.chain), recording),
-        "separated_by": who.effect.separated_by,
+        "sentence": _sentence(term, values, term.effect.quantities(fitted.chain), recording),
+        "separated_by": term.effect.separated_by,
     }
-    for q in who.effect.quantities(fitted.chain):
-        value = fitted.values[f"{who.effect.key}.{q.name}"]
-        told = interval_of(problem, who, fitted, q)
-        entry["parameters"][q.name] = _in_units(q, value, told, recording) | {
-            "unknown_ends": _unknown_ends(q, told)
+    for q in term.effect.quantities(fitted.chain):
+        value = fitted.values[f"{term.effect.key}.{q.name}"]
+        interval = interval_of(problem, term, fitted, q)
+        entry["parameters"][q.name] = _in_units(q, value, interval, recording) | {
+            "unknown_ends": _unknown_ends(q, interval)
         }
     entry["evidence"] = {
         "gain": float(f"{finding.gain:.4g}"),
-        "runner_up": _runner_up(finding, members),
-        "vanishes": vanishing(who.effect, entry["parameters"]),
-        "at_bound": [q.name for q in who.effect.quantities(fitted.chain) if _at_bound(who, fitted, q)],
+        "runner_up": _runner_up(finding, explanations),
+        "vanishes": vanishing(term.effect, entry["parameters"]),
+        "at_bound": [q.name for q in term.effect.quantities(fitted.chain) if _at_bound(term, fitted, q)],
     }
     return entry
 
 
-def _runner_up(finding, members):
+def _runner_up(finding: Finding, in_class: Collection[str]) -> float | None:
     """Distance of the likeliest explanation that is not in the class; None without one."""
-    others = [r.distance for r in finding.rivals if r.term.effect.name not in members]
+    others = [r.distance for r in finding.rivals if r.term.effect.name not in in_class]
     return float(f"{min(others):.4g}") if others else None
 
 
-def _at_bound(who, fitted, quantity):
+def _at_bound(term: Term, fitted: Model, quantity: Quantity) -> bool:
     """Whether the size of an effect ends where physics ends, other than where the effect vanishes."""
-    value, low, high = fitted.values[f"{who.effect.key}.{quantity.name}"], quantity.low, quantity.high
+    value, low, high = fitted.values[f"{term.effect.key}.{quantity.name}"], quantity.low, quantity.high
     if quantity.null is None:
         return False
     if quantity.log:
@@ -105,7 +118,7 @@ def _at_bound(who, fitted, quantity):
     return bool(value >= high - near or (value <= low + near and quantity.low != quantity.null))
 
 
-def _unknown_ends(quantity, ends):
+def _unknown_ends(quantity: Quantity, ends: Sequence[float] | None) -> list[str]:
     """Ends of an interval that are only the bound of what is tried; no effect, and nothing left, are ends."""
     if not ends:
         return []
@@ -118,32 +131,36 @@ def _unknown_ends(quantity, ends):
     ]
 
 
-def _episodes(who, fitted):
+def _episodes(term: Term, fitted: Model) -> list[list[float]]:
     """From when to when an effect acts that comes and goes [s from the first sample]."""
     clock = fitted.chain.clock
-    times = [*who.times, *([clock[-1]] if len(who.times) % 2 else [])]
+    times = [*term.times, *([clock[-1]] if len(term.times) % 2 else [])]
     return [[float(a - clock[0]), float(b - clock[0])] for a, b in zip(times[::2], times[1::2], strict=True)]
 
 
-def _sentence(who, values, quantities, recording):
+def _sentence(
+    term: Term, values: dict[str, float], quantities: Sequence[Quantity], recording: Recording
+) -> str:
     """The effect's own words; pressures in the recording's own unit."""
-    unit, told = "Pa", dict(values)
+    unit, shown = "Pa", dict(values)
     if "p1" in recording:
         unit, scale = recording.unit("p1"), abs(recording.per_si("p1"))
-        told |= {q.name: scale * values[q.name] for q in quantities if q.unit == "Pa"}
-    text = re.sub(r"(?<=\d)%", " %", who.effect.phrase.format(pressure_unit=unit, **told))
+        shown |= {q.name: scale * values[q.name] for q in quantities if q.unit == "Pa"}
+    text = re.sub(r"(?<=\d)%", " %", term.effect.phrase.format(pressure_unit=unit, **shown))
     return text[0].upper() + text[1:] + "."
 
 
-def _in_units(quantity, value, interval, recording):
+def _in_units(
+    quantity: Quantity, value: float, interval: Sequence[float] | None, recording: Recording
+) -> dict[str, Any]:
     """A parameter with its interval; a flow or a pressure in the recording's own unit."""
-    unit, told = quantity.unit, [value, *(interval or ())]
+    unit, numbers = quantity.unit, [value, *(interval or ())]
     if unit == "Pa" and "p1" in recording:
-        told = [float(v * abs(recording.per_si("p1"))) for v in told]
+        numbers = [float(v * abs(recording.per_si("p1"))) for v in numbers]
         unit = recording.unit("p1")
     if unit.startswith(("m3/s", "kg/s")):
         zero = recording.in_recorded_units("flow", np.zeros(1))[0]
-        told = [float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in told]
+        numbers = [float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in numbers]
         unit = recording.unit("flow") + ("/h" if unit.endswith("/s/h") else "")
-    value, *ends = told
+    value, *ends = numbers
     return {"value": float(value), "unit": unit, "ci95": sorted(ends) if ends else None}

@@ -18,7 +18,7 @@ from sklvalve.mismatch.detect import (
     in_counts,
     mismatch_p_value,
 )
-from sklvalve.mismatch.null_reference import EFFECTS, REST, Covariates, relative_to, survival
+from sklvalve.mismatch.null_reference import EFFECTS, RESIDUAL, Covariates, relative_to, survival
 
 USUAL = Covariates(noise=-0.5, travel=0.6, no_opening=0.0, no_drop=0.0)
 CIRCUMSTANCES = st.builds(
@@ -79,17 +79,17 @@ def test_the_reference_knows_the_effects_of_the_catalogue():
     assert set(EFFECTS.usual) == {effect.key for effect in CATALOGUE}
     assert all(0.0 < usual <= 1.0 for usual in EFFECTS.usual.values())
     assert max(EFFECTS.usual.values()) > 2.0 * min(EFFECTS.usual.values())
-    assert REST.usual == {}
+    assert RESIDUAL.usual == {}
 
 
-@pytest.mark.parametrize("table", [EFFECTS, REST])
+@pytest.mark.parametrize("table", [EFFECTS, RESIDUAL])
 @settings(max_examples=50, deadline=None)
 @given(STRENGTHS, st.floats(1e-3, 50.0), CIRCUMSTANCES)
 def test_chance_of_more_falls_with_the_strength(table, value, more, where):
     assert 0.0 < survival(table, value + more, where) < survival(table, value, where) <= 1.0
 
 
-@pytest.mark.parametrize("table", [EFFECTS, REST])
+@pytest.mark.parametrize("table", [EFFECTS, RESIDUAL])
 def test_chance_has_no_step_and_the_tail_goes_on_where_the_quantiles_end(table):
     at = np.array(table.quantiles) * table.typical(USUAL)
     for value, chance in zip(at[1:], np.linspace(1.0, table.above, len(at))[1:], strict=True):
@@ -122,14 +122,14 @@ def test_two_looks_share_the_level():
     alone = survival(EFFECTS, 6.0, USUAL)
     assert mismatch_p_value(Evidence(6.0, None, USUAL)) == pytest.approx(alone)
     assert mismatch_p_value(Evidence(6.0, 0.0, USUAL)) == pytest.approx(1.0 - (1.0 - alone) ** (4.0 / 3.0))
-    rest = survival(REST, 6.0, USUAL)
+    rest = survival(RESIDUAL, 6.0, USUAL)
     assert mismatch_p_value(Evidence(0.0, 6.0, USUAL)) == pytest.approx(1.0 - (1.0 - rest) ** 4.0)
 
 
 def test_p_values_of_drawn_strengths_are_uniform():
     rng, chances = np.random.default_rng(0), []
     grid = np.geomspace(1e-3, 100.0, 4000)
-    laws = [np.array([survival(table, v, USUAL) for v in grid]) for table in (EFFECTS, REST)]
+    laws = [np.array([survival(table, v, USUAL) for v in grid]) for table in (EFFECTS, RESIDUAL)]
     for _ in range(400):
         drawn = [np.interp(rng.random(), law[::-1], grid[::-1]) for law in laws]
         chances.append(mismatch_p_value(Evidence(*map(float, drawn), USUAL)))

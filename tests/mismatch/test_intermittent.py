@@ -8,7 +8,7 @@ from sklvalve.cli import main
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.hypothesis import begun, may_come_and_go
-from sklvalve.mismatch.intermittent import _Course
+from sklvalve.mismatch.intermittent import _SwitchSearch
 from sklvalve.mismatch.noise import NoiseModel
 from sklvalve.mismatch.noise_of_pieces import NoiseOfPieces
 from sklvalve.mismatch.onset import losses_of
@@ -105,12 +105,12 @@ def test_what_a_switch_gains_is_the_difference_of_two_whole_losses(state):
         NoiseModel(np.full(m, 0.7), rng.choice([1.0, 4.0], m), 3.0, 0.4, 90.0, 0.6) for m in (300, n - 300)
     ]
     noise = NoiseOfPieces([(0, 300), (300, n)], noises)
-    time_profile = object.__new__(_Course)
-    time_profile.noise, time_profile.channels, time_profile.rows = {"flow": noise}, ("flow",), n
-    time_profile.adds, time_profile.left = {"flow": adds}, {"flow": left}
+    search = object.__new__(_SwitchSearch)
+    search.noise, search.channels, search.rows = {"flow": noise}, ("flow",), n
+    search.adds, search.left = {"flow": adds}, {"flow": left}
     # one window goes on behind the join, one ends with the recording
     rows = np.array([0, 30, 170, 299, 300, 520, 690])
-    for row, gain in zip(rows, time_profile._gains(rows, state), strict=True):
+    for row, gain in zip(rows, search._gains(rows, state), strict=True):
         toggled = left + (1.0 if state else -1.0) * np.where(np.arange(n) >= row, adds, 0.0)
         losses = [losses_of(noise, each)[row : row + 150].sum() for each in (left, toggled)]
         assert gain == pytest.approx(losses[0] - losses[1], rel=1e-9, abs=1e-9)

@@ -112,7 +112,7 @@ def test_what_grows_may_have_begun_elsewhere_and_grow_faster(bench, monkeypatch)
     ends = {}
     for sizes in ((1.0, 1.0), (0.8, 1.6)):
         monkeypatch.setattr(
-            "sklvalve.mismatch.intervals.course_of_cause",
+            "sklvalve.mismatch.intervals.time_profile_of_cause",
             lambda *_, sizes=sizes: type("Course", (), {"sizes": sizes}),
         )
         ends[sizes] = np.array(_interval(bench, "sedimentation", {"rate": 2e-5}, 1e-7, onset))

@@ -7,7 +7,7 @@ import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.kinds import kind_of_class, kinds_of_members, with_kinds
+from sklvalve.mismatch.kinds import kind_of_class, kinds_of_explanations, with_kinds
 from sklvalve.recording import Valve
 
 EFFECTS = {e.key: e for e in CATALOGUE}
@@ -64,7 +64,7 @@ def test_a_class_of_both_is_either():
     assert kind_of_class(_finding("slew_limit", "dead_time")) == "property"
     assert kind_of_class(_finding("backlash", "stiction")) == "fault"
     assert kind_of_class(_finding("backlash", "dead_time")) == "either"
-    assert kinds_of_members(_finding("backlash", "dead_time")) == {
+    assert kinds_of_explanations(_finding("backlash", "dead_time")) == {
         "backlash": "fault",
         "dead_time": "property",
     }

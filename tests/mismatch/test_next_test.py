@@ -16,7 +16,7 @@ from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.excitation import Advisor, Answer, Explanation
 from sklvalve.mismatch.hypothesis import Term
 from sklvalve.mismatch.next_test import next_test, plan_of
-from sklvalve.mismatch.plan import SURE, Pair, apart, appreciable, confusion, distances_told, told
+from sklvalve.mismatch.plan import SURE, Pair, apart, appreciable, confusion, distances_in_words, sentence_of
 from sklvalve.mismatch.planning import _Choice, planned
 from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.mismatch.programs import library
@@ -179,14 +179,16 @@ def test_groups_hold_what_stays_together():
 def test_words_say_what_is_told_apart_and_what_is_not():
     now, after = np.full((3, 3), 1.0), np.full((3, 3), 40.0)
     after[0, 1] = after[1, 0] = 2.0
-    said = told(
+    said = sentence_of(
         "Do this", ("erosion", "seat_leakage", "clogging"), now, after, ["First.", "Second.", "Third."]
     )
     assert said.startswith("Do this: this should tell erosion or seat leakage from clogging")
     assert "(one would be taken for the other in less than 0.1 % of cases, now in 31 %)" in said
     assert said.endswith("For the others: First.")
     assert "D =" not in said
-    poor = told("Do this", ("erosion", "clogging"), now[:2, :2], np.full((2, 2), 6.0), ["First.", "Second."])
+    poor = sentence_of(
+        "Do this", ("erosion", "clogging"), now[:2, :2], np.full((2, 2), 6.0), ["First.", "Second."]
+    )
     assert (
         "this distinguishes erosion and clogging best, but one would still be taken for the other in 11 % of "
         "cases (31 % now). First." in poor
@@ -195,7 +197,7 @@ def test_words_say_what_is_told_apart_and_what_is_not():
 
 def test_distances_are_for_the_details():
     now, after = np.full((2, 2), 1.0), np.full((2, 2), 40.0)
-    said = distances_told(("erosion", "clogging"), now, after)
+    said = distances_in_words(("erosion", "clogging"), now, after)
     assert "erosion from clogging 1 and 40" in said
     assert "Two can be distinguished from 14 on; a test should promise 28." in said
 
@@ -213,14 +215,16 @@ def test_only_what_chance_cannot_undo_is_promised():
     # what a record shows of D scatters by 2 sqrt(D): nine of ten are beyond the end of a class
     assert norm.cdf((SURE - 14.0) / (2.0 * np.sqrt(SURE))) == pytest.approx(0.907, abs=0.001)
     now, after = np.full((2, 2), 3.0), np.full((2, 2), 20.0)
-    said = told("Do this", ("erosion", "clogging"), now, after, ["First.", "Second."])
+    said = sentence_of("Do this", ("erosion", "clogging"), now, after, ["First.", "Second."])
     assert "one would still be taken for the other in 1.3 % of cases (19 % now)" in said
-    assert not Pair(("erosion", "clogging"), 3.0, (20.0, 60.0)).told_apart
-    assert Pair(("erosion", "clogging"), 3.0, (30.0, 60.0)).told_apart
+    assert not Pair(("erosion", "clogging"), 3.0, (20.0, 60.0)).separates
+    assert Pair(("erosion", "clogging"), 3.0, (30.0, 60.0)).separates
     # a pair that the present recording tells apart needs no more
     now, after = np.full((3, 3), 3.0), np.full((3, 3), 40.0)
     now[0, 2] = now[2, 0] = after[0, 2] = after[2, 0] = 16.0
-    said = told("Do this", ("erosion", "clogging", "backlash"), now, after, ["First.", "Second.", "Third."])
+    said = sentence_of(
+        "Do this", ("erosion", "clogging", "backlash"), now, after, ["First.", "Second.", "Third."]
+    )
     assert "should tell erosion from clogging from backlash" in said
     assert "For the others" not in said
 
@@ -229,11 +233,11 @@ def test_words_tell_the_pair_that_grows_and_those_that_stay():
     names, advice = ("two_phase", "cavitation", "choked_flow"), ["Bleed.", "Listen.", "Lower p2."]
     now = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 5.0], [9.0, 5.0, 0.0]])
     after = np.array([[0.0, 2.3, 32.0], [2.3, 0.0, 6.0], [32.0, 6.0, 0.0]])
-    said = told("Do this", names, now, after, advice)
+    said = sentence_of("Do this", names, now, after, advice)
     assert "should tell two phase from choked flow (one would be taken for the other in 0.23 % of" in said
     assert "It does not tell two phase from cavitation, nor cavitation from choked flow." in said
     poor = np.array([[0.0, 2.3, 9.0], [2.3, 0.0, 12.0], [9.0, 12.0, 0.0]])
-    said = told("Do this", names, now, poor, advice)
+    said = sentence_of("Do this", names, now, poor, advice)
     assert "this distinguishes cavitation and choked flow best, but one would still be taken" in said
     assert "and it does not tell two phase from cavitation, nor two phase from choked flow. Bleed." in said
 

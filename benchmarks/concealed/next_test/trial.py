@@ -55,7 +55,7 @@ def _judged(stand):
             "names": list(p.names),
             "now": round(p.now, 1),
             "expected": round(p.expected, 1),
-            "told_apart": bool(p.told_apart),
+            "told_apart": bool(p.separates),
         }
         for p in plan.pairs
     ]

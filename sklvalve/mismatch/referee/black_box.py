@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The rival that knows no physics: an LS-SVM on the signals, or in a closed loop responses of one sign."""
 
+from __future__ import annotations
+
 from itertools import pairwise
 
 import numpy as np
@@ -10,6 +12,7 @@ from sklvalve.lssvm.held_out import least_in_error
 from sklvalve.mismatch.loop.process import forecast_command
 from sklvalve.mismatch.referee.feedback import driver_of, filled
 from sklvalve.mismatch.referee.one_sign import one_sign_prediction
+from sklvalve.recording import Recording
 
 LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
 _MOST_ROWS = 1500
@@ -20,7 +23,9 @@ _TUNED_ON = 600
 _GAMMAS, _WEIGHTS = (0.01, 0.05, 0.2), (1000.0, 10.0)
 
 
-def black_box_prediction(recording, channel, train, *, closed=False, at=None):
+def black_box_prediction(
+    recording: Recording, channel: str, train: np.ndarray, *, closed: bool = False, at: slice | None = None
+) -> np.ndarray:
     """Prediction of a channel by a black box that saw the `train` rows only.
 
     Parameters
@@ -52,7 +57,9 @@ def black_box_prediction(recording, channel, train, *, closed=False, at=None):
     return LSSVMRegressor(gamma=gamma, C=C).fit(Z[many], y[many]).predict(Z[at]) * size
 
 
-def _learnt_from(recording, channel, train):
+def _learnt_from(
+    recording: Recording, channel: str, train: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float] | None:
     """Rows to learn from, scaled inputs and values of all rows, and the values' unit; None where too few."""
     X, y = lagged_signals(recording, channel), recording[channel]
     rows = np.flatnonzero(train & np.isfinite(y))
@@ -64,13 +71,13 @@ def _learnt_from(recording, channel, train):
     return rows, (X - X[rows].mean(axis=0)) / (X[rows].std(axis=0) + 1e-12), y / size, size
 
 
-def _best(rows, Z, y):
+def _best(rows: np.ndarray, Z: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     """Width of the kernel and weight of the errors that predict quarters of the rows best."""
     few = rows[:: max(len(rows) // _TUNED_ON, 1)]
     return least_in_error(Z[few], y[few], gammas=_GAMMAS, Cs=_WEIGHTS, blocks=_quarters(len(few)))
 
 
-def lagged_signals(recording, channel):
+def lagged_signals(recording: Recording, channel: str) -> np.ndarray:
     """Inputs of the LS-SVM: the driver with its lags, and pressures and temperature as they are."""
     signal = filled(recording[driver_of(recording, channel)])
     columns = [np.concatenate([np.full(k, signal[0]), signal[: len(signal) - k]]) for k in LAGS]
@@ -80,7 +87,7 @@ def lagged_signals(recording, channel):
     return np.column_stack(columns)
 
 
-def _of_one_sign(recording, channel, train):
+def _of_one_sign(recording: Recording, channel: str, train: np.ndarray) -> np.ndarray:
     driver, value = filled(recording[driver_of(recording, channel)]), filled(recording[channel])
     weight = None
     if channel == "flow" and "p1" in recording and "p2" in recording:
@@ -90,5 +97,5 @@ def _of_one_sign(recording, channel, train):
     return one_sign_prediction(driver, value, train, forecast=forecast, weight=weight)
 
 
-def _quarters(n):
+def _quarters(n: int) -> list[slice]:
     return [slice(low, high) for low, high in pairwise(np.linspace(0, n, 5).astype(int))]

@@ -1,13 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """How the simulation, before and after its correction, compares with a black box on rows ahead in time."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.decide.constants import MARGIN, MARGIN_OF_A_DROP
 from sklvalve.mismatch.origins import enough
 from sklvalve.simulation.calibration import drop_is_unknown
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.referee.forward import Forward
 
 _TINY = 1e-300
 
@@ -37,32 +45,32 @@ class Compared:
 
     channel: str
     rows: int
-    rmse: dict
-    losses: dict
+    rmse: dict[str, float]
+    losses: dict[str, float]
     consistent: int
     exogenous: bool
     closed: bool
     stretches: int = 4
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Error of the corrected simulation over that of the black box."""
         return self.rmse["corrected"] / max(self.rmse["black_box"], _TINY)
 
     @property
-    def clearly_better(self):
+    def clearly_better(self) -> bool:
         """Whether the black box is better by the margin, by more than what counts, and nearly everywhere."""
         gap = self.losses["corrected"] - self.losses["black_box"]
         asked = enough(self.stretches) if self.exogenous else self.stretches
         return self.ratio >= self.margin and gap >= 1.0 and self.consistent >= asked
 
     @property
-    def margin(self):
+    def margin(self) -> float:
         """Ratio from which on the black box is clearly better."""
         return MARGIN if self.exogenous else MARGIN_OF_A_DROP
 
 
-def compare(problem, forward):
+def compare(problem: Problem, forward: Forward) -> tuple[Compared, ...]:
     """Errors of every channel that can be forecast.
 
     Parameters
@@ -74,7 +82,7 @@ def compare(problem, forward):
     -------
     compared : tuple of Compared
     """
-    found = []
+    compared = []
     for c in problem.channels:
         recorded = problem.recording[c]
         errors = {kind: recorded - made[c] for kind, made in forward.predictions.items()}
@@ -89,7 +97,7 @@ def compare(problem, forward):
         )
         means = {kind: float(s.sum() / known.sum()) for kind, s in squares.items()}
         size = max((problem.least(c) * problem.spans[c]) ** 2, _TINY)
-        found.append(
+        compared.append(
             Compared(
                 c,
                 int(known.sum()),
@@ -101,22 +109,22 @@ def compare(problem, forward):
                 len(spans),
             )
         )
-    return tuple(found)
+    return tuple(compared)
 
 
-def pooled(compared, kind):
+def pooled(compared: Iterable[Compared], kind: str) -> float:
     """Mean square error of all channels together, each in units of what counts [1]."""
     return float(sum(each.losses[kind] for each in compared))
 
 
-def share_explained(compared):
+def share_explained(compared: Sequence[Compared]) -> float | None:
     """Share of what can be forecast beyond the nominal that the correction accounts for; None without any."""
     before, after = pooled(compared, "nominal"), pooled(compared, "corrected")
     best = sum(min(each.losses["black_box"], each.losses["corrected"]) for each in compared)
     return (before - after) / (before - best) if before - best > 0.0 else None
 
 
-def skills_ahead(problem, compared):
+def skills_ahead(problem: Problem, compared: Iterable[Compared]) -> dict[str, float | None]:
     """Share of the squared error beyond noise that a correction removes from rows ahead in time, by channel.
 
     Parameters

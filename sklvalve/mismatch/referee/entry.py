@@ -1,10 +1,18 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The ``referee`` part of diagnosis.json."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from sklvalve.mismatch.decide.constants import MARGIN
+from sklvalve.recording import Recording
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.referee.decision import Referee
 
 
-def referee_entry(referee, recording):
+def referee_entry(referee: Referee, recording: Recording) -> dict[str, Any]:
     """Errors on rows ahead in time, in the recording's own units, and what they allow to be said.
 
     Parameters

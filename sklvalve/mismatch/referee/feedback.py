@@ -1,22 +1,28 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Whether a controller answers the value: then its command holds the value's own past."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+
 import numpy as np
+
+from sklvalve.recording import Recording
 
 #: Log likelihood that the value must add to a forecast of the driver: seven coefficients that mean nothing
 #: add 12 nats in one of a thousand recordings (chi-squared law).
 ANSWERS_FROM = 12.0
-_OWN_LAGS = 4
+_DRIVER_LAGS = 4
 # rows over which the residual is averaged before it is held against the driver's next step
 _WINDOWS = (1, 2, 4, 10, 30, 100)
 
 
-def driver_of(recording, channel):
+def driver_of(recording: Recording, channel: str) -> str:
     """Role that drives a channel: the opening a flow where it is recorded, else the command."""
     return "command" if channel == "opening" or "opening" not in recording else "opening"
 
 
-def answers(driver, value, simulated):
+def answers(driver: np.ndarray, value: np.ndarray, simulated: np.ndarray) -> float:
     r"""Log likelihood that a value adds to a forecast of its driver's next step [nats].
 
     .. math:: \Delta u_t = \sum_k a_k \Delta u_{t-k} + b\, u_{t-1} + \sum_w c_w\, \bar r_{t-1, w}
@@ -49,16 +55,16 @@ def answers(driver, value, simulated):
     rows = np.arange(first, len(driver))
     steps = np.diff(driver, prepend=driver[0])
     moves = steps[rows]
-    own = [np.ones(len(rows)), driver[rows - 1], *(steps[rows - k] for k in range(1, _OWN_LAGS + 1))]
+    of_driver = [np.ones(len(rows)), driver[rows - 1], *(steps[rows - k] for k in range(1, _DRIVER_LAGS + 1))]
     sums = np.concatenate([[0.0], np.cumsum(residual)])
-    past = [*own, *((sums[rows] - sums[rows - w]) / w for w in _WINDOWS)]
+    past = [*of_driver, *((sums[rows] - sums[rows - w]) / w for w in _WINDOWS)]
     before = [*past, value[rows - 1], value[rows - 2]]
-    nats = _gain(own, past, moves)[0]
+    nats = _gain(of_driver, past, moves)[0]
     now, slope = _gain(before, [*before, value[rows]], moves)
     return nats + (now if slope < 0.0 else 0.0)
 
 
-def filled(values):
+def filled(values: np.ndarray) -> np.ndarray:
     """Values with gaps bridged by straight lines; zero where nothing is known."""
     known = np.flatnonzero(np.isfinite(values))
     if not len(known):
@@ -66,16 +72,16 @@ def filled(values):
     return np.interp(np.arange(len(values)), known, values[known])
 
 
-def _gain(few, many, moves):
+def _gain(few: Sequence[np.ndarray], many: Sequence[np.ndarray], moves: np.ndarray) -> tuple[float, float]:
     """Log likelihood that more columns add, and the coefficient of the last of them."""
     left, _ = _fitted(few, moves)
-    less, last = _fitted(many, moves)
-    if less <= 1e-24 * (moves @ moves):
-        less = 1e-24 * max(left, moves @ moves)
-    return float(0.5 * len(moves) * np.log(left / less)) if left > less else 0.0, last
+    with_all, last = _fitted(many, moves)
+    if with_all <= 1e-24 * (moves @ moves):
+        with_all = 1e-24 * max(left, moves @ moves)
+    return float(0.5 * len(moves) * np.log(left / with_all)) if left > with_all else 0.0, last
 
 
-def _fitted(columns, moves):
+def _fitted(columns: Sequence[np.ndarray], moves: np.ndarray) -> tuple[float, float]:
     design = np.column_stack(columns)
     scale = np.sqrt((design**2).sum(axis=0))
     scale = np.where(scale > 0.0, scale, 1.0)

@@ -1,17 +1,27 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A recording forecast from its own past: fitted to rows before an origin, held against those after it."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.hypothesis import Model
 from sklvalve.mismatch.low_pass_residual import learn_residual
 from sklvalve.mismatch.origins import spans_of
 from sklvalve.mismatch.referee.black_box import black_box_prediction
 from sklvalve.mismatch.referee.feedback import ANSWERS_FROM, answers, driver_of
 from sklvalve.mismatch.refitting import lines_of, refitted
+from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.simulation import learnt_rest
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.unknown import Unknown
 
 # of the rows before an origin, an effect must have acted in so many to be known there
 _KNOWN_FROM = 0.05
@@ -32,12 +42,12 @@ class Forward:
         Channel -> whether a controller answers it by what its black box reads.
     """
 
-    predictions: dict
-    spans: tuple
-    closed: dict
+    predictions: dict[str, dict[str, np.ndarray]]
+    spans: tuple[slice, ...]
+    closed: dict[str, bool]
 
     @property
-    def held(self):
+    def held(self) -> np.ndarray:
         """Rows that are forecast, ndarray of bool of shape (n,)."""
         first = next(iter(self.predictions["nominal"].values()))
         rows = np.zeros(len(first), dtype=bool)
@@ -45,7 +55,9 @@ class Forward:
         return rows
 
 
-def forward_in_time(problem, nominal, model, unknown=None):
+def forward_in_time(
+    problem: Problem, nominal: Model, model: Model, unknown: Unknown | None = None
+) -> Forward:
     """Forecasts by the calibrated nominal, a hypothesis and the black box.
 
     Parameters
@@ -64,8 +76,9 @@ def forward_in_time(problem, nominal, model, unknown=None):
     spans = spans_of(n)
     made = {"nominal": forecast(problem, nominal, spans)}
     same = model is nominal and unknown is None
-    more = {"unknown": unknown, "nominal": nominal}
-    made["corrected"] = made["nominal"] if same else forecast(problem, model, spans, **more)
+    made["corrected"] = (
+        made["nominal"] if same else forecast(problem, model, spans, unknown=unknown, nominal=nominal)
+    )
     for c in problem.channels:
         # a signal that nothing found changes is simulated as before
         untouched = np.array_equal(model.predictions[c], nominal.predictions[c], equal_nan=True)
@@ -78,7 +91,7 @@ def forward_in_time(problem, nominal, model, unknown=None):
     return Forward(made, spans, closed)
 
 
-def _black_box_ahead(recording, channel, spans, closed):
+def _black_box_ahead(recording: Recording, channel: str, spans: Sequence[slice], closed: bool) -> np.ndarray:
     """Forecasts of one channel by the black box."""
     n = len(recording)
     made = np.full(n, np.nan)
@@ -88,7 +101,7 @@ def _black_box_ahead(recording, channel, spans, closed):
     return made
 
 
-def closed_loop(problem, nominal, channel):
+def closed_loop(problem: Problem, nominal: Model, channel: str) -> bool:
     """Whether a controller answers a channel by what its black box reads.
 
     A recorded opening, with the pressures, says itself what drives a flow; where the drop is unknown the
@@ -102,7 +115,14 @@ def closed_loop(problem, nominal, channel):
     return answers(recording[driver], recording[channel], simulated) >= ANSWERS_FROM
 
 
-def forecast(problem, model, spans, *, unknown=None, nominal=None):
+def forecast(
+    problem: Problem,
+    model: Model,
+    spans: Sequence[slice],
+    *,
+    unknown: Unknown | None = None,
+    nominal: Model | None = None,
+) -> dict[str, np.ndarray]:
     """A hypothesis fitted to the rows before each of some spans, and simulated there.
 
     An effect that begins too late for those rows to tell of it is left out. Where none is left the `nominal`
@@ -128,12 +148,12 @@ def forecast(problem, model, spans, *, unknown=None, nominal=None):
         for c in problem.channels:
             made[c][span] = again.predictions[c][span]
         part = None if unknown is None else learn_residual(problem, again, unknown, past)
-        if part is not None:
+        if unknown is not None and part is not None:
             made[unknown.channel][span] += learnt_rest(part, again.chain, again.values)[span]
     return made
 
 
-def _known_at(model, origin):
+def _known_at(model: Model, origin: int) -> Model:
     """A hypothesis without the effects that begin too late for rows before an origin to tell of them."""
     clock = model.chain.clock
     last = clock[0] + (1.0 - _KNOWN_FROM) * (clock[max(origin - 1, 0)] - clock[0])

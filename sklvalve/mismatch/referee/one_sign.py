@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The black box of a closed loop: a mixture of responses of one sign, which cannot be the controller."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from scipy.optimize import nnls
 from scipy.signal import lfilter
@@ -16,7 +20,14 @@ _LAGS, _DELAYS = (1.0, 3.0, 10.0, 30.0, 100.0), (0, 1, 3, 10)
 _FOLLOWS = (0.4, 0.7, 0.9, 0.97, 0.99, 0.997)
 
 
-def one_sign_prediction(driver, value, train, *, forecast=None, weight=None):
+def one_sign_prediction(
+    driver: np.ndarray,
+    value: np.ndarray,
+    train: np.ndarray,
+    *,
+    forecast: np.ndarray | None = None,
+    weight: np.ndarray | None = None,
+) -> np.ndarray:
     r"""Forecast of a value in a closed loop by responses to its driver that do not turn back.
 
     .. math:: y = \sum_i c_i\, G_i\, h_i(u) + d, \qquad c_i \ge 0
@@ -51,7 +62,7 @@ def one_sign_prediction(driver, value, train, *, forecast=None, weight=None):
     return run + np.mean((value - run)[train])
 
 
-def _responses(driver, forecast):
+def _responses(driver: np.ndarray, forecast: np.ndarray) -> np.ndarray:
     low, high = np.quantile(driver, [0.002, 0.998])
     span = max(high - low, 1e-12)
     knots = np.linspace(low, high, _KNOTS + 1)[:-1]
@@ -65,18 +76,20 @@ def _responses(driver, forecast):
     return np.array(columns)
 
 
-def _lagged(values, rows):
+def _lagged(values: np.ndarray, rows: float) -> np.ndarray:
     keep = np.exp(-1.0 / rows)
     return lfilter([1.0 - keep], [1.0, -keep], values - values[0]) + values[0]
 
 
-def _fitted(columns, value, train, follow):
+def _fitted(
+    columns: np.ndarray, value: np.ndarray, train: np.ndarray, follow: float
+) -> tuple[np.ndarray, float]:
     """Weights of no sign but plus, and the log likelihood of the whitened rows."""
     new = lfilter([1.0, -1.0], [1.0, -follow], value - value[0])[train]
     answers = lfilter([1.0, -1.0], [1.0, -follow], columns - columns[:, :1], axis=-1)[:, train]
     scale = np.sqrt((answers**2).sum(axis=1))
     scale = np.where(scale > 0.0, scale, 1.0)
-    small = np.linalg.qr(np.column_stack([(answers / scale[:, None]).T, new]), mode="r")
+    small: Any = np.linalg.qr(np.column_stack([(answers / scale[:, None]).T, new]), mode="r")
     weights, _ = nnls(small[:, :-1], small[:, -1], maxiter=30 * small.shape[1])
     left = np.sum((small[:, :-1] @ weights - small[:, -1]) ** 2)
     return weights / scale, -0.5 * len(new) * np.log(max(left, 1e-300) / len(new))
