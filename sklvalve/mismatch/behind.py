@@ -22,10 +22,10 @@ from sklvalve.mismatch.rivals import Finding, find_rivals
 from sklvalve.mismatch.verdict import class_of
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.contents import Judgement
     from sklvalve.mismatch.effects import Effect
     from sklvalve.mismatch.explain import Explanation
     from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.judgement import Judgement
     from sklvalve.mismatch.null_reference import Covariates
     from sklvalve.mismatch.problem import Problem
 

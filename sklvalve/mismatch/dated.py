@@ -12,8 +12,8 @@ from sklvalve.mismatch.change import Change, find_change, size_of
 from sklvalve.mismatch.late import stands_out
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.contents import Judgement
     from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.judgement import Judgement
     from sklvalve.mismatch.problem import Problem
     from sklvalve.mismatch.rivals import Finding
     from sklvalve.recording import Recording

@@ -17,8 +17,8 @@ from sklvalve.mismatch.verdict import class_of
 from sklvalve.simulation.simulation import learnt_rest
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.contents import Judgement
     from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.judgement import Judgement
     from sklvalve.mismatch.problem import Problem
     from sklvalve.mismatch.rivals import Rival
     from sklvalve.recording import Recording

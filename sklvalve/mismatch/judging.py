@@ -5,7 +5,6 @@ from dataclasses import replace
 from itertools import chain, combinations
 
 from sklvalve.mismatch.calibrating import calibrated
-from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.constants import HELD_OUT_SHARE
 from sklvalve.mismatch.detect import (
@@ -17,6 +16,7 @@ from sklvalve.mismatch.detect import (
 )
 from sklvalve.mismatch.events import P_VALUE, beside_events, with_events
 from sklvalve.mismatch.goodness_of_fit import FINE, REFUTED, held_against_noise, is_fine, left_over
+from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.null_reference import EFFECTS
 from sklvalve.mismatch.prove import correction_holds_out, cross_validated, held_out_share, holds_out
 from sklvalve.mismatch.pulses import find_pulses

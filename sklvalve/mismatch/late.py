@@ -28,7 +28,7 @@ from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.change import Change
-    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.judgement import Judgement
     from sklvalve.mismatch.problem import Problem
 
 # from this share of a recording on a change is taken for an event of its end: what begins before is found by

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 from sklvalve.mismatch.verdict import class_of
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.contents import Judgement
     from sklvalve.mismatch.goodness_of_fit import LeftOver
+    from sklvalve.mismatch.judgement import Judgement
     from sklvalve.mismatch.problem import Problem
     from sklvalve.mismatch.rivals import Finding
 

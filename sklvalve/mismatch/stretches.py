@@ -21,7 +21,7 @@ from sklvalve.mismatch.stem_residual import stem_residual
 from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.judgement import Judgement
     from sklvalve.mismatch.problem import Problem
     from sklvalve.mismatch.rivals import Finding, Rival
 

@@ -10,7 +10,7 @@ from sklvalve.mismatch.gate import effects_switched_off, left_out_is_known
 from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.contents import Judgement
+    from sklvalve.mismatch.judgement import Judgement
 
 # a signal redrawn from few points -> the channels in which what it lost passes for missing physics
 _SPOILT = {

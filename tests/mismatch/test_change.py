@@ -8,8 +8,8 @@ import pytest
 
 from sklvalve import Recording, Valve
 from sklvalve.mismatch.change import _steady_columns, change_in, find_change, size_of
-from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.dated import change_entry, dated
+from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.late import stands_out
 
 ROWS, AT, SPAN = 1500, 900, 1e-3

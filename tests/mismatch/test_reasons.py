@@ -5,8 +5,8 @@ from types import SimpleNamespace
 
 import pytest
 
-from sklvalve.mismatch.contents import Judgement
 from sklvalve.mismatch.goodness_of_fit import LeftOver
+from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.reasons import not_upheld, reasons_of, too_much_left
 
 # 50 m3/h of span, recorded in m3/h

@@ -9,7 +9,7 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.contents import Judgement
+from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.suppression import suppressed
 from sklvalve.recording import Recording, Valve
 

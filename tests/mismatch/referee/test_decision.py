@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import sklvalve.mismatch.referee.decision as decision
-from sklvalve.mismatch.contents import Judgement
+from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.referee import black_box_prediction
 from sklvalve.mismatch.referee.comparison import Compared, compare, share_explained
 from sklvalve.mismatch.referee.forward import Forward
