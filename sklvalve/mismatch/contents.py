@@ -120,14 +120,18 @@ def content_of(
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
         "provenance": _provenance(whole, problem, random_state),
         "units": {role: whole.unit(role) for role in whole},
-        # by these a size that is a share of its signal's span becomes one in the recording's own unit
-        "spans": {c: float(f"{problem.spans[c] * abs(whole.per_si(c)):.4g}") for c in problem.channels},
+        "spans": _spans(whole, problem),
         "rules": rules.to_records(asked),
         "reasons": reasons_of(judgement, mend, problem, doubts),
         "details": [plan.details] if plan is not None and plan.details and not mend else [],
         **_of_referee(whole, judgement),
         **_of_unknown(whole, problem, judgement),
     }
+
+
+def _spans(whole: Recording, problem: Problem) -> dict[str, float]:
+    """Spans by which a size that is a share of one becomes one in the recording's own unit."""
+    return {c: float(f"{problem.spans[c] * abs(whole.per_si(c)):.4g}") for c in problem.channels}
 
 
 def _unexplained(judgement: Judgement) -> Unknown | LeftOver | Pulses | None:
@@ -152,9 +156,15 @@ def _location(
     elif judgement.pulses is not None:
         location |= _when_seen(judgement, judgement.pulses, ["line", "measurement", "valve"])
     elif judgement.found:
-        more = {"alpha": alpha, "random_state": random_state, "aside": aside_of(judgement.findings)}
-        acting = judgement.suspected or judgement.model
-        location = location_of(problem, acting, judgement.unknown, blocks, **more)
+        location = location_of(
+            problem,
+            judgement.suspected or judgement.model,
+            judgement.unknown,
+            blocks,
+            alpha=alpha,
+            random_state=random_state,
+            aside=aside_of(judgement.findings),
+        )
     location["change"] = change_entry(whole, judgement, location)
     joined = _recordings(whole)
     if joined:
@@ -195,11 +205,8 @@ def _of_unknown(whole: Recording, problem: Problem, judgement: Judgement) -> dic
     unexplained = _unexplained(judgement)
     if unexplained is None:
         return {}
-    entry = (
-        _unlearnt(unexplained)
-        if judgement.unknown is None
-        else _unknown_entry(whole, judgement.unknown, judgement)
-    )
+    unknown = judgement.unknown
+    entry = _unlearnt(unexplained) if unknown is None else _unknown_entry(whole, unknown, judgement)
     if judgement.left is not None:
         entry |= _beyond_noise(whole, problem, judgement, judgement.left)
     if judgement.pulses is not None:

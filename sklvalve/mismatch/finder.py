@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The estimator that goes from a recording to its diagnosis, one step after the other."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from numbers import Integral, Real
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from sklearn.base import BaseEstimator, _fit_context
 from sklearn.utils import check_random_state
@@ -43,6 +46,19 @@ from sklvalve.mismatch.suppression import suppressed
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.parallel_map import with_threads
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.events import Events
+    from sklvalve.mismatch.explain import Explanation
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.judgement import Judgement
+    from sklvalve.mismatch.null_reference import Covariates
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.referee.forward import Forward
+    from sklvalve.recording import Recording
 
 
 class MissingPhysicsFinder(BaseEstimator):
@@ -122,18 +138,18 @@ class MissingPhysicsFinder(BaseEstimator):
 
     def __init__(
         self,
-        simulation=None,
+        simulation: Any = None,
         *,
-        effects="all",
-        alpha=0.01,
-        tolerance=None,
-        max_effects=4,
-        evidence=15.0,
-        search_rows=16_384,
-        n_jobs=None,
-        random_state=0,
-        callback=None,
-    ):
+        effects: str | Iterable = "all",
+        alpha: float = 0.01,
+        tolerance: Tolerance | None = None,
+        max_effects: int = 4,
+        evidence: float = 15.0,
+        search_rows: int | None = 16_384,
+        n_jobs: int | None = None,
+        random_state: Any = 0,
+        callback: Callable[[str, float], object] | None = None,
+    ) -> None:
         self.simulation = simulation
         self.effects = effects
         self.alpha = alpha
@@ -147,7 +163,7 @@ class MissingPhysicsFinder(BaseEstimator):
 
     @_fit_context(prefer_skip_nested_validation=True)
     @whole_or_nothing
-    def fit(self, X, y=None, *, until=None):
+    def fit(self, X: Any, y: Any = None, *, until: int | None = None) -> MissingPhysicsFinder:
         """Diagnose a recording.
 
         Parameters
@@ -175,7 +191,7 @@ class MissingPhysicsFinder(BaseEstimator):
         with threadpool_limits(1, user_api="blas"), with_threads(self.n_jobs):
             return self._fit(X, y, until)
 
-    def predict(self, X):
+    def predict(self, X: Any) -> np.ndarray:
         """Flow as the meter would show it, by the corrected simulation.
 
         Parameters
@@ -205,17 +221,17 @@ class MissingPhysicsFinder(BaseEstimator):
         return self.corrected_simulation_.predict(X)
 
     @property
-    def comparison_(self):
+    def comparison_(self) -> Any:
         """Data frame of all hypotheses that were compared, a row each (docs/method.md); needs pandas."""
         check_is_fitted(self, "diagnosis_")
         return self.diagnosis_.comparison()
 
-    def _fit(self, X, y, until):
+    def _fit(self, X: Any, y: Any, until: int | None) -> MissingPhysicsFinder:
+        """Read, and diagnose a valve or a loop."""
         ours = self.simulation if isinstance(self.simulation, ValveSimulation) else None
-        given = self.simulation if ours is None else None
-        whole = gathered(X, y, simulation=ours, external=given)
+        external = self.simulation if ours is None else None
+        whole = gathered(X, y, simulation=ours, external=external)
         used = rows_to_use(whole, until)
-        seed = self._seed()
         self._say("reading", 0.0)
         recording = whole.slice(0, used)
         if ours is None and is_loop(recording):
@@ -224,24 +240,35 @@ class MissingPhysicsFinder(BaseEstimator):
                     "several recordings at once need pressures, an opening or a simulation; a loop known by "
                     "its command and its value only is diagnosed one recording at a time"
                 )
-            return self._fit_loop(whole, recording, seed)
+            return self._fit_loop(whole, recording, self._seed())
         require_diagnosable(recording)
         data = with_seized_stems(screen_recording(recording), recording)
-        mend = blocking(data)
         whole, recording = masked(whole, recording, data)
         problem = prepared_problem(recording, ours, self.tolerance)
+        return self._fit_valve(whole, problem, ours, external, data)
+
+    def _fit_valve(
+        self,
+        whole: Recording,
+        problem: Problem,
+        ours: ValveSimulation | None,
+        external: Any,
+        data: list[dict],
+    ) -> MissingPhysicsFinder:
+        """Diagnose a valve whose recording was read, and lay out what is found."""
+        seed, mend = self._seed(), blocking(data)
         effects, not_testable = candidates(problem, self.effects, data)
         self._say("calibrating", 0.05)
         judged = blocked(problem) if mend else self._judged(problem, ours, effects, data, seed)
-        judged, spoilt = suppressed(judged, data, recording)
+        judged, spoilt = suppressed(judged, data, problem.recording)
         asked = [rules.data(mend)] + ([rules.data_quality(spoilt)] if judged.found or spoilt else [])
         judged = replace(judged, rules=(*judged.rules, *asked))
         self._say("forecasting rows ahead", 0.82)
         judged, forward = (judged, None) if mend or spoilt else refereed(problem, judged)
         judged = judged if mend else dated(problem, judged, float(self.alpha))
         self.evidence_ = judged.evidence
-        self.nominal_simulation_ = _simulation_of(problem, judged.nominal, None, given)
-        self.corrected_simulation_ = _simulation_of(problem, judged.model, judged.correction, given)
+        self.nominal_simulation_ = _simulation_of(problem, judged.nominal, None, external)
+        self.corrected_simulation_ = _simulation_of(problem, judged.model, judged.correction, external)
         self._say("proving on held-out rows", 0.85)
         flagged = flagged_rows(problem, judged)
         self.next_test_ = None if mend or spoilt else plan_of(problem, judged.findings)
@@ -259,25 +286,33 @@ class MissingPhysicsFinder(BaseEstimator):
             plan=self.next_test_,
         )
         simulations = self.nominal_simulation_, self.corrected_simulation_
-        self.diagnosis_ = Diagnosis(content, traces_of(whole, flagged, used, *simulations))
+        traces = traces_of(whole, flagged, len(problem.recording), *simulations)
+        self.diagnosis_ = Diagnosis(content, traces)
         self._say("done", 1.0)
         return self
 
-    def _fit_loop(self, whole, recording, seed):
+    def _fit_loop(self, whole: Recording, recording: Recording, seed: int) -> MissingPhysicsFinder:
         """A loop known by command and value only: there is no simulation of its valve, then."""
         for name in ("nominal_simulation_", "corrected_simulation_"):
             self.__dict__.pop(name, None)
         self.evidence_ = self.next_test_ = None
         data = screen_recording(recording)
         self._say("comparing explanations", 0.1)
-        found = diagnose_loop(recording, alpha=float(self.alpha), random_state=seed)
-        told = [{k: d[k] for k in ("finding", "role", "detail")} for d in data]
-        content = loop_content(found, recording, data=told, random_state=seed)
-        self.diagnosis_ = Diagnosis(content, loop_traces(found, whole, len(recording)))
+        finding = diagnose_loop(recording, alpha=float(self.alpha), random_state=seed)
+        plain = [{k: d[k] for k in ("finding", "role", "detail")} for d in data]
+        content = loop_content(finding, recording, data=plain, random_state=seed)
+        self.diagnosis_ = Diagnosis(content, loop_traces(finding, whole, len(recording)))
         self._say("done", 1.0)
         return self
 
-    def _judged(self, problem, ours, effects, data, seed):
+    def _judged(
+        self,
+        problem: Problem,
+        ours: ValveSimulation | None,
+        effects: list[Effect],
+        data: list[dict],
+        seed: int,
+    ) -> Judgement:
         """The judgement on a recording; of a long one stretches are searched."""
         events = evident_events(problem, effects, float(self.alpha)) if self.max_effects else None
         stretches = stretches_of(problem.recording, self.search_rows)
@@ -287,7 +322,15 @@ class MissingPhysicsFinder(BaseEstimator):
         judged = self._judge(bench, effects, events, data, seed)
         return over_the_whole(problem, judged, float(self.alpha))
 
-    def _judge_with_its_end(self, problem, ours, effects, events, data, seed):
+    def _judge_with_its_end(
+        self,
+        problem: Problem,
+        ours: ValveSimulation | None,
+        effects: list[Effect],
+        events: Events | None,
+        data: list[dict],
+        seed: int,
+    ) -> Judgement:
         """The judgement on a recording, what happens in its last rows judged by itself."""
         nominal = calibrated(problem)
         event = late_event(problem, nominal, float(self.alpha)) if self.max_effects else None
@@ -296,14 +339,24 @@ class MissingPhysicsFinder(BaseEstimator):
         rows = before(problem.recording, event)
         bench = prepared_problem(rows, ours, self.tolerance, trim=problem.trim)
         judged = self._judge(bench, effects, events, data, seed)
-        found = with_late_event(problem, bench, judged, event, effects, float(self.alpha))
-        return found or self._judge(problem, effects, events, data, seed)
+        with_event = with_late_event(problem, bench, judged, event, effects, float(self.alpha))
+        return with_event or self._judge(problem, effects, events, data, seed)
 
-    def _judge(self, problem, effects, events, data, seed, nominal=None):
+    def _judge(
+        self,
+        problem: Problem,
+        effects: list[Effect],
+        events: Events | None,
+        data: list[dict],
+        seed: int,
+        nominal: Model | None = None,
+    ) -> Judgement:
         """Search among the effects, and the judgement on what it finds."""
         alpha, considered = float(self.alpha), effects_to_search(effects, events)
 
-        def judge_on(bench, candidates):
+        def judge_on(
+            bench: Problem, candidates: Sequence[Effect]
+        ) -> tuple[Explanation, Covariates, Judgement]:
             first = nominal if bench is problem and nominal is not None else calibrated(bench)
             covariates = covariates_of(bench, data)
             explanation = explain(
@@ -325,17 +378,24 @@ class MissingPhysicsFinder(BaseEstimator):
             return judge_on(problem, considered)[-1]
         return judged_behind(problem, considered, judge_on, alpha)
 
-    def _say(self, stage, done):
+    def _say(self, stage: str, done: float) -> None:
         if self.callback is not None:
             self.callback(stage, min(done, 1.0))
 
-    def _seed(self):
+    def _seed(self) -> int:
         if isinstance(self.random_state, Integral):
             return int(self.random_state)
         return int(check_random_state(self.random_state).randint(2**31 - 1))
 
 
-def _proof(problem, whole, judged, forward, flagged, seed):
+def _proof(
+    problem: Problem,
+    whole: Recording,
+    judged: Judgement,
+    forward: Forward | None,
+    flagged: np.ndarray,
+    seed: int,
+) -> dict[str, Any]:
     """The ``fit`` entries of diagnosis.json, from rows that no fit has seen."""
     nominal, model = judged.nominal, judged.model
     if forward is None:
@@ -352,7 +412,9 @@ def _proof(problem, whole, judged, forward, flagged, seed):
     return fit
 
 
-def _simulation_of(problem, fitted, correction, given):
+def _simulation_of(
+    problem: Problem, fitted: Model, correction: dict | None, external: Any
+) -> ValveSimulation:
     effects, onsets = problem.physics_of(fitted.terms)
     return ValveSimulation.from_parts(
         problem.valve,
@@ -362,6 +424,6 @@ def _simulation_of(problem, fitted, correction, given):
         effects=effects,
         onsets=onsets,
         correction=correction,
-        given=given,
+        given=external,
         seen=fitted.chain.clock[[0, -1]],
     )

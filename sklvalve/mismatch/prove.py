@@ -1,8 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Proof on rows that no fit has seen: the calibrated nominal, a black box, and the corrected simulation."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,6 +19,14 @@ from sklvalve.mismatch.refitting import lines_of, refitted
 from sklvalve.simulation.fitting import left_of, simulate_channels
 from sklvalve.simulation.robust import robust_cost
 from sklvalve.simulation.simulation import learnt_rest
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.judgement import Judgement
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.referee.forward import Forward
+    from sklvalve.mismatch.unknown import Unknown
+    from sklvalve.recording import Recording
 
 _FOLDS = 4
 # so often a fold of the veto comes back in the recording
@@ -39,7 +51,7 @@ class CrossValidated:
     rest: np.ndarray
 
 
-def blocks(n):
+def blocks(n: int) -> Iterator[tuple[slice, np.ndarray]]:
     """Contiguous quarters of n rows: slice of each, and the other rows as ndarray of bool."""
     for low, high in pairwise(np.linspace(0, n, _FOLDS + 1).astype(int)):
         others = np.ones(n, dtype=bool)
@@ -47,7 +59,7 @@ def blocks(n):
         yield slice(low, high), others
 
 
-def cross_validated(problem, model, unknown=None):
+def cross_validated(problem: Problem, model: Model, unknown: Unknown | None = None) -> CrossValidated:
     """A hypothesis fitted again without each block, and so is the learnt rest if one is given.
 
     A simulation always runs through the whole recording: only the error of held-out rows is hidden from the
@@ -71,7 +83,9 @@ def cross_validated(problem, model, unknown=None):
     return CrossValidated(made, rest)
 
 
-def correction_holds_out(problem, tried, channel):
+def correction_holds_out(
+    problem: Problem, tried: CrossValidated, channel: str
+) -> tuple[bool, tuple[float, float]]:
     """Whether a learnt correction lowers the error of rows that it was not learnt from.
 
     Parameters
@@ -94,7 +108,14 @@ def correction_holds_out(problem, tried, channel):
     return bool(sum(better) >= _IMPROVED and errors[1] < errors[0]), errors
 
 
-def held_out_predictions(problem, whole, nominal, model, forward, correction=None):
+def held_out_predictions(
+    problem: Problem,
+    whole: Recording,
+    nominal: Model,
+    model: Model,
+    forward: Forward,
+    correction: dict | None = None,
+) -> tuple[dict[str, dict[str, np.ndarray]], np.ndarray]:
     """Predictions of rows that the fits behind them have not seen.
 
     With rows behind those of the problem (`whole` is longer) these; else rows ahead of each origin of the
@@ -128,7 +149,7 @@ def held_out_predictions(problem, whole, nominal, model, forward, correction=Non
     return made, held
 
 
-def interleaved_predictions(problem, judged):
+def interleaved_predictions(problem: Problem, judged: Judgement) -> dict[str, dict[str, np.ndarray]]:
     """Predictions of contiguous quarters, each by fits to the other three, those after it included.
 
     Returns
@@ -148,14 +169,16 @@ def interleaved_predictions(problem, judged):
     }
 
 
-def interleaved_errors(recording, predictions, channel):
+def interleaved_errors(
+    recording: Recording, predictions: dict[str, dict[str, np.ndarray]], channel: str
+) -> dict[str, float]:
     """Root mean square errors of `interleaved_predictions`, in the recording's own units."""
     unit = abs(recording.per_si(channel))
     left = {kind: recording[channel] - made[channel] for kind, made in predictions.items()}
     return {kind: float(np.sqrt(np.nanmean(error**2)) * unit) for kind, error in left.items()}
 
 
-def held_out_share(problem, nominal, model):
+def held_out_share(problem: Problem, nominal: Model, model: Model) -> float:
     """Share of the nominal's excess error that a hypothesis leaves in blocks it was not fitted to.
 
     Every fourth of sixteen contiguous blocks in turn, so that what acts for a while only, or from an onset
@@ -185,17 +208,25 @@ def held_out_share(problem, nominal, model):
     return float(after / before) if changed and before > 0.0 else 1.0
 
 
-def holds_out(problem, nominal, model):
+def holds_out(problem: Problem, nominal: Model, model: Model) -> bool:
     """Whether a hypothesis predicts such blocks clearly better than the calibrated nominal."""
     return held_out_share(problem, nominal, model) < HELD_OUT_SHARE
 
 
-def run(problem, model, whole):
+def run(problem: Problem, model: Model, whole: Recording) -> dict[str, np.ndarray]:
     """A fitted hypothesis simulated over a whole recording: channel -> ndarray [SI]."""
     return simulate_channels(problem.chain(model.terms, whole), model.values, problem.channels)
 
 
-def errors(whole, made, held, channel, floor, *, random_state=0):
+def errors(
+    whole: Recording,
+    made: dict[str, dict[str, np.ndarray]],
+    held: np.ndarray,
+    channel: str,
+    floor: float,
+    *,
+    random_state: int = 0,
+) -> dict[str, Any]:
     """The ``fit`` entry of a channel for diagnosis.json, in the recording's own units.
 
     The noise floor is no larger than the least error achieved: a floor that was passed was none.
@@ -225,7 +256,7 @@ def errors(whole, made, held, channel, floor, *, random_state=0):
     return entry
 
 
-def _skill(before, after, floor, random_state):
+def _skill(before: np.ndarray, after: np.ndarray, floor: float, random_state: int) -> Any:
     """Skill against the noise floor, with an interval from a circular block bootstrap of paired losses."""
     room = before.mean() - floor
     # where the nominal stands at the floor already there is nothing to be explained, and no skill

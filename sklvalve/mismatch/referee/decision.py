@@ -1,12 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the forecasts allow a diagnosis to say."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.events import simulated
-from sklvalve.mismatch.referee.comparison import compare, pooled, share_explained
+from sklvalve.mismatch.referee.comparison import Compared, compare, pooled, share_explained
 from sklvalve.mismatch.referee.forward import Forward, forward_in_time
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.judgement import Judgement
+    from sklvalve.mismatch.problem import Problem
 
 #: Share of healthy recordings in which the black box is clearly better: none of 30 (docs/method.md).
 BY_CHANCE = 1.0 / 31.0
@@ -28,12 +36,12 @@ class Referee:
         What it changed, or adds to, in plain sentences.
     """
 
-    compared: tuple
+    compared: tuple[Compared, ...]
     share: float | None
-    reasons: tuple = ()
+    reasons: tuple[str, ...] = ()
 
 
-def refereed(problem, judged):
+def refereed(problem: Problem, judged: Judgement) -> tuple[Judgement, Forward]:
     """A judgement that the forecasts bear out, and the forecasts.
 
     A correction that makes rows ahead worse is not applied, and what it was made of is not named. Where the
@@ -73,7 +81,7 @@ def refereed(problem, judged):
     return replace(judged, referee=Referee(compared, share, tuple(reasons))), forward
 
 
-def _asked(compared, corrected):
+def _asked(compared: Sequence[Compared], corrected: bool) -> list[rules.Rule]:
     """The rules that forecasts answer, by the channel in which the black box does best."""
     if not compared:
         return []
@@ -85,7 +93,7 @@ def _asked(compared, corrected):
     return told
 
 
-def _taken_back(problem, judged, compared):
+def _taken_back(problem: Problem, judged: Judgement, compared: Sequence[Compared]) -> tuple[Judgement, str]:
     """A judgement without a correction that makes rows ahead worse."""
     worst = max(compared, key=lambda each: each.losses["corrected"] - each.losses["nominal"])
     before, after = (_in_units(problem, worst, kind) for kind in ("nominal", "corrected"))
@@ -105,7 +113,7 @@ def _taken_back(problem, judged, compared):
     return kept, f"The best explanation is not named: with it {rises}."
 
 
-def _beaten(problem, judged, worst):
+def _beaten(problem: Problem, judged: Judgement, worst: Compared) -> tuple[Judgement, str]:
     """A judgement that a black box is clearly better than, and the sentence that says so."""
     box, ours = (_in_units(problem, worst, kind) for kind in ("black_box", "corrected"))
     better = (
@@ -130,13 +138,13 @@ def _beaten(problem, judged, worst):
             "p1 and p2."
         )
     suspects = judged.suspects or (_BLOCK[worst.channel],)
-    p_value = min(judged.p_value, BY_CHANCE)
+    p_value = BY_CHANCE if judged.p_value is None else min(judged.p_value, BY_CHANCE)
     return replace(judged, verdict="cannot_tell", p_value=p_value, suspects=suspects), (
         f"{better}, so something predictable is missing; no effect that was tried explains it."
     )
 
 
-def _as_good(problem, compared):
+def _as_good(problem: Problem, compared: Sequence[Compared]) -> str:
     """The sentence that says how far nothing is missing, by the channel in which the black box does best."""
     near = max(compared, key=lambda each: each.ratio)
     box, ours = (_in_units(problem, near, kind) for kind in ("black_box", "corrected"))
@@ -146,7 +154,7 @@ def _as_good(problem, compared):
     )
 
 
-def _in_units(problem, compared, kind):
+def _in_units(problem: Problem, compared: Compared, kind: str) -> str:
     recording, channel = problem.recording, compared.channel
     value = compared.rmse[kind] * abs(recording.per_si(channel))
     unit = recording.unit(channel)
