@@ -235,7 +235,7 @@ def errors(
     recorded = whole.in_recorded_units(channel, whole[channel])
     seen = {k: whole.in_recorded_units(channel, v[channel]) for k, v in made.items()}
     rows = held & np.isfinite(recorded) & np.all([np.isfinite(v) for v in seen.values()], axis=0)
-    entry = {
+    entry: dict[str, Any] = {
         "unit": unit,
         "held_out_rows": int(rows.sum()),
         "noise_floor": float(floor * abs(whole.per_si(channel))),
