@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -73,13 +73,14 @@ def find_cycle(problem: Problem, model: Model, channel: str) -> Cycle | None:
     frequencies = np.arange(_FEWEST_CYCLES, int(length / shortest) + 1) / max(length, 1e-12)
     if not len(frequencies):
         return None
+    settings: dict[str, Any] = problem.noise_settings(channel)
     learn = partial(
         noise_of,
         problem.recording,
         simulated=simulated,
         step=model.chain.step,
         role=channel,
-        **problem.noise_settings(channel),
+        **settings,
     )
     filtered = _Filtered(noise, left)
     best: tuple[float, float] = (0.0, np.nan)

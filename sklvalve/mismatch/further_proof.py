@@ -169,7 +169,7 @@ def _beyond(problem: Problem, judged: Judgement, inside: np.ndarray) -> dict[str
             lines = lines_of(problem, fitted)
         again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, inside))
         made[kind] = dict(again.predictions)
-    if judged.correction is not None:
+    if judged.correction is not None and judged.unknown is not None:
         channel = judged.correction["channel"]
         part = learn_residual(problem, again, judged.unknown, inside)
         if part is not None:

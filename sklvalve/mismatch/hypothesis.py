@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,8 +47,8 @@ class Term:
         return (self.effect.key, self.onset, self.switches)
 
     @property
-    def times(self) -> float | tuple[float | None, ...] | None:
-        """When it begins, stops, begins again [s, absolute]; None from before the recording on."""
+    def times(self) -> Any:
+        """When it begins, or begins, stops, begins again [s, absolute]; None from before the recording on."""
         return self.onset if not self.switches else (self.onset, *self.switches)
 
 
