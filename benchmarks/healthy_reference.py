@@ -2,7 +2,7 @@
 """Healthy recordings through the whole search: what the p-value is held against, and whether it is uniform.
 
     python benchmarks/healthy_reference.py draw REFERENCE.jsonl --records 360
-    python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/healthy_table.py
+    python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/null_table.py
     python benchmarks/healthy_reference.py draw OTHER.jsonl --first 2000 --records 36 --nastier
     python benchmarks/healthy_reference.py check OTHER.jsonl
 

@@ -41,7 +41,7 @@ def bench(monkeypatch):
 
 
 def test_spans_in_which_no_effect_takes_part_are_those_of_the_nominal(bench, monkeypatch):
-    monkeypatch.setattr(forward, "replace", lambda model, members: _Model(members, model.values, model.chain))
+    monkeypatch.setattr(forward, "replace", lambda model, terms: _Model(terms, model.values, model.chain))
     spans = spans_of(N)
     nominal, model = _model(1.0), _model(2.0, 0.75 * N)
     made = forward.forecast(bench, model, spans, nominal=nominal)["flow"]
@@ -53,6 +53,6 @@ def test_spans_in_which_no_effect_takes_part_are_those_of_the_nominal(bench, mon
 
 
 def test_without_a_nominal_the_same_calibration_goes_on(bench, monkeypatch):
-    monkeypatch.setattr(forward, "replace", lambda model, members: _Model(members, model.values, model.chain))
+    monkeypatch.setattr(forward, "replace", lambda model, terms: _Model(terms, model.values, model.chain))
     made = forward.forecast(bench, _model(2.0, float(N)), spans_of(N))["flow"]
     assert (made[spans_of(N)[0].start :] == 2.0).all()
