@@ -105,7 +105,7 @@ def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Jud
     if pulses is not None:
         pulses = find_pulses(problem, judged.nominal, alpha)
     judged = replace(judged, strays=strays, pulses=pulses)
-    if strays is None and pulses is None:
+    if strays is None and pulses is None and judged.evidence is not None:
         # seen in a few stretches and not in all rows: what else there was decides, as it did before
         return replace(judged, verdict="no_mismatch", p_value=mismatch_p_value(judged.evidence))
     return judged

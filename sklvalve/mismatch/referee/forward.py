@@ -135,7 +135,7 @@ def forecast(
     """
     n = len(problem.recording)
     made = {c: np.full(n, np.nan) for c in problem.channels}
-    fits = {} if nominal is None else {(): nominal}
+    fits: dict[tuple[Term, ...], Model] = {} if nominal is None else {(): nominal}
     for span in spans:
         past = np.arange(n) < span.start
         known = _known_at(model, span.start)
