@@ -28,7 +28,7 @@ from sklvalve.mismatch.explain import explain
 from sklvalve.mismatch.further_proof import further_proof
 from sklvalve.mismatch.gate import blocking, with_seized_stems
 from sklvalve.mismatch.gathering import gathered
-from sklvalve.mismatch.judging import blocked, judge
+from sklvalve.mismatch.judging import Case, blocked, judge
 from sklvalve.mismatch.late import before, late_event, with_late_event
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.masking import masked
@@ -369,8 +369,8 @@ class MissingPhysicsFinder(BaseEstimator):
             )
             comparison = compared(bench, explanation, self.evidence)
             self._say("looking for the unknown", 0.8)
-            more = {"alpha": alpha, "random_state": seed, "events": events}
-            judged = judge(bench, explanation, covariates, **more)
+            case = Case(bench, explanation, covariates, comparison, alpha, seed)
+            judged = judge(case, events)
             return explanation, covariates, replace(judged, comparison=comparison)
 
         # slips and hunting name what makes them, whatever the rest of the stem does

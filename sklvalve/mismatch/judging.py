@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """From the search to the judgement: what stands of the findings, and the model that goes with it."""
 
-from dataclasses import replace
-from itertools import chain, combinations
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.decide import rules
-from sklvalve.mismatch.decide.constants import HELD_OUT_SHARE
+from sklvalve.mismatch.decide.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.detect import (
     Evidence,
     effect_strengths,
@@ -14,29 +17,37 @@ from sklvalve.mismatch.detect import (
     p_value_of_one,
     p_value_of_what_counts,
 )
-from sklvalve.mismatch.events import P_VALUE, beside_events, with_events
-from sklvalve.mismatch.goodness_of_fit import FINE, REFUTED, held_against_noise, is_fine, left_over
+from sklvalve.mismatch.events import P_VALUE, Events, beside_events, with_events
+from sklvalve.mismatch.goodness_of_fit import FINE, REFUTED, held_against_noise, left_over
 from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.null_reference import EFFECTS
-from sklvalve.mismatch.prove import correction_holds_out, cross_validated, held_out_share, holds_out
+from sklvalve.mismatch.prove import correction_holds_out, cross_validated
 from sklvalve.mismatch.pulses import find_pulses
 from sklvalve.mismatch.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.stem_residual import P_VALUE as STRAYS_BY_CHANCE
 from sklvalve.mismatch.stem_residual import stem_residual
-from sklvalve.mismatch.unknown import look_for_residual
+from sklvalve.mismatch.unknown import Unknown, look_for_residual
 from sklvalve.mismatch.verdict import class_of, verdict_of
 
-# a rest of so many times what counts needs no further proof
+if TYPE_CHECKING:
+    from sklvalve.mismatch.decide.compare import Comparison
+    from sklvalve.mismatch.explain import Explanation
+    from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.null_reference import Covariates
+    from sklvalve.mismatch.problem import Problem
+    from sklvalve.mismatch.rivals import Finding
+
+# a residual of so many times what counts needs no further proof
 _LARGE = 2.0
 # an effect that by itself gains this share of what the best one does tells where to look
 _COMES_NEAR = 0.25
+# no noise model is so good that less could be said
+_LEAST_P_VALUE = 1e-12
 
 
-def judge(problem, explanation, covariates, *, alpha, random_state, events=None):
-    """Verdict, what stands of the findings, and the model and the learnt rest that go with it.
-
-    Slips of the stem that are evident, or its hunting, name what makes them where the search has not: then
-    its findings in the actuator, which they explain, go, and so does what it left unexplained of the opening.
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What a judgement is made on.
 
     Parameters
     ----------
@@ -44,9 +55,69 @@ def judge(problem, explanation, covariates, *, alpha, random_state, events=None)
     explanation : Explanation
     covariates : Covariates
         What chance depends on, as they were before the search.
+    comparison : Comparison
+        The table of the explanation.
     alpha : float
         Level of the test.
     random_state : int
+    channels : tuple of str, default=None
+        Those in which something unknown is looked for; all unless given.
+    """
+
+    problem: Problem
+    explanation: Explanation
+    covariates: Covariates
+    comparison: Comparison
+    alpha: float
+    random_state: int
+    channels: tuple[str, ...] | None = None
+    _residuals: dict = field(default_factory=dict)
+
+    def residual_of(self, model: Model) -> tuple[Unknown | None, float | None]:
+        """What a model leaves over that follows from something, and how strong that is among chance."""
+        if model not in self._residuals:
+            # of the least error itself: orthogonal to all that was fitted and is free to move
+            fitted = self.problem.least_squares(model)
+            unknown, strong = look_for_residual(
+                self.problem,
+                fitted,
+                alpha=self.alpha,
+                random_state=self.random_state,
+                channels=self.channels,
+            )
+            stands = unknown is not None and _stands(self.problem, fitted, unknown)
+            self._residuals[model] = unknown if stands else None, strong
+        return self._residuals[model]
+
+    def is_rare(self, finding: Finding) -> bool:
+        """Whether few healthy recordings show any effect as strong."""
+        return p_value_of_one(finding, self.problem, self.covariates) <= self.alpha
+
+    def held_out_gain(self, finding: Finding) -> float:
+        """Gain of a finding on rows left out of its fit, in standard errors."""
+        return self.comparison.held_out_errors(1 + self.explanation.findings.index(finding))
+
+
+@dataclass(frozen=True)
+class _Weighed:
+    """Evidence for a mismatch: what is left, p-values, and whether it is enough."""
+
+    unknown: Unknown | None
+    evidence: Evidence
+    p_value: float
+    by_chance: float | None
+    enough: bool
+
+
+def judge(case: Case, events: Events | None = None) -> Judgement:
+    """Verdict, what stands of the findings, and the model and the learnt residual that go with it.
+
+    Slips of the stem that are evident, or its hunting, name what makes them where the search has not: then
+    its findings in the actuator, which they explain, go, and so does what it left unexplained of the opening.
+
+    Parameters
+    ----------
+    case : Case
     events : Events, default=None
         Those that are evident, where they may name what makes them.
 
@@ -54,21 +125,20 @@ def judge(problem, explanation, covariates, *, alpha, random_state, events=None)
     -------
     judgement : Judgement
     """
-    told = {"alpha": alpha, "random_state": random_state}
-    told["covariates"] = covariates
-    searched = _judged(problem, explanation, explanation.findings, explanation.model, **told)
+    problem, explanation = case.problem, case.explanation
+    searched = _judged(case, explanation.findings, explanation.model)
     if events is None or _names_one_of(events.names, searched):
         return searched
     findings, model = beside_events(explanation.findings), explanation.model
     if len(findings) < len(explanation.findings):
         model = problem.fit(tuple(f.term for f in findings), start=model)
     others = tuple(c for c in problem.channels if c != "opening")
-    beside = _judged(problem, explanation, findings, model, channels=others, **told)
-    finding, model = with_events(beside.model, events, problem, random_state)
+    beside = _judged(replace(case, channels=others, _residuals={}), findings, model)
+    finding, model = with_events(beside.model, events, problem, case.random_state)
     return replace(
         beside,
         verdict="named",
-        p_value=min(searched.p_value, P_VALUE),
+        p_value=P_VALUE if searched.p_value is None else min(searched.p_value, P_VALUE),
         findings=[finding, *beside.findings],
         model=model,
         tried=beside.tried or cross_validated(problem, beside.model),
@@ -76,129 +146,170 @@ def judge(problem, explanation, covariates, *, alpha, random_state, events=None)
     )
 
 
-def blocked(problem):
+def blocked(problem: Problem) -> Judgement:
     """Judgement of a recording whose data must be mended first: the calibrated simulation and no more."""
     nominal = calibrated(problem)
     return Judgement("cannot_tell", None, [], None, nominal, nominal)
 
 
-def _judged(
-    problem,
-    explanation,
-    findings,
-    model,
-    *,
-    alpha,
-    covariates,
-    random_state,
-    channels=None,
-):
-    asked = {}
+def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
+    """The judgement, rule after rule: evidence, rows left out, what is left, noise, patterns without a name."""
+    judged, said = _against_noise(case, _named_or_not(case, *_standing(case, findings, model)))
+    judged = _by_least_error(case, judged, said)
+    if judged.verdict == "no_mismatch" and case.channels is None:
+        judged = _strays(case, judged)
+    if judged.verdict == "no_mismatch" and case.channels is None:
+        judged = _pulses(case, judged)
+    return _with_learnt(case, judged)
 
-    def residual_of_model(model):
-        if model not in asked:
-            # of the least error itself: orthogonal to all that was fitted and is free to move
-            fitted = problem.least_squares(model)
-            more = {"random_state": random_state, "channels": channels}
-            rest, strong = look_for_residual(problem, fitted, alpha=alpha, **more)
-            asked[model] = rest if rest is not None and _stands(problem, fitted, rest) else None, strong
-        return asked[model]
 
-    def any_is_rare(findings):
-        return any(p_value_of_one(f, problem, covariates) <= alpha for f in findings)
+def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model]:
+    """The strongest finding and those beside it that may be named, and the model with them.
 
-    def weighed(findings, model):
-        """What is left, the evidence with its p-value, that of what counts, and whether it is all enough."""
-        unknown, rest = residual_of_model(model)
-        strengths = effect_strengths(explanation, problem)
-        evidence = Evidence(EFFECTS.relative(strengths), rest, covariates, strengths)
-        p_value = mismatch_p_value(evidence)
-        by_chance = None
-        # what was found is larger than what counts: where it is rare among healthy recordings that is enough
-        if unknown is None and not any_is_rare(findings):
-            by_chance = p_value_of_what_counts(findings, explanation.tried, problem)
-        elif unknown is not None and unknown.period is not None:
-            # a cycle is told by a law of its own
-            p_value = min(p_value, unknown.p_value)
-        counts = by_chance is None or by_chance <= alpha
-        return unknown, evidence, p_value, by_chance, counts and p_value <= alpha
+    One mismatch makes others look likely, for no effect is simulated just as it is: what is named beside a
+    stronger one must be rare among healthy recordings by itself, and gain on rows left out of the fit.
+    """
+    stand = [*findings[:1]]
+    stand += [f for f in findings[1:] if case.held_out_gain(f) >= HELD_OUT_ERRORS and case.is_rare(f)]
+    if len(stand) < len(findings):
+        model = case.problem.fit(tuple(f.term for f in stand), start=model)
+    return stand, model
 
-    nominal = explanation.nominal
-    findings, model = _clear_ones(problem, explanation, findings, model, covariates, alpha)
-    unknown, evidence, p_value, by_chance, enough = weighed(findings, model)
-    if findings and not enough:
-        # effects too weak to be told from chance must not hide a rest that is not
-        bare = weighed([], nominal)
+
+def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgement:
+    """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
+    nominal = case.explanation.nominal
+    weighed = _weighed(case, findings, model)
+    unknown = weighed.unknown
+    if findings and not weighed.enough:
+        # effects too weak to be told from chance must not hide a residual that is not; what decides is what
+        # is told beside it
+        weighed = _weighed(case, [], nominal)
         # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
-        named = bare[-1] and any_is_rare(findings)
-        # what decides is what is told beside it
-        evidence, p_value, by_chance, enough = bare[1:]
-        if not named:
-            findings, unknown = [], bare[0]
-    asked_in_turn = [rules.rarity(p_value, alpha)]
-    if by_chance is not None:
-        asked_in_turn.append(rules.relevance(by_chance, alpha))
-    share = held_out_share(problem, nominal, model) if findings else 0.0
-    upheld = share < HELD_OUT_SHARE
-    if findings:
-        asked_in_turn.append(rules.held_out(share))
+        if not (weighed.enough and any(map(case.is_rare, findings))):
+            findings, unknown = [], weighed.unknown
+    asked = [rules.rarity(weighed.p_value, case.alpha)]
+    if weighed.by_chance is not None:
+        asked.append(rules.relevance(weighed.by_chance, case.alpha))
+    why: list[str] = []
     explained = 0.0
-    if unknown is not None and findings:
-        # of all recordings together, as the unknown is
-        explained = problem.change_in_all(unknown.channel, model, nominal)
-    why = [] if upheld else [not_upheld(findings)]
-    if not upheld:
-        # blocks that the fit had not seen speak against it: no name is better than a wrong one
-        findings = []
-    if unknown is not None and enough:
-        asked_in_turn.append(rules.residual(unknown.size, explained if findings else 0.0))
-    verdict, findings = verdict_of(findings, unknown, enough, explained)
-    # the noise model took for wander what an imitation leaves: noise that no model has a part in judges it
-    left, said = held_against_noise(problem, explanation, model, findings, alpha)
+    if findings:
+        gain = case.held_out_gain(findings[0])
+        asked.append(rules.held_out(gain))
+        if unknown is not None:
+            # of all recordings together, as the unknown is
+            explained = case.problem.change_in_all(unknown.channel, model, nominal)
+        if gain < HELD_OUT_ERRORS:
+            # blocks that the fit had not seen speak against it: no name is better than a wrong one
+            why.append(not_upheld(findings))
+            findings = []
+    if unknown is not None and weighed.enough:
+        asked.append(rules.residual(unknown.size, explained if findings else 0.0))
+    verdict, findings = verdict_of(findings, unknown, weighed.enough, explained)
+    return Judgement(
+        verdict,
+        weighed.p_value,
+        findings,
+        unknown,
+        nominal,
+        model,
+        evidence=weighed.evidence,
+        suspects=_suspects(case.explanation),
+        why=tuple(why),
+        rules=tuple(asked),
+    )
+
+
+def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
+    """What is left beside findings, and the evidence for a mismatch with its p-values."""
+    unknown, strong = case.residual_of(model)
+    strengths = effect_strengths(case.explanation, case.problem)
+    evidence = Evidence(EFFECTS.relative(strengths), strong, case.covariates, strengths)
+    p_value = mismatch_p_value(evidence)
+    by_chance = None
+    # what was found is larger than what counts: where it is rare among healthy recordings that is enough
+    if unknown is None and not any(map(case.is_rare, findings)):
+        by_chance = p_value_of_what_counts(findings, case.explanation.tried, case.problem)
+    elif unknown is not None and unknown.period is not None:
+        # a cycle is told by a law of its own
+        p_value = min(p_value, unknown.p_value)
+    counts = by_chance is None or by_chance <= case.alpha
+    return _Weighed(unknown, evidence, p_value, by_chance, counts and p_value <= case.alpha)
+
+
+def _against_noise(case: Case, judged: Judgement) -> tuple[Judgement, str]:
+    """A judgement held against noise that no model has a part in, and what that says.
+
+    The noise model took for wander what an imitation leaves.
+    """
+    problem, explanation, findings = case.problem, case.explanation, judged.findings
+    left, said = held_against_noise(problem, explanation, judged.model, findings, case.alpha)
     if left is not None:
-        asked_in_turn.append(rules.noise(left.times, said == FINE))
-    if said != FINE and left is not None:
-        why.append(too_much_left(left, findings, problem))
+        judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, said == FINE)))
+        if said != FINE:
+            judged = replace(judged, why=(*judged.why, too_much_left(left, findings, problem)))
+            if judged.verdict == "no_mismatch":
+                p_value = max(min(judged.p_value or 1.0, left.p_value), _LEAST_P_VALUE)
+                judged = replace(judged, verdict="cannot_tell", p_value=p_value)
     of_flow = any("flow" in problem.channels_touched(f.term.effect) for f in findings)
-    closest = []
+    closest: list[Finding] = []
     if said == REFUTED or (said != FINE and of_flow):
-        closest, findings = findings, []
-    if said != FINE and verdict == "no_mismatch":
-        verdict, p_value = "cannot_tell", max(min(p_value, left.p_value), 1e-12)
+        closest, findings = list(findings), []
+    unknown, verdict = judged.unknown, judged.verdict
     if not findings and verdict != "no_mismatch":
-        unknown = residual_of_model(nominal)[0] or unknown
+        unknown = case.residual_of(explanation.nominal)[0] or unknown
         verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
-    more: dict = {
-        "evidence": evidence,
-        "suspects": _suspects(explanation),
-        "why": tuple(why),
-        "rules": tuple(asked_in_turn),
-    }
-    if verdict != "no_mismatch" and not findings and unknown is None and explanation.model.terms:
-        # what was found and may not be named shows where it is all the same
-        more["suspected"] = explanation.model
+    judged = replace(judged, verdict=verdict, findings=findings, unknown=unknown)
     if said == REFUTED:
-        more |= {"left": left_over(problem, nominal, nominal), "closest": closest, "closest_leaves": left}
-    nominal = problem.least_squares(nominal)
-    model = _else_as(problem, problem.least_squares(model), nominal) if findings else nominal
-    if verdict == "no_mismatch" and channels is None and alpha >= STRAYS_BY_CHANCE:
-        strays = stem_residual(problem, nominal)
-        if strays is not None and strays.evident:
-            verdict, p_value, unknown = "cannot_tell", min(p_value, STRAYS_BY_CHANCE), None
-            more["strays"] = strays
-    ask = verdict == "no_mismatch" and channels is None
-    pulses = find_pulses(problem, nominal, alpha) if ask else None
-    if pulses is not None:
-        verdict, p_value, unknown = "none_of_these", min(p_value, pulses.p_value), None
-        more["pulses"] = pulses
-    if verdict == "no_mismatch" or unknown is None:
-        return Judgement(verdict, p_value, findings, None, nominal, model, **more)
-    tried = cross_validated(problem, model, unknown)
-    kept, told = correction_holds_out(problem, tried, unknown.channel)
-    return Judgement(verdict, p_value, findings, unknown, nominal, model, tried, kept, told, **more)
+        beyond = left_over(problem, explanation.nominal, explanation.nominal)
+        judged = replace(judged, left=beyond, closest=closest, closest_leaves=left)
+    return judged, said
 
 
-def _suspects(explanation):
+def _by_least_error(case: Case, judged: Judgement, said: str) -> Judgement:
+    """A judgement with its simulations fitted for the least error itself."""
+    nameless = judged.verdict != "no_mismatch" and not judged.findings
+    if nameless and judged.unknown is None and case.explanation.model.terms:
+        # what was found and may not be named shows where it is all the same
+        judged = replace(judged, suspected=case.explanation.model)
+    nominal = case.problem.least_squares(judged.nominal)
+    model = nominal
+    if judged.findings:
+        model = _else_as(case.problem, case.problem.least_squares(judged.model), nominal)
+    return replace(judged, nominal=nominal, model=model)
+
+
+def _strays(case: Case, judged: Judgement) -> Judgement:
+    """A judgement with a stem that is further off than any sound one, where nothing else was found."""
+    if case.alpha < STRAYS_BY_CHANCE:
+        return judged
+    strays = stem_residual(case.problem, judged.nominal)
+    if strays is None or not strays.evident:
+        return judged
+    p_value = min(judged.p_value or 1.0, STRAYS_BY_CHANCE)
+    return replace(judged, verdict="cannot_tell", p_value=p_value, unknown=None, strays=strays)
+
+
+def _pulses(case: Case, judged: Judgement) -> Judgement:
+    """A judgement with a flow that breaks out to one side, where nothing else was found."""
+    pulses = find_pulses(case.problem, judged.nominal, case.alpha)
+    if pulses is None:
+        return judged
+    p_value = min(judged.p_value or 1.0, pulses.p_value)
+    return replace(judged, verdict="none_of_these", p_value=p_value, unknown=None, pulses=pulses)
+
+
+def _with_learnt(case: Case, judged: Judgement) -> Judgement:
+    """A judgement with what is learnt of the unknown, where there is something."""
+    unknown = judged.unknown
+    if judged.verdict == "no_mismatch" or unknown is None:
+        return replace(judged, unknown=None)
+    tried = cross_validated(case.problem, judged.model, unknown)
+    kept, errors = correction_holds_out(case.problem, tried, unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=errors)
+
+
+def _suspects(explanation: Explanation) -> tuple[str, ...]:
     """Blocks of what was found, and of what comes near the best of what was tried; no name, but a place."""
     blocks = {f.term.effect.block for f in explanation.findings}
     gains = {key: gain for key, (gain, _) in explanation.tried.items()}
@@ -207,45 +318,8 @@ def _suspects(explanation):
     return tuple(sorted(blocks))
 
 
-def _clear_ones(problem, explanation, findings, model, covariates, alpha):
-    """The strongest finding and those beside it that are clear or needed, with their model.
-
-    One mismatch makes others look likely, for no effect is simulated just as it is. So what is named beside
-    a stronger one of the same signals must be as rare among healthy recordings as alpha twice over, unless
-    blocks that no fit has seen, or the noise that no model has a part in, speak against what is left without
-    it. What shows in another signal is judged as if it were alone: where the opening is recorded no error of
-    its simulation reaches the flow.
-    """
-    rarity = {f: p_value_of_one(f, problem, covariates) for f in findings[1:]}
-    asked = {f: alpha if _shows_alone(f, findings, problem) else alpha**2 for f in findings[1:]}
-    weak = [f for f in findings[1:] if rarity[f] > asked[f]]
-    # for the noise's sake nothing stands that is no rarer than an alarm
-    rare = [f for f in weak if rarity[f] <= alpha]
-    nominal, held_out = explanation.nominal, []
-    for needed in chain.from_iterable(combinations(rare, many) for many in range(len(rare) + 1)):
-        if len(needed) == len(weak):
-            break
-        stand = [f for f in findings if f not in weak or f in needed]
-        fewer = problem.fit(tuple(f.term for f in stand), start=model)
-        if holds_out(problem, nominal, fewer):
-            if is_fine(problem, nominal, fewer, stand, alpha):
-                return stand, fewer
-            held_out.append((stand, fewer))
-    all_needed = len(rare) == len(weak) and is_fine(problem, nominal, model, findings, alpha)
-    return held_out[0] if held_out and not all_needed else (findings, model)
-
-
-def _shows_alone(finding, findings, problem):
-    """Whether a finding shows in no signal in which a stronger one does."""
-    if problem.coupled:
-        return False
-    stronger = findings[: findings.index(finding)]
-    elsewhere = {c for f in stronger for c in problem.channels_touched(f.term.effect)}
-    return elsewhere.isdisjoint(problem.channels_touched(finding.term.effect))
-
-
-def _stands(problem, model, unknown):
-    """Whether a rest is large, or, once learnt, predicts blocks that it was not learnt from.
+def _stands(problem: Problem, model: Model, unknown: Unknown) -> bool:
+    """Whether a residual is large, or, once learnt, predicts blocks that it was not learnt from.
 
     What is hardly larger than what counts, and no help elsewhere, may be a slow chance of the noise.
     """
@@ -255,15 +329,15 @@ def _stands(problem, model, unknown):
     return correction_holds_out(problem, tried, unknown.channel)[0]
 
 
-def _else_as(problem, model, nominal):
+def _else_as(problem: Problem, model: Model, nominal: Model) -> Model:
     """A model whose channels that no effect touches are simulated as the nominal simulation does."""
     touched = {c for m in model.terms for c in problem.channels_touched(m.effect)}
-    rest = [c for c in problem.channels if c not in touched]
-    values = {p.name: nominal.values[p.name] for c in rest for p in problem.calibration((c,))}
-    predictions = {c: nominal.predictions[c] for c in rest}
+    others = [c for c in problem.channels if c not in touched]
+    values = {p.name: nominal.values[p.name] for c in others for p in problem.calibration((c,))}
+    predictions = {c: nominal.predictions[c] for c in others}
     return replace(model, values=model.values | values, predictions=model.predictions | predictions)
 
 
-def _names_one_of(names, judgement):
+def _names_one_of(names: set[str], judgement: Judgement) -> bool:
     named = judgement.verdict == "named"
     return named and any(names & set(class_of(f)) for f in judgement.findings)

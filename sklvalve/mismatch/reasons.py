@@ -22,8 +22,8 @@ _NAMELESS = ("cannot_tell", "none_of_these")
 def not_upheld(findings: Sequence[Finding]) -> str:
     """The reason where rows that a fit had not seen speak against all that was found."""
     return (
-        f"{_begun(_names(findings))} fits all rows, but does not predict rows left out of the fit: at least "
-        "half of the excess error remains there. A longer recording with more movement would settle it."
+        f"{_begun(_names(findings))} fits all rows, but does not predict rows left out of the fit: it "
+        "gains nothing certain there. A longer recording with more movement would settle it."
     )
 
 

@@ -7,20 +7,13 @@ from types import SimpleNamespace
 import pytest
 
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, judging
-from sklvalve.mismatch.rivals import Finding
+from sklvalve.mismatch.decide.constants import HELD_OUT_ERRORS
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
 
 from .conftest import record
 
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
-
-
-class _Found:
-    """A finding of a member, no more."""
-
-    def __init__(self, member):
-        self.term = member
 
 
 def _explanation(tried, *found):
@@ -100,76 +93,29 @@ def test_a_meter_may_read_off_by_half_of_what_it_shows():
     assert "flow_meter_bias" in {member["name"] for member in effect["members"]}
 
 
-def _subsets_with(*names):
-    """Whether a hypothesis holds all of these."""
-    return lambda held: set(names) <= set(held)
+class _Case(SimpleNamespace):
+    """A case that knows of each finding how rare it is and what it gains."""
 
+    def held_out_gain(self, finding):
+        return self.gains[finding.term]
 
-NEVER, ALWAYS = (lambda held: False), (lambda held: True)
-RARE, NOT_RARE, CLEAR = 0.005, 0.02, 5e-5
+    def is_rare(self, finding):
+        return finding.term in self.rare
 
 
 @pytest.mark.parametrize(
-    ("second", "third", "unseen", "quiet", "kept"),
+    ("gains", "rare", "kept"),
     [
-        (RARE, RARE, ALWAYS, ALWAYS, "a"),
-        (RARE, RARE, ALWAYS, _subsets_with("b"), "ab"),
-        (RARE, RARE, ALWAYS, _subsets_with("c"), "ac"),
-        (NOT_RARE, RARE, ALWAYS, _subsets_with("c"), "ac"),
-        (NOT_RARE, NOT_RARE, ALWAYS, _subsets_with("b"), "a"),
-        (CLEAR, RARE, ALWAYS, ALWAYS, "ab"),
-        (RARE, RARE, _subsets_with("c"), ALWAYS, "ac"),
-        (RARE, RARE, ALWAYS, _subsets_with("b", "c"), "abc"),
-        (RARE, RARE, ALWAYS, NEVER, "a"),
-        (NOT_RARE, NOT_RARE, NEVER, NEVER, "abc"),
-        (CLEAR, CLEAR, ALWAYS, ALWAYS, "abc"),
+        ({"a": 5.0, "b": HELD_OUT_ERRORS, "c": 9.0}, "abc", "abc"),
+        ({"a": 5.0, "b": HELD_OUT_ERRORS - 0.1, "c": 9.0}, "abc", "ac"),
+        ({"a": 5.0, "b": 9.0, "c": 9.0}, "ac", "ac"),
+        ({"a": 0.0, "b": 0.0, "c": 0.0}, "", "a"),
     ],
-    ids=[
-        "none is needed",
-        "the noise asks for the second",
-        "the noise asks for the third",
-        "the noise asks for the one that is rare",
-        "the noise asks for one that is not rare",
-        "what is clear stands",
-        "unseen blocks ask for the third",
-        "the noise asks for both",
-        "nothing is enough for the noise",
-        "nothing is enough for unseen blocks",
-        "all are clear",
-    ],
+    ids=["all gain", "one predicts nothing", "one is not rare", "the strongest is judged later"],
 )
-def test_of_what_is_not_clear_beside_the_strongest_the_fewest_stand(
-    monkeypatch, second, third, unseen, quiet, kept
-):
-    """`unseen` and `quiet`: of which hypotheses unseen blocks and the noise have nothing to say."""
-    findings = [_Found(name) for name in "abc"]
-    rarity = {"a": 0.5, "b": second, "c": third}
-    monkeypatch.setattr(judging, "p_value_of_one", lambda finding, *_: rarity[finding.term])
-    monkeypatch.setattr(judging, "holds_out", lambda bench, nominal, model: unseen(model))
-    monkeypatch.setattr(judging, "is_fine", lambda bench, nominal, model, found, alpha: quiet(model))
-    bench = SimpleNamespace(fit=lambda members, start: members, coupled=True)
+def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(gains, rare, kept):
+    findings = [SimpleNamespace(term=name) for name in "abc"]
+    problem = SimpleNamespace(fit=lambda terms, start: terms)
     whole = tuple(f.term for f in findings)
-    stand, model = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, whole, None, 0.01)
+    stand, model = judging._standing(_Case(problem=problem, gains=gains, rare=rare), findings, whole)
     assert "".join(f.term for f in stand) == "".join(model) == kept
-
-
-@pytest.mark.parametrize(
-    ("second", "rarity", "coupled", "kept"),
-    [
-        ("flow", RARE, False, "ab"),
-        ("flow", NOT_RARE, False, "a"),
-        ("flow", RARE, True, "a"),
-        ("opening", RARE, False, "a"),
-    ],
-)
-def test_what_shows_in_a_signal_of_its_own_is_judged_as_if_alone(monkeypatch, second, rarity, coupled, kept):
-    shown = {"a": ("opening",), "b": (second,)}
-    findings = [Finding(SimpleNamespace(effect=name), [], 0.0, {}) for name in shown]
-    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: rarity)
-    monkeypatch.setattr(judging, "holds_out", lambda *_: True)
-    monkeypatch.setattr(judging, "is_fine", lambda *_: True)
-    bench = SimpleNamespace(
-        fit=lambda members, start: members, coupled=coupled, channels_touched=shown.__getitem__
-    )
-    stand, _ = judging._clear_ones(bench, SimpleNamespace(nominal=None), findings, None, None, 0.01)
-    assert "".join(f.term.effect for f in stand) == kept

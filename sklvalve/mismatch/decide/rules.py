@@ -74,16 +74,15 @@ def relevance(p_value: float, alpha: float) -> Rule:
     )
 
 
-def held_out(share: float) -> Rule:
+def held_out(errors: float) -> Rule:
     """What was found must predict blocks of rows that were left out of its fit."""
-    limit = constants.HELD_OUT_SHARE
+    limit = constants.HELD_OUT_ERRORS
     return Rule(
         "held_out",
-        share,
+        errors,
         limit,
-        share < limit,
-        f"In rows left out of the fit {_share(share)} of the error beyond noise remains; less than "
-        f"{_share(limit)} must.",
+        errors >= limit,
+        f"In rows left out of the fit it gains {errors:.2g} standard errors; {limit:g} is the least.",
     )
 
 

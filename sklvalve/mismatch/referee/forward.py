@@ -20,6 +20,7 @@ from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.simulation import learnt_rest
 
 if TYPE_CHECKING:
+    from sklvalve.mismatch.hypothesis import Term
     from sklvalve.mismatch.problem import Problem
     from sklvalve.mismatch.unknown import Unknown
 

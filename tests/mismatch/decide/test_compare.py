@@ -2,6 +2,7 @@
 """The table of hypotheses: what it holds of a simulated fault, and of a healthy valve."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -78,6 +79,12 @@ def _row(place, rank=1):
 def test_tables_are_put_behind_one_another_with_places_of_their_own():
     both = Comparison((_row(1), _row(2))).behind(Comparison((_row(1), _row(1, 2))))
     assert [(row.place, row.rank) for row in both.rows] == [(1, 1), (1, 2), (2, 1), (3, 1)]
+
+
+def test_the_gain_on_rows_left_out_is_told_in_standard_errors():
+    rows = _row(1), replace(_row(1, 2), held_out_gain=12.0, held_out_se=4.0), _row(2)
+    table = Comparison(rows)
+    assert [table.held_out_errors(place) for place in (1, 2, 3)] == [3.0, 0.0, 0.0]
 
 
 def _bench(**more):
