@@ -93,7 +93,7 @@ def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch)
     found = over_the_whole(whole, replace(told, suspected=suspected), 0.01)
     assert len(flagged_rows(whole, found)) == len(leaky)
     # of what the whole shows as well the rows are its own
-    monkeypatch.setattr(stretches, "stem_rest", lambda *_: StemResidual(many, 9, 90, 0.02))
+    monkeypatch.setattr(stretches, "stem_residual", lambda *_: StemResidual(many, 9, 90, 0.02))
     monkeypatch.setattr(stretches, "find_pulses", lambda *_: Pulses(many, 12, 0, True, 0.02, 1e-3))
     for name, one in SEEN.items():
         found = over_the_whole(whole, replace(told, **{name: one(few)}), 0.01)
