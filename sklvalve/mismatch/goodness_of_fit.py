@@ -134,26 +134,6 @@ def held_against_noise(
     return left, DOUBTFUL if known else REFUTED
 
 
-def is_fine(
-    problem: Problem, nominal: Model, model: Model, findings: Sequence[Finding], alpha: float
-) -> bool:
-    """Whether the noise says nothing against a hypothesis; what else there may be is not looked for.
-
-    Parameters
-    ----------
-    problem : Problem
-    nominal, model : Model
-    findings : list of Finding
-    alpha : float
-
-    Returns
-    -------
-    fine : bool
-    """
-    left = left_over(problem, model, nominal)
-    return not imitates_any_time_profile(findings) and _leaves_little(problem, left, findings, alpha)
-
-
 def _leaves_little(
     problem: Problem, left: LeftOver | None, findings: Sequence[Finding], alpha: float
 ) -> bool:

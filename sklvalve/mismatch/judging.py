@@ -18,7 +18,7 @@ from sklvalve.mismatch.detect import (
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.events import P_VALUE, Events, beside_events, with_events
-from sklvalve.mismatch.goodness_of_fit import FINE, REFUTED, held_against_noise, left_over
+from sklvalve.mismatch.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
 from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.null_reference import EFFECTS
 from sklvalve.mismatch.prove import correction_holds_out, cross_validated
@@ -153,9 +153,9 @@ def blocked(problem: Problem) -> Judgement:
 
 
 def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
-    """The judgement, rule after rule: evidence, rows left out, what is left, noise, patterns without a name."""
-    judged, said = _against_noise(case, _named_or_not(case, *_standing(case, findings, model)))
-    judged = _by_least_error(case, judged, said)
+    """The judgement, rule after rule: evidence, rows left out, what is left, noise, nameless patterns."""
+    judged = _against_noise(case, _named_or_not(case, *_standing(case, findings, model)))
+    judged = _by_least_error(case, judged)
     if judged.verdict == "no_mismatch" and case.channels is None:
         judged = _strays(case, judged)
     if judged.verdict == "no_mismatch" and case.channels is None:
@@ -237,36 +237,43 @@ def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
     return _Weighed(unknown, evidence, p_value, by_chance, counts and p_value <= case.alpha)
 
 
-def _against_noise(case: Case, judged: Judgement) -> tuple[Judgement, str]:
-    """A judgement held against noise that no model has a part in, and what that says.
+def _against_noise(case: Case, judged: Judgement) -> Judgement:
+    """A judgement held against noise that no model has a part in.
 
     The noise model took for wander what an imitation leaves.
     """
-    problem, explanation, findings = case.problem, case.explanation, judged.findings
-    left, said = held_against_noise(problem, explanation, judged.model, findings, case.alpha)
+    problem, explanation = case.problem, case.explanation
+    left, said = held_against_noise(problem, explanation, judged.model, judged.findings, case.alpha)
     if left is not None:
-        judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, said == FINE)))
-        if said != FINE:
-            judged = replace(judged, why=(*judged.why, too_much_left(left, findings, problem)))
-            if judged.verdict == "no_mismatch":
-                p_value = max(min(judged.p_value or 1.0, left.p_value), _LEAST_P_VALUE)
-                judged = replace(judged, verdict="cannot_tell", p_value=p_value)
-    of_flow = any("flow" in problem.channels_touched(f.term.effect) for f in findings)
+        judged = _with_what_is_left(case, judged, left, said)
+    of_flow = any("flow" in problem.channels_touched(f.term.effect) for f in judged.findings)
     closest: list[Finding] = []
     if said == REFUTED or (said != FINE and of_flow):
-        closest, findings = list(findings), []
-    unknown, verdict = judged.unknown, judged.verdict
-    if not findings and verdict != "no_mismatch":
-        unknown = case.residual_of(explanation.nominal)[0] or unknown
+        closest = judged.findings
+        judged = replace(judged, findings=[])
+    if not judged.findings and judged.verdict != "no_mismatch":
+        unknown = case.residual_of(explanation.nominal)[0] or judged.unknown
         verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
-    judged = replace(judged, verdict=verdict, findings=findings, unknown=unknown)
+        judged = replace(judged, verdict=verdict, unknown=unknown)
     if said == REFUTED:
         beyond = left_over(problem, explanation.nominal, explanation.nominal)
         judged = replace(judged, left=beyond, closest=closest, closest_leaves=left)
-    return judged, said
+    return judged
 
 
-def _by_least_error(case: Case, judged: Judgement, said: str) -> Judgement:
+def _with_what_is_left(case: Case, judged: Judgement, left: LeftOver, said: str) -> Judgement:
+    """A judgement with the outcome of the rule on noise, and with its doubt where there is one."""
+    judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, said == FINE)))
+    if said == FINE:
+        return judged
+    judged = replace(judged, why=(*judged.why, too_much_left(left, judged.findings, case.problem)))
+    if judged.verdict != "no_mismatch":
+        return judged
+    p_value = max(min(judged.p_value or 1.0, left.p_value), _LEAST_P_VALUE)
+    return replace(judged, verdict="cannot_tell", p_value=p_value)
+
+
+def _by_least_error(case: Case, judged: Judgement) -> Judgement:
     """A judgement with its simulations fitted for the least error itself."""
     nameless = judged.verdict != "no_mismatch" and not judged.findings
     if nameless and judged.unknown is None and case.explanation.model.terms:
