@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.calibrating import calibrated
 from sklvalve.mismatch.decide import rules
-from sklvalve.mismatch.decide.constants import HELD_OUT_ERRORS
+from sklvalve.mismatch.decide.constants import HELD_OUT_ERRORS, HELD_OUT_SHARE
 from sklvalve.mismatch.detect import (
     Evidence,
     effect_strengths,
@@ -21,7 +21,7 @@ from sklvalve.mismatch.events import P_VALUE, Events, beside_events, with_events
 from sklvalve.mismatch.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
 from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.null_reference import EFFECTS
-from sklvalve.mismatch.prove import correction_holds_out, cross_validated
+from sklvalve.mismatch.prove import correction_holds_out, cross_validated, held_out_share
 from sklvalve.mismatch.pulses import find_pulses
 from sklvalve.mismatch.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.stem_residual import P_VALUE as STRAYS_BY_CHANCE
@@ -195,11 +195,12 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
     explained = 0.0
     if findings:
         gain = case.held_out_gain(findings[0])
-        asked.append(rules.held_out(gain))
+        share = held_out_share(case.problem, nominal, model)
+        asked += [rules.held_out(share), rules.repeats(gain)]
         if unknown is not None:
             # of all recordings together, as the unknown is
             explained = case.problem.change_in_all(unknown.channel, model, nominal)
-        if gain < HELD_OUT_ERRORS:
+        if share >= HELD_OUT_SHARE or gain < HELD_OUT_ERRORS:
             # blocks that the fit had not seen speak against it: no name is better than a wrong one
             why.append(not_upheld(findings))
             findings = []

@@ -15,13 +15,13 @@ _SHOWN = 6
 # forms of one effect are one explanation to a reader
 _NOTHING = "nothing"
 _RULES = {
-    "data": "columns as declared",
+    "data": "not made by the data",
     "rarity": "rare among healthy valves",
     "relevance": "larger than what counts",
     "held_out": "predicts rows left out of the fit",
+    "repeats": "gains in more than one event",
     "residual": "little is left unexplained",
     "noise": "explained down to the noise",
-    "data_quality": "not made by the data",
     "forecast": "improves forecasts",
     "black_box": "forecasts as well as a black box",
     "probability": "likely enough by blind tests",

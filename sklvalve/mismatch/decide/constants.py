@@ -10,12 +10,13 @@ SHARE_WRONG = 0.08
 IN_CLASS = 0.95
 #: Two explanations are told apart from this distance on: a chance of 3 % of taking one for the other.
 DISTINGUISHABLE = 14.0
-#: On rows left out of its fit a name gains at least this many standard errors of its gain by blocks. Of 48
+#: Of the error beyond noise in blocks left out of the fit, a name may leave this share. Larger: imitations
+#: that fit and do not predict are named, as a change of density was for a stem that bows.
+HELD_OUT_SHARE = 0.5
+#: On such rows a name gains at least this many standard errors of its gain by blocks. Of 48
 #: right names of simulated records the least gained 1.03. Larger: right names are lost whose effect acts
 #: seldom. Smaller: what happened once, and predicts nothing, is named.
 HELD_OUT_ERRORS = 1.0
-#: Of the error beyond noise in such rows, what lies behind a property may leave this share.
-HELD_OUT_SHARE = 0.5
 #: An unexplained residual of this share of what the effects explain makes their names doubtful.
 RESIDUAL_SHARE = 0.5
 #: A slow residual of the flow may be so many times what noise and tolerances allow.

@@ -15,7 +15,7 @@ from sklvalve.mismatch.decide import constants
 
 #: Names of the rules, in their order.
 ORDER = (
-    "data", "rarity", "relevance", "held_out", "residual", "noise", "data_quality", "forecast", "black_box",
+    "data", "rarity", "relevance", "held_out", "repeats", "residual", "noise", "forecast", "black_box",
     "probability",
 )  # fmt: skip
 
@@ -45,9 +45,17 @@ class Rule:
     sentence: str
 
 
-def data(mend: str | None) -> Rule:
-    """No signal must be exchanged, or of the wrong unit."""
-    return Rule("data", None, None, mend is None, mend or "The columns are what valve.toml says.")
+def data(fault: str | None) -> Rule:
+    """No column may be exchanged or of the wrong unit, and no historian may have made what was found.
+
+    Parameters
+    ----------
+    fault : str or None
+        What is wrong with the data and what to do, for people; None where nothing is.
+    """
+    return Rule(
+        "data", None, None, fault is None, fault or "The data cannot have made a difference like this."
+    )
 
 
 def rarity(p_value: float, alpha: float) -> Rule:
@@ -74,15 +82,29 @@ def relevance(p_value: float, alpha: float) -> Rule:
     )
 
 
-def held_out(errors: float) -> Rule:
+def held_out(share: float) -> Rule:
     """What was found must predict blocks of rows that were left out of its fit."""
-    limit = constants.HELD_OUT_ERRORS
+    limit = constants.HELD_OUT_SHARE
     return Rule(
         "held_out",
+        share,
+        limit,
+        share < limit,
+        f"In rows left out of the fit {_share(share)} of the error beyond noise remains; less than "
+        f"{_share(limit)} must.",
+    )
+
+
+def repeats(errors: float) -> Rule:
+    """It must gain in more than one event: what happened once, and predicts nothing, is no name."""
+    limit = constants.HELD_OUT_ERRORS
+    return Rule(
+        "repeats",
         errors,
         limit,
         errors >= limit,
-        f"In rows left out of the fit it gains {errors:.2g} standard errors; {limit:g} is the least.",
+        f"Its gain on rows left out of the fit is {errors:.2g} times what it scatters by from block to block; "
+        f"{limit:g} is the least.",
     )
 
 
@@ -108,17 +130,6 @@ def noise(times: float, passed: bool) -> Rule:
         passed,
         f"Where the flow is steady the error is {times:.2g} times what noise and tolerances allow; "
         f"{limit:g} times is the limit.",
-    )
-
-
-def data_quality(reason: str | None) -> Rule:
-    """Compression or coarse reading must not be able to make what was found."""
-    return Rule(
-        "data_quality",
-        None,
-        None,
-        reason is None,
-        reason or "No compression or coarse reading of a signal explains the difference.",
     )
 
 
