@@ -53,9 +53,7 @@ def data(fault: str | None) -> Rule:
     fault : str or None
         What is wrong with the data and what to do, for people; None where nothing is.
     """
-    return Rule(
-        "data", None, None, fault is None, fault or "The data cannot have made a difference like this."
-    )
+    return Rule("data", None, None, fault is None, fault or "The data cannot have made the difference.")
 
 
 def rarity(p_value: float, alpha: float) -> Rule:
@@ -103,7 +101,7 @@ def repeats(errors: float) -> Rule:
         errors,
         limit,
         errors >= limit,
-        f"Its gain on rows left out of the fit is {errors:.2g} times what it scatters by from block to block; "
+        f"Its gain on rows left out of the fit is {errors:.2g} times its scatter from block to block; "
         f"{limit:g} is the least.",
     )
 
