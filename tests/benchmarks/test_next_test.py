@@ -114,7 +114,7 @@ def test_the_plants_own_distances_are_of_the_members_asked_for(stand, tested):
 
 def test_a_record_makes_a_line_and_lines_make_tables(stand, monkeypatch):
     answers = iter([[["seat_leakage", "bypass_open"]], [["bypass_open"]]])
-    pair = SimpleNamespace(names=("seat_leakage", "bypass_open"), now=2.0, expected=30.0, told_apart=True)
+    pair = SimpleNamespace(names=("seat_leakage", "bypass_open"), now=2.0, expected=30.0, separates=True)
     plan = SimpleNamespace(name="square", command=np.full(600, 0.3), moved={}, sensor=None, pairs=[pair])
 
     class Finder:

@@ -83,7 +83,8 @@ def test_a_plan_tells_what_to_do_and_what_comes_of_it(stand, plan):
     assert plan.time.shape == plan.command.shape == plan.moved["p2"].shape
     assert np.diff(plan.time) == pytest.approx(1.0)
     drop = np.median(stand.recording["p1"] - stand.recording["p2"])
-    assert np.abs(plan.moved["p2"]).max() == pytest.approx(0.3 * drop)
+    # a third of the drop would leave the two too near one another
+    assert np.abs(plan.moved["p2"]).max() == pytest.approx(0.6 * drop)
     assert "outlet pressure" in plan.sentence
     assert "seat leakage from flow meter bias" in plan.sentence
     assert plan.considered["slow triangle"] < plan.considered["p2 moved"]
