@@ -39,11 +39,11 @@ def plan_next_test(
     fitted to the outcome, to first order and with the calibration as free as the present recording leaves
     it. The program with the largest least distance :math:`D` between explanations is the one to make: with
 
-    .. math:: D = \\frac{2 (\\log L_i - \\log L_j)}{1 + \\epsilon^2 \\, 2 G / 14}
+    .. math:: D = \\frac{2 (\\log L_i - \\log L_j)}{1 + 2 \\kappa^2 G}
 
     over the present recording and the test together, G the log likelihood that the effect adds and
-    :math:`\\epsilon = 0.15` what a simulation gets wrong of it, one of two explanations is taken for the
-    other with a chance of :math:`\\Phi(-\\sqrt D / 2)`.
+    :math:`\\kappa = 0.08` the share of it that a simulation gets wrong, one of two explanations is taken
+    for the other with a chance of :math:`\\Phi(-\\sqrt D / 2)`.
 
     Parameters
     ----------

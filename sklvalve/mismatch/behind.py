@@ -13,6 +13,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
+from sklvalve.mismatch.decide.compare import HeldOut
+from sklvalve.mismatch.decide.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.detect import p_value_of_one
 from sklvalve.mismatch.explain import penalised_across_noises
 from sklvalve.mismatch.hypothesis import Term, is_in
@@ -154,7 +156,9 @@ def _joined(
         return with_added[model]
 
     model = whole(cast("Model", judged_beside.model))
-    if not holds_out(problem, judged.nominal, model):
+    # what is named anew must predict better than what was judged without it, not than nothing alone
+    gain, error = HeldOut(problem, judged.model).gain(model)
+    if not (gain >= HELD_OUT_ERRORS * error and holds_out(problem, judged.nominal, model)):
         problem.use_noise(before)
         return judged
     behind = [

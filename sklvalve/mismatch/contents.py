@@ -112,7 +112,7 @@ def content_of(
         "mismatch": {"detected": judgement.found, "p_value": judgement.p_value, "alpha": alpha},
         "location": _location(whole, problem, judgement, entries, alpha, random_state),
         "effects": entries,
-        "comparison": judgement.comparison.to_records(),
+        "comparison": judgement.comparison.in_order_of(problem, judgement.findings).to_records(),
         "fit": fit,
         "proof": "later_rows" if len(whole) > len(problem.recording) else "forward",
         "not_testable": not_testable,
@@ -222,7 +222,8 @@ def _asked(judgement: Judgement, entries: list[dict], verdict: str, alpha: float
         asked.append(rules.rarity(judgement.p_value, alpha))
     if judgement.verdict == "named":
         likeliest = max(entries, key=lambda entry: entry["probability"] or 0.0)
-        asked.append(rules.probability(likeliest["probability"], verdict == "named"))
+        reason = likeliest["grade"]["reason"]
+        asked.append(rules.probability(likeliest["probability"], verdict == "named", reason))
     return rules.in_order(asked)
 
 

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
 
 # of a normal distribution: 95 %
 _WITHIN_95 = 1.96
-# share of an effect that a simulation gets wrong, or less, in 95 of 100: with 0.15, as distances between
-# explanations have it, 132 of 136 parameters of sealed records lay within six tenths of their intervals
+# share of an effect that a simulation gets wrong, or less, in 95 of 100: with 0.15, as tolerances are
+# exceeded by, 132 of 136 parameters of sealed records lay within six tenths of their intervals
 SHARE_OFF = 0.09
 
 

@@ -89,9 +89,10 @@ class Case:
             self._residuals[model] = unknown if stands else None, strong
         return self._residuals[model]
 
-    def is_rare(self, finding: Finding) -> bool:
-        """Whether few healthy recordings show any effect as strong."""
-        return p_value_of_one(finding, self.problem, self.covariates) <= self.alpha
+    def is_rare(self, finding: Finding, level: float | None = None) -> bool:
+        """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""
+        level = self.alpha if level is None else level
+        return p_value_of_one(finding, self.problem, self.covariates) <= level
 
     def held_out_gain(self, finding: Finding) -> float:
         """Gain of a finding on rows left out of its fit, in standard errors."""
@@ -143,6 +144,7 @@ def judge(case: Case, events: Events | None = None) -> Judgement:
         model=model,
         tried=beside.tried or cross_validated(problem, beside.model),
         suspected=None,
+        rules=rules.without(beside.rules, rules.OF_A_FIT),
     )
 
 
@@ -167,13 +169,25 @@ def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[li
     """The strongest finding and those beside it that may be named, and the model with them.
 
     One mismatch makes others look likely, for no effect is simulated just as it is: what is named beside a
-    stronger one must be rare among healthy recordings by itself, and gain on rows left out of the fit.
+    stronger one of the same signals must be as rare among healthy recordings as alpha twice over, and gain on
+    rows left out of the fit.
     """
-    stand = [*findings[:1]]
-    stand += [f for f in findings[1:] if case.held_out_gain(f) >= HELD_OUT_ERRORS and case.is_rare(f)]
+    stand: list[Finding] = [*findings[:1]]
+    for finding in findings[1:]:
+        level = case.alpha if _shows_alone(case.problem, finding, stand) else case.alpha**2
+        if case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level):
+            stand.append(finding)
     if len(stand) < len(findings):
         model = case.problem.fit(tuple(f.term for f in stand), start=model)
     return stand, model
+
+
+def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]) -> bool:
+    """Whether a finding shows in no signal in which a stronger one does."""
+    if problem.coupled:
+        return False
+    elsewhere = {c for f in stronger for c in problem.channels_touched(f.term.effect)}
+    return elsewhere.isdisjoint(problem.channels_touched(finding.term.effect))
 
 
 def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgement:
@@ -247,6 +261,8 @@ def _against_noise(case: Case, judged: Judgement) -> Judgement:
     left, said = held_against_noise(problem, explanation, judged.model, judged.findings, case.alpha)
     if left is not None:
         judged = _with_what_is_left(case, judged, left, said)
+    elif said != FINE:
+        judged = replace(judged, rules=(*judged.rules, rules.noise(None, False)))
     of_flow = any("flow" in problem.channels_touched(f.term.effect) for f in judged.findings)
     closest: list[Finding] = []
     if said == REFUTED or (said != FINE and of_flow):
@@ -264,7 +280,10 @@ def _against_noise(case: Case, judged: Judgement) -> Judgement:
 
 def _with_what_is_left(case: Case, judged: Judgement, left: LeftOver, said: str) -> Judgement:
     """A judgement with the outcome of the rule on noise, and with its doubt where there is one."""
-    judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, said == FINE)))
+    # an effect of the stem stands beside a flow that is not explained, unless that refutes it
+    flow = [f for f in judged.findings if "flow" in case.problem.channels_touched(f.term.effect)]
+    passed = said == FINE or (said != REFUTED and bool(judged.findings) and not flow)
+    judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, passed)))
     if said == FINE:
         return judged
     judged = replace(judged, why=(*judged.why, too_much_left(left, judged.findings, case.problem)))
@@ -295,7 +314,8 @@ def _strays(case: Case, judged: Judgement) -> Judgement:
     if strays is None or not strays.evident:
         return judged
     p_value = min(judged.p_value or 1.0, STRAYS_BY_CHANCE)
-    return replace(judged, verdict="cannot_tell", p_value=p_value, unknown=None, strays=strays)
+    asked = (*judged.rules, rules.nameless(strays.reason))
+    return replace(judged, verdict="cannot_tell", p_value=p_value, unknown=None, strays=strays, rules=asked)
 
 
 def _pulses(case: Case, judged: Judgement) -> Judgement:
@@ -304,7 +324,12 @@ def _pulses(case: Case, judged: Judgement) -> Judgement:
     if pulses is None:
         return judged
     p_value = min(judged.p_value or 1.0, pulses.p_value)
-    return replace(judged, verdict="none_of_these", p_value=p_value, unknown=None, pulses=pulses)
+    sentence = (
+        f"The flow deviates to one side at {pulses.many} moments and to the other at {pulses.against}: "
+        "no effect of the catalogue behaves like that."
+    )
+    asked = (*judged.rules, rules.nameless(sentence))
+    return replace(judged, verdict="none_of_these", p_value=p_value, unknown=None, pulses=pulses, rules=asked)
 
 
 def _with_learnt(case: Case, judged: Judgement) -> Judgement:

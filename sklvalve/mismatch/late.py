@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.change import find_change
+from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.effects import CATALOGUE, LATE
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.hypothesis import Model, Term, is_in, penalised_likelihood
@@ -139,7 +140,8 @@ def with_late_event(
         judged = replace(judged, verdict=verdict, model=model if others else nominal)
     else:
         model = problem.least_squares(finding.rivals[0].model)
-        judged = replace(judged, verdict="named", model=model, findings=[finding, *others])
+        asked = rules.without(judged.rules, rules.OF_A_FIT)
+        judged = replace(judged, verdict="named", model=model, findings=[finding, *others], rules=asked)
     if judged.unknown is None:
         return replace(judged, tried=None)
     tried = cross_validated(problem, judged.model, judged.unknown)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Actuator effects tried afresh, where the calibration has bent to make up for one.
+"""Actuator effects tried from a restart, where the calibration has bent to make up for one.
 
 What is open in the response of an actuator is enough to hide half of an effect. The calibration then lies in
 a valley of its own, from where the effect seems to help little, and what it leaves over passes for noise that

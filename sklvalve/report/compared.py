@@ -49,11 +49,17 @@ def comparisons(d: dict) -> list[Compared]:
         Their rows as `HEAD` has them; empty where nothing was compared.
     """
     places = [list(rows) for _, rows in groupby(d.get("comparison") or [], key=lambda row: row["place"])]
-    several = len(places) > 1
-    return [
-        Compared(f"Difference {count}" if several else "", _rows(rows))
-        for count, rows in enumerate(places, start=1)
-    ]
+    return [Compared(_title(rows, len(places) > 1), _rows(rows)) for rows in places]
+
+
+def _title(rows: list[dict], several: bool) -> str:
+    """What a place is about, where that is not plain."""
+    if not rows[0].get("stands", True):
+        return "Tried, and not named"
+    if not several:
+        return ""
+    likeliest = next((row for row in rows if row["hypothesis"] != _NOTHING), None)
+    return f"In the place of {spoken(likeliest['hypothesis'])}" if likeliest else ""
 
 
 def _rows(rows: list[dict]) -> list[tuple[str, ...]]:
@@ -71,7 +77,7 @@ def _rows(rows: list[dict]) -> list[tuple[str, ...]]:
 def _cells(row: dict, weight: float) -> tuple[str, ...]:
     if row["hypothesis"] == _NOTHING:
         return "nothing is missing here", "", "", "0", "", _weight(weight)
-    gain = number(float(f"{row['log_likelihood']:.3g}"))
+    gain = "" if row["log_likelihood"] is None else number(float(f"{row['log_likelihood']:.3g}"))
     return (
         f"{spoken(row['hypothesis'])}{_when(row)}",
         role_words(row["channel"]) if row["channel"] else "",

@@ -202,12 +202,19 @@ def _compared_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
     lines = []
     for item in compared.comparisons(d):
         title = f"{item.title}: " if item.title else ""
-        told = [f"{row[0]} {row[-1]}, gain {row[3]} nats" for row in item.rows[:_COMPARED]]
+        told = [_weighed(row) for row in item.rows[:_COMPARED]]
         lines.append(title + "; ".join(told))
-    stopped = [f"Not passed, {what}: {words}" for what, passed, words in compared.rules(d) if passed == "no"]
+    # where nothing is missing no check stopped a name
+    asked = compared.rules(d) if d["verdict"] != "no_mismatch" else []
+    stopped = [f"Not passed, {what}: {words}" for what, passed, words in asked if passed == "no"]
     return _block([line("Compared" if first else "", w) for first, w in _numbered(lines)]) + _block(
         [line("Checks" if first else "", w) for first, w in _numbered(stopped)]
     )
+
+
+def _weighed(row: tuple[str, ...]) -> str:
+    """One hypothesis of a difference, with its weight and its gain where that is known."""
+    return f"{row[0]} {row[-1]}" + (f", gain {row[3]} nats" if row[3] else "")
 
 
 def _table(head: tuple[str, ...], body: list) -> str:

@@ -99,23 +99,45 @@ class _Case(SimpleNamespace):
     def held_out_gain(self, finding):
         return self.gains[finding.term]
 
-    def is_rare(self, finding):
-        return finding.term in self.rare
+    def is_rare(self, finding, level):
+        return self.rarity[finding.term] <= level
+
+
+CLEAR, RARE, USUAL = 5e-5, 5e-3, 0.02
 
 
 @pytest.mark.parametrize(
-    ("gains", "rare", "kept"),
+    ("gains", "rarity", "alone", "kept"),
     [
-        ({"a": 5.0, "b": HELD_OUT_ERRORS, "c": 9.0}, "abc", "abc"),
-        ({"a": 5.0, "b": HELD_OUT_ERRORS - 0.1, "c": 9.0}, "abc", "ac"),
-        ({"a": 5.0, "b": 9.0, "c": 9.0}, "ac", "ac"),
-        ({"a": 0.0, "b": 0.0, "c": 0.0}, "", "a"),
+        ({"b": HELD_OUT_ERRORS, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, "abc"),
+        ({"b": HELD_OUT_ERRORS - 0.1, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, "ac"),
+        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": CLEAR}, False, "ac"),
+        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": USUAL}, True, "ab"),
+        ({"b": 0.0, "c": 0.0}, {"b": CLEAR, "c": CLEAR}, True, "a"),
     ],
-    ids=["all gain", "one predicts nothing", "one is not rare", "the strongest is judged later"],
+    ids=[
+        "all gain and are clear",
+        "one predicts nothing",
+        "one is not as rare as alpha twice over",
+        "in a signal of its own alpha is enough",
+        "the strongest is judged later",
+    ],
 )
-def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(gains, rare, kept):
+def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(monkeypatch, gains, rarity, alone, kept):
+    monkeypatch.setattr(judging, "_shows_alone", lambda *_: alone)
     findings = [SimpleNamespace(term=name) for name in "abc"]
-    problem = SimpleNamespace(fit=lambda terms, start: terms)
-    whole = tuple(f.term for f in findings)
-    stand, model = judging._standing(_Case(problem=problem, gains=gains, rare=rare), findings, whole)
+    case = _Case(
+        problem=SimpleNamespace(fit=lambda terms, start: terms), alpha=0.01, gains=gains, rarity=rarity
+    )
+    stand, model = judging._standing(case, findings, tuple(f.term for f in findings))
     assert "".join(f.term for f in stand) == "".join(model) == kept
+
+
+@pytest.mark.parametrize(
+    ("signals", "coupled", "alone"), [("flow", False, True), ("opening", False, False), ("flow", True, False)]
+)
+def test_what_shows_in_a_signal_of_its_own(signals, coupled, alone):
+    shown = {"a": ("opening",), "b": (signals,)}
+    first, second = (SimpleNamespace(term=SimpleNamespace(effect=name)) for name in shown)
+    problem = SimpleNamespace(coupled=coupled, channels_touched=shown.__getitem__)
+    assert judging._shows_alone(problem, second, [first]) is alone

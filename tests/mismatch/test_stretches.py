@@ -8,9 +8,9 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, stretches
+from sklvalve.mismatch.contents import flagged_rows
 from sklvalve.mismatch.detect import Evidence, covariates_of
 from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.contents import flagged_rows
 from sklvalve.mismatch.judgement import Judgement
 from sklvalve.mismatch.preparation import prepared_problem
 from sklvalve.mismatch.pulses import Pulses

@@ -18,8 +18,10 @@ def _row(place, hypothesis, **more):
 
 def _diagnosis(**more):
     return {
-        "verdict": "no_mismatch",
-        "mismatch": {"detected": False, "p_value": 0.4, "alpha": 0.01},
+        "verdict": "cannot_tell",
+        "location": {"blocks": [], "regions": [], "intervals": []},
+        "effects": [],
+        "mismatch": {"detected": True, "p_value": 0.004, "alpha": 0.01},
         "fit": {},
     } | more
 
@@ -35,8 +37,8 @@ TABLE = [
 
 def test_a_table_for_each_difference_with_nothing_in_it():
     first, second = comparisons({"comparison": TABLE})
-    assert first.title == "Difference 1"
-    assert second.title == "Difference 2"
+    assert first.title == "In the place of clogging that caps the opening"
+    assert second.title == "In the place of backlash"
     assert all(len(row) == len(HEAD) for row in first.rows)
     assert first.rows[0] == (
         "clogging that caps the opening",
@@ -74,10 +76,13 @@ def test_rules_in_words():
 def test_text_and_markdown_hold_them_and_old_diagnoses_need_none():
     d = _diagnosis(comparison=TABLE, rules=[{"name": "rarity", "passed": False, "sentence": "Too usual."}])
     text = " ".join(to_text(d).split())
-    assert "Compared Difference 1: clogging that caps the opening 70 %, gain 123 nats" in text
+    first = (
+        "In the place of clogging that caps the opening: clogging that caps the opening 70 %, gain 123 nats"
+    )
+    assert f"Compared {first}" in text
     assert "Not passed, rare among healthy valves: Too usual." in text
     page = to_markdown(d)
-    assert "### Why this and not that: difference 1" in page
+    assert "### Why this and not that: in the place of clogging that caps the opening" in page
     assert "### Checks" in page
     assert "Compared" not in to_text(_diagnosis())
     assert "Checks" not in to_markdown(_diagnosis())
@@ -86,3 +91,19 @@ def test_text_and_markdown_hold_them_and_old_diagnoses_need_none():
 def test_names_from_a_file_do_not_act_in_markdown():
     page = to_markdown(_diagnosis(comparison=[_row(1, "<script>*x*")]))
     assert "| \\<script>\\*x\\* |" in page
+
+
+def test_what_was_tried_and_not_named_says_so_and_no_check_stopped_it_where_nothing_is_missing():
+    table = [_row(1, "clogging", stands=False)]
+    [place] = comparisons({"comparison": table})
+    assert place.title == "Tried, and not named"
+    asked = [{"name": "rarity", "passed": False, "sentence": "Too usual."}]
+    agrees = {"verdict": "no_mismatch", "mismatch": {"detected": False, "p_value": 0.4}}
+    d = _diagnosis(**agrees, comparison=table, rules=asked)
+    assert "Not passed" not in to_text(d)
+    assert "Too usual." in to_markdown(d)
+
+
+def test_an_explanation_told_by_events_has_no_gain():
+    [place] = comparisons({"comparison": [_row(1, "stiction", log_likelihood=None, stands=True)]})
+    assert place.rows[0][3] == ""

@@ -7,7 +7,9 @@ hypotheses compete: the effects that were fitted there beside what stands in the
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,18 +55,21 @@ class Row:
     size : float
         That change, rms where it acts, share of the signal's span [1].
     size_ci95 : tuple of float or None
-        What noise leaves open of the size; None where it was not fitted to the end.
+        What noise leaves open of the size; None where it was not fitted to the end, or where its first
+        parameter says where or when it acts and not how much.
     size_over_relevance : float
         The size in multiples of what counts [1].
-    log_likelihood : float
-        What it gains on nothing in the same place [nat].
-    log_evidence : float
+    log_likelihood : float or None
+        What it gains on nothing in the same place [nat]; None of events, which no likelihood tells.
+    log_evidence : float or None
         The same less what its parameters and its times cost [nat].
     posterior : float
         Probability among the hypotheses of the place, under the error that simulations have.
     held_out_gain, held_out_se : float or None
         What it gains on nothing in rows left out of its fit, and the standard error of that by blocks [nat];
         None but for the likeliest.
+    stands : bool
+        Whether the place is that of an effect of the diagnosis; the others were tried, and not named.
     """
 
     place: int
@@ -77,11 +82,12 @@ class Row:
     size: float
     size_ci95: tuple[float, float] | None
     size_over_relevance: float
-    log_likelihood: float
-    log_evidence: float
+    log_likelihood: float | None
+    log_evidence: float | None
     posterior: float
     held_out_gain: float | None = None
     held_out_se: float | None = None
+    stands: bool = False
 
 
 @dataclass(frozen=True)
@@ -95,6 +101,23 @@ class Comparison:
     """
 
     rows: tuple[Row, ...] = ()
+
+    def in_order_of(self, problem: Problem, findings: Sequence[Finding]) -> Comparison:
+        """The table by the effects of a diagnosis: their places first, in their order, then all others.
+
+        An effect that was found outside of the search, such as by events, gets a place of its explanations.
+        """
+        places = [list(rows) for _, rows in groupby(self.rows, key=lambda row: row.place)]
+        chosen: list[list[Row]] = []
+        for finding in findings:
+            own = _place_of(finding, places)
+            if own is None:
+                chosen.append(_rows_of_rivals(problem, finding))
+            else:
+                places.remove(own)
+                chosen.append([replace(row, stands=True) for row in own])
+        numbered = enumerate([*chosen, *places], start=1)
+        return Comparison(tuple(replace(row, place=place) for place, rows in numbered for row in rows))
 
     def behind(self, other: Comparison) -> Comparison:
         """The rows of another table, and those of this one in the places behind them."""
@@ -112,6 +135,30 @@ class Comparison:
     def to_records(self) -> list[dict[str, Any]]:
         """The rows as plain data, numbers with four digits."""
         return [{key: _plain(value) for key, value in asdict(row).items()} for row in self.rows]
+
+
+def _place_of(finding: Finding, places: list[list[Row]]) -> list[Row] | None:
+    """The rows of a place in which a finding's effect is of the class; None where there is no such."""
+    key = finding.term.effect.key
+    able = [rows for rows in places if any(row.form == key and row.in_class for row in rows)]
+    return max(able, key=lambda rows: max(r.posterior for r in rows if r.form == key), default=None)
+
+
+def _rows_of_rivals(problem: Problem, finding: Finding) -> list[Row]:
+    """Rows of a finding that the search's table does not hold, by its own explanations."""
+    best = max(rival.model.log_likelihood for rival in finding.rivals)
+    rows: list[Row] = []
+    before = 0.0
+    for rank, rival in enumerate(sorted(finding.rivals, key=lambda r: -r.probability)[:_KEPT], start=1):
+        known = finding.gain > 0.0
+        gain = finding.gain + rival.model.log_likelihood - best if known else None
+        one = _Competitor(rival.term, rival.model, gain or 0.0, finding.sizes)
+        row = _of_effect(problem, one, None) | {"log_likelihood": gain}
+        evidence = None if gain is None else gain - complexity_penalty(problem, rival.term)
+        shared: dict[str, Any] = {"rank": rank, "in_class": before < IN_CLASS, "log_evidence": evidence}
+        rows.append(Row(**row, **shared, place=0, posterior=rival.probability, stands=True))
+        before += rival.probability
+    return rows
 
 
 EMPTY = Comparison()
@@ -314,4 +361,6 @@ class HeldOut:
 def _plain(value: Any) -> Any:
     if isinstance(value, tuple):
         return [_plain(each) for each in value]
-    return float(f"{value:.4g}") if isinstance(value, float) else value
+    if not isinstance(value, float):
+        return value
+    return float(f"{value:.4g}") if np.isfinite(value) else None

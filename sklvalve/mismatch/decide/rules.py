@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
+from math import isfinite
 from typing import Any
 
 from sklvalve.mismatch.decide import constants
@@ -106,6 +107,11 @@ def repeats(errors: float) -> Rule:
     )
 
 
+def nameless(sentence: str) -> Rule:
+    """A pattern that no effect makes, told by the rows themselves, must not be there."""
+    return Rule("residual", None, None, False, sentence)
+
+
 def residual(unknown: float, explained: float) -> Rule:
     """What no effect explains must be small beside what the effects explain."""
     limit = constants.RESIDUAL_SHARE
@@ -118,17 +124,30 @@ def residual(unknown: float, explained: float) -> Rule:
     return Rule("residual", share, limit, share <= limit, f"{words}; at most {_share(limit)} is allowed.")
 
 
-def noise(times: float, passed: bool) -> Rule:
-    """The flow must be explained down to the noise of a valve at rest."""
+def noise(times: float | None, passed: bool) -> Rule:
+    """The flow must be explained down to the noise of a valve at rest, by no two slow effects that add up.
+
+    Parameters
+    ----------
+    times : float or None
+        Slow residual of the flow over what noise and tolerances allow; None where too few rows are at rest.
+    passed : bool
+        A wander of the meter may explain more where no effect on the flow is named, and two effects that both
+        follow time or temperature are no names however little they leave.
+    """
     limit = constants.TIMES_ALLOWED
-    return Rule(
-        "noise",
-        times,
-        limit,
-        passed,
-        f"Where the flow is steady the error is {times:.2g} times what noise and tolerances allow; "
-        f"{limit:g} times is the limit.",
+    words = (
+        "Too few rows are at rest to say what noise allows"
+        if times is None
+        else f"Where the flow is steady the error is {times:.2g} times what noise and tolerances allow; "
+        f"{limit:g} times is the limit"
     )
+    below = times is None or times <= limit
+    if passed and not below:
+        words += ", but a wander of the meter may explain as much"
+    if below and not passed:
+        words += ", but two slow effects together can mimic almost any third"
+    return Rule("noise", times, limit, passed, f"{words}.")
 
 
 def forecast(corrected: float, nominal: float) -> Rule:
@@ -144,21 +163,30 @@ def forecast(corrected: float, nominal: float) -> Rule:
     )
 
 
-def black_box(ratio: float, limit: float, passed: bool) -> Rule:
-    """No black box may forecast clearly better than the simulation that a diagnosis ends with."""
+def black_box(ratio: float, limit: float, passed: bool, beside: bool = False) -> Rule:
+    """No black box may forecast clearly better than the simulation that a diagnosis ends with.
+
+    `beside` of a name that stands: it shows that something else is missing too.
+    """
     return Rule(
         "black_box",
         ratio,
         limit,
         passed,
         f"On forecast rows the simulation has {ratio:.2g} times the error of a black box on the same "
-        f"signals; {limit:g} times, in nearly every stretch, is the limit.",
+        f"signals; {limit:g} times, in nearly every stretch, is the limit"
+        + (": something else is missing beside what is named." if beside else "."),
     )
 
 
-def probability(value: float | None, passed: bool) -> Rule:
-    """The likeliest class must be likely enough by what was borne out before."""
+def probability(value: float | None, passed: bool, reason: str = "") -> Rule:
+    """The likeliest class must be likely enough by what was borne out before.
+
+    `reason` is that of its grade, where the grade and not the probability stops it.
+    """
     limit = constants.NAMED_FROM
+    if value is not None and value >= limit and not passed:
+        return Rule("probability", value, limit, False, reason or "The evidence is weak.")
     sentence = (
         "How often such a diagnosis is right was not checked on recordings like this one; the grade decides."
         if value is None
@@ -174,13 +202,22 @@ def in_order(rules: Iterable[Rule]) -> list[Rule]:
     return [last[name] for name in ORDER if name in last]
 
 
+#: Rules on a fit; what is named by events or by the last rows alone is held against its own.
+OF_A_FIT = ("relevance", "held_out", "repeats")
+
+
+def without(rules: Iterable[Rule], names: Iterable[str]) -> tuple[Rule, ...]:
+    """Rules but those of some names."""
+    return tuple(rule for rule in rules if rule.name not in tuple(names))
+
+
 def to_records(rules: Sequence[Rule]) -> list[dict[str, Any]]:
     """Rules as plain data, numbers with four digits; a value without bound is None."""
 
     def plain(value: Any) -> Any:
         if not isinstance(value, float):
             return value
-        return float(f"{value:.4g}") if abs(value) != float("inf") else None
+        return float(f"{value:.4g}") if isfinite(value) else None
 
     return [{key: plain(value) for key, value in asdict(rule).items()} for rule in rules]
 

@@ -44,7 +44,9 @@ def quantity_named(name: str, parameter: str, unit: str) -> Quantity | None:
         That of the effect, if it says how it is shown. Else one of the catalogue, where all of that name and
         unit are shown alike.
     """
-    own = (q for form in forms_of(name) for q in form.parameters if (q.name, q.unit) == (parameter, unit))
+    # a class may make its parameters anew for each of its objects
+    declared = (form.parameters for form in forms_of(name) if isinstance(form.parameters, tuple))
+    own = (q for each in declared for q in each if (q.name, q.unit) == (parameter, unit))
     told = next((q for q in own if q.shown is not None or q.silent), None)
     return told or _shown_alike().get((parameter, unit))
 

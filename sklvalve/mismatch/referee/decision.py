@@ -63,7 +63,7 @@ def refereed(problem: Problem, judged: Judgement) -> tuple[Judgement, Forward]:
     forward = forward_in_time(problem, judged.nominal, simulated(judged.model), unknown)
     compared = compare(problem, forward)
     reasons = []
-    asked = _asked(compared, bool(judged.findings or judged.kept))
+    at_first, corrected = compared, bool(judged.findings or judged.kept)
     if pooled(compared, "corrected") > pooled(compared, "nominal"):
         judged, sentence = _taken_back(problem, judged, compared)
         reasons.append(sentence)
@@ -77,20 +77,18 @@ def refereed(problem: Problem, judged: Judgement) -> tuple[Judgement, Forward]:
         reasons.append(sentence)
     elif judged.verdict == "no_mismatch" and compared:
         reasons.append(_as_good(problem, compared))
+    asked = [_black_box(compared, judged.verdict == "named")] if compared else []
+    if compared and corrected:
+        asked.append(rules.forecast(pooled(at_first, "corrected"), pooled(at_first, "nominal")))
     judged = replace(judged, rules=(*judged.rules, *asked))
     return replace(judged, referee=Referee(compared, share, tuple(reasons))), forward
 
 
-def _asked(compared: Sequence[Compared], corrected: bool) -> list[rules.Rule]:
-    """The rules that forecasts answer, by the channel in which the black box does best."""
-    if not compared:
-        return []
-    best = max(compared, key=lambda each: each.ratio / each.margin)
-    beaten = next((each for each in compared if each.clearly_better), None) or best
-    told = [rules.black_box(float(beaten.ratio), beaten.margin, not beaten.clearly_better)]
-    if corrected:
-        told.append(rules.forecast(pooled(compared, "corrected"), pooled(compared, "nominal")))
-    return told
+def _black_box(compared: Sequence[Compared], named: bool) -> rules.Rule:
+    """The rule that the black box answers, by the channel in which it does best."""
+    beaten = [each for each in compared if each.clearly_better]
+    best = max(beaten or compared, key=lambda each: each.ratio / each.margin)
+    return rules.black_box(float(best.ratio), best.margin, named or not beaten, beside=named and bool(beaten))
 
 
 def _taken_back(problem: Problem, judged: Judgement, compared: Sequence[Compared]) -> tuple[Judgement, str]:

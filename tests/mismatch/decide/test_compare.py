@@ -11,9 +11,11 @@ import pytest
 from sklvalve import MissingPhysicsFinder
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE
-from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide import compare, rules
 from sklvalve.mismatch.decide.compare import Comparison, HeldOut, Row, compared
 from sklvalve.mismatch.decide.constants import IN_CLASS
+from sklvalve.mismatch.hypothesis import Term
+from sklvalve.mismatch.rivals import Finding, Rival
 from sklvalve.recording import Recording, Valve
 
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
@@ -79,6 +81,32 @@ def _row(place, rank=1):
 def test_tables_are_put_behind_one_another_with_places_of_their_own():
     both = Comparison((_row(1), _row(2))).behind(Comparison((_row(1), _row(1, 2))))
     assert [(row.place, row.rank) for row in both.rows] == [(1, 1), (1, 2), (2, 1), (3, 1)]
+
+
+def _finding(key, *rivals, gain=30.0):
+    made = [
+        Rival(Term(BY_KEY[k]), SimpleNamespace(log_likelihood=ll, spreads={}, values={}, chain=None), p, 0.0)
+        for k, ll, p in rivals
+    ]
+    return Finding(Term(BY_KEY[key]), made, gain, {"flow": 0.05})
+
+
+def test_places_follow_the_effects_of_a_diagnosis(monkeypatch):
+    monkeypatch.setattr(compare, "_relative_spread", lambda one: None)
+    search = Comparison((_row(1), replace(_row(2), hypothesis="erosion", form="erosion")))
+    events = _finding("stiction", ("stiction", -5.0, 0.6), ("friction", -5.0, 0.4), gain=0.0)
+    erosion = _finding("erosion", ("erosion", -5.0, 1.0))
+    rows = search.in_order_of(_bench(), [events, erosion]).rows
+    assert [(r.place, r.hypothesis, r.stands) for r in rows] == [
+        (1, "stiction", True),
+        (1, "friction", True),
+        (2, "erosion", True),
+        (3, "clogging", False),
+    ]
+    assert rows[0].log_likelihood is None
+    assert [r.in_class for r in rows[:2]] == [True, True]
+    known = Comparison().in_order_of(_bench(), [erosion]).rows
+    assert (known[0].log_likelihood, known[0].rank) == (30.0, 1)
 
 
 def test_the_gain_on_rows_left_out_is_told_in_standard_errors():

@@ -59,6 +59,25 @@ def test_what_stops_a_name_says_how_far_off_it_was(rule):
     json.dumps(rules.to_records([rule]), allow_nan=False)
 
 
+def test_a_rule_off_its_side_says_why():
+    assert "wander" in rules.noise(1.6, True).sentence
+    assert "two slow effects" in rules.noise(0.4, False).sentence
+    assert "Too few rows" in rules.noise(None, False).sentence
+    assert "something else is missing" in rules.black_box(1.5, 1.25, True, beside=True).sentence
+    weak = rules.probability(0.9, False, "The interval of its bias includes the value of no effect.")
+    assert weak.sentence.startswith("The interval of its bias")
+
+
+def test_what_is_named_by_events_is_not_held_against_the_rules_on_a_fit():
+    told = rules.without([rules.relevance(1.0, 0.01), rules.rarity(1e-6, 0.01)], rules.OF_A_FIT)
+    assert [rule.name for rule in told] == ["rarity"]
+
+
+def test_numbers_that_are_none_are_no_json():
+    (plain,) = rules.to_records([rules.rarity(float("nan"), 0.01)])
+    assert plain["value"] is None
+
+
 def test_shares_are_told_without_exponents():
     assert "less than 0.01 %" in rules.rarity(1e-9, 0.01).sentence
     assert "100 %" in rules.relevance(1.0, 0.01).sentence
