@@ -126,11 +126,16 @@ class Comparison:
         return Comparison((*other.rows, *moved))
 
     def held_out_errors(self, place: int) -> float:
-        """Gain of the likeliest effect of a place on rows left out of its fit, in standard errors."""
-        for row in self.rows:
-            if row.place == place and row.held_out_gain is not None and row.held_out_se is not None:
-                return row.held_out_gain / max(row.held_out_se, 1e-12)
-        return 0.0
+        """Gain of the best member of a class on rows left out of its fit, in standard errors."""
+        gains = [
+            row.held_out_gain / max(row.held_out_se, 1e-12)
+            for row in self.rows
+            if row.place == place
+            and row.in_class
+            and row.held_out_gain is not None
+            and row.held_out_se is not None
+        ]
+        return max(gains, default=0.0)
 
     def to_records(self) -> list[dict[str, Any]]:
         """The rows as plain data, numbers with four digits."""

@@ -110,8 +110,10 @@ def test_places_follow_the_effects_of_a_diagnosis(monkeypatch):
 
 
 def test_the_gain_on_rows_left_out_is_told_in_standard_errors():
-    rows = _row(1), replace(_row(1, 2), held_out_gain=12.0, held_out_se=4.0), _row(2)
-    table = Comparison(rows)
+    gained = [replace(_row(1, k), held_out_gain=g, held_out_se=4.0) for k, g in ((2, 12.0), (3, 2.0))]
+    outside = replace(_row(1, 4), held_out_gain=80.0, held_out_se=4.0, in_class=False)
+    table = Comparison((_row(1), *gained, outside, _row(2)))
+    # a class predicts where one of its members does
     assert [table.held_out_errors(place) for place in (1, 2, 3)] == [3.0, 0.0, 0.0]
 
 
