@@ -156,7 +156,8 @@ def blocked(problem: Problem) -> Judgement:
 
 def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
     """The judgement, rule after rule: evidence, rows left out, what is left, noise, nameless patterns."""
-    judged = _against_noise(case, _named_or_not(case, *_standing(case, findings, model)))
+    stand, model, share = _standing(case, findings, model)
+    judged = _against_noise(case, _named_or_not(case, stand, model, share))
     judged = _by_least_error(case, judged)
     if judged.verdict == "no_mismatch" and case.channels is None:
         judged = _strays(case, judged)
@@ -165,21 +166,28 @@ def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
     return _with_learnt(case, judged)
 
 
-def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model]:
+def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model, float]:
     """The strongest finding and those beside it that may be named, and the model with them.
 
-    One mismatch makes others look likely, for no effect is simulated just as it is: what is named beside a
-    stronger one of the same signals must be as rare among healthy recordings as alpha twice over, and gain on
-    rows left out of the fit.
+    One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
+    alarm and gains on rows left out helps to predict these; to be named beside a stronger one of the same
+    signals it must be as rare as alpha twice over. The share of the error that is left there is of all that
+    helps.
     """
-    stand: list[Finding] = [*findings[:1]]
-    for finding in findings[1:]:
-        level = case.alpha if _shows_alone(case.problem, finding, stand) else case.alpha**2
-        if case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level):
+    if not findings:
+        return [], model, 1.0
+    fit, first = case.problem.fit, findings[0]
+    able = [first, *[f for f in findings[1:] if case.held_out_gain(f) >= HELD_OUT_ERRORS and case.is_rare(f)]]
+    if len(able) < len(findings):
+        model = fit(tuple(f.term for f in able), start=model)
+    share = held_out_share(case.problem, case.explanation.nominal, model)
+    stand = [first]
+    for finding in able[1:]:
+        if _shows_alone(case.problem, finding, stand) or case.is_rare(finding, case.alpha**2):
             stand.append(finding)
-    if len(stand) < len(findings):
-        model = case.problem.fit(tuple(f.term for f in stand), start=model)
-    return stand, model
+    if len(stand) < len(able):
+        model = fit(tuple(f.term for f in stand), start=model)
+    return stand, model, share
 
 
 def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]) -> bool:
@@ -190,7 +198,7 @@ def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]
     return elsewhere.isdisjoint(problem.channels_touched(finding.term.effect))
 
 
-def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgement:
+def _named_or_not(case: Case, findings: list[Finding], model: Model, share: float) -> Judgement:
     """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
     nominal = case.explanation.nominal
     weighed = _weighed(case, findings, model)
@@ -209,7 +217,6 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
     explained = 0.0
     if findings:
         gain = case.held_out_gain(findings[0])
-        share = held_out_share(case.problem, nominal, model)
         asked += [rules.held_out(share), rules.repeats(gain)]
         if unknown is not None:
             # of all recordings together, as the unknown is

@@ -99,7 +99,7 @@ class _Case(SimpleNamespace):
     def held_out_gain(self, finding):
         return self.gains[finding.term]
 
-    def is_rare(self, finding, level):
+    def is_rare(self, finding, level=0.01):
         return self.rarity[finding.term] <= level
 
 
@@ -126,11 +126,14 @@ CLEAR, RARE, USUAL = 5e-5, 5e-3, 0.02
 def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(monkeypatch, gains, rarity, alone, kept):
     monkeypatch.setattr(judging, "_shows_alone", lambda *_: alone)
     findings = [SimpleNamespace(term=name) for name in "abc"]
-    case = _Case(
-        problem=SimpleNamespace(fit=lambda terms, start: terms), alpha=0.01, gains=gains, rarity=rarity
-    )
-    stand, model = judging._standing(case, findings, tuple(f.term for f in findings))
+    problem, search = SimpleNamespace(fit=lambda terms, start: terms), SimpleNamespace(nominal=None)
+    case = _Case(problem=problem, explanation=search, alpha=0.01, gains=gains, rarity=rarity)
+    monkeypatch.setattr(judging, "held_out_share", lambda problem, nominal, model: len(model) / 10.0)
+    stand, model, share = judging._standing(case, findings, tuple(f.term for f in findings))
     assert "".join(f.term for f in stand) == "".join(model) == kept
+    # all that is rarer than an alarm and gains helps to predict, named or not
+    able = 1 + sum(gains[k] >= HELD_OUT_ERRORS and rarity[k] <= 0.01 for k in gains)
+    assert share == able / 10.0
 
 
 @pytest.mark.parametrize(
