@@ -61,7 +61,7 @@ def lags():
 @pytest.mark.slow
 def test_the_test_asked_for_leaves_a_smaller_class(stand, found, plan):
     assert set(found.diagnosis_.effects[0]) == set(PAIR)
-    assert plan.decides
+    assert plan.pairs[0].expected > 14.0
     assert plan.moved  # at one pressure drop a leak and a zero are the same
     assert found.diagnosis_.content["next_test"].startswith(plan.sentence.split(":")[0])
     both = stand.tested(plan)
@@ -86,7 +86,8 @@ def test_a_plan_tells_what_to_do_and_what_comes_of_it(stand, plan):
     # a third of the drop would leave the two too near one another
     assert np.abs(plan.moved["p2"]).max() == pytest.approx(0.6 * drop)
     assert "outlet pressure" in plan.sentence
-    assert "seat leakage from flow meter bias" in plan.sentence
+    # what a simulation gets wrong leaves a chance of confusion, and it is told
+    assert "% of cases (" in plan.sentence
     assert plan.considered["slow triangle"] < plan.considered["p2 moved"]
 
 
