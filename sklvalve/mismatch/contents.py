@@ -13,6 +13,7 @@ import sklvalve
 from sklvalve.mismatch.assessing import assessed
 from sklvalve.mismatch.dated import change_entry
 from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.records import plain_records
 from sklvalve.mismatch.describing import described, scales_of
 from sklvalve.mismatch.events import events_of, named_by_events
 from sklvalve.mismatch.kinds import kind_of_class, with_kinds
@@ -121,7 +122,7 @@ def content_of(
         "provenance": _provenance(whole, problem, random_state),
         "units": {role: whole.unit(role) for role in whole},
         "spans": _spans(whole, problem),
-        "rules": rules.to_records(asked),
+        "rules": plain_records(asked),
         "reasons": reasons_of(judgement, mend, problem, doubts),
         "details": [plan.details] if plan is not None and plan.details and not mend else [],
         **_of_referee(whole, judgement),

@@ -121,11 +121,7 @@ class Diagnosis:
         ImportError
             If pandas is not installed.
         """
-        try:
-            from pandas import DataFrame
-        except ImportError:
-            raise ImportError('a data frame needs pandas: pip install "sklvalve[io]"') from None
-        return DataFrame(self._rows(), columns=["finding", "effect", "probability", "parameters"])
+        return _data_frame(self._rows(), ["finding", "effect", "probability", "parameters"])
 
     def comparison(self) -> DataFrame:
         """Data frame of all hypotheses that were compared, a row each, the likeliest of each place first.
@@ -135,12 +131,8 @@ class Diagnosis:
         ImportError
             If pandas is not installed.
         """
-        try:
-            from pandas import DataFrame
-        except ImportError:
-            raise ImportError('a data frame needs pandas: pip install "sklvalve[io]"') from None
         columns = [field.name for field in fields(Row)]
-        return DataFrame(self.content.get("comparison") or [], columns=columns)
+        return _data_frame(self.content.get("comparison") or [], columns)
 
     def _rows(self) -> list[tuple[int, str, float | None, str]]:
         return [
@@ -174,6 +166,14 @@ class Diagnosis:
             "<tr>" + "".join(f"<td>{escape(str(c))}</td>" for c in row) + "</tr>" for row in self._rows()
         )
         return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def _data_frame(rows: list, columns: list[str]) -> DataFrame:
+    try:
+        from pandas import DataFrame
+    except ImportError:
+        raise ImportError('a data frame needs pandas: pip install "sklvalve[io]"') from None
+    return DataFrame(rows, columns=columns)
 
 
 def _finding(content: dict[str, Any]) -> str:

@@ -331,11 +331,7 @@ def _pulses(case: Case, judged: Judgement) -> Judgement:
     if pulses is None:
         return judged
     p_value = min(judged.p_value or 1.0, pulses.p_value)
-    sentence = (
-        f"The flow deviates to one side at {pulses.many} moments and to the other at {pulses.against}: "
-        "no effect of the catalogue behaves like that."
-    )
-    asked = (*judged.rules, rules.nameless(sentence))
+    asked = (*judged.rules, rules.nameless(pulses.reason))
     return replace(judged, verdict="none_of_these", p_value=p_value, unknown=None, pulses=pulses, rules=asked)
 
 

@@ -15,7 +15,7 @@ from sklvalve.mismatch.decide.constants import HELD_OUT_SHARE
 from sklvalve.mismatch.low_pass_residual import learn_residual
 from sklvalve.mismatch.model_free import model_free_noise
 from sklvalve.mismatch.referee import black_box_prediction
-from sklvalve.mismatch.refitting import lines_of, refitted
+from sklvalve.mismatch.refitting import fits_without, lines_of, refitted
 from sklvalve.simulation.fitting import left_of, simulate_channels
 from sklvalve.simulation.robust import robust_cost
 from sklvalve.simulation.simulation import learnt_rest
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from sklvalve.recording import Recording
 
 _FOLDS = 4
-# so often a fold of the veto comes back in the recording
-_TURNS = 4
 # a learnt correction must improve this many of the folds, and all of them together
 _IMPROVED = 3
 
@@ -67,7 +65,7 @@ def cross_validated(problem: Problem, model: Model, unknown: Unknown | None = No
 
     Returns
     -------
-    folded : Folded
+    cross_validated : CrossValidated
     """
     n = len(problem.recording)
     made, rest = {c: np.full(n, np.nan) for c in problem.channels}, np.zeros(n)
@@ -91,7 +89,7 @@ def correction_holds_out(
     Parameters
     ----------
     problem : Problem
-    tried : Folded
+    tried : CrossValidated
     channel : str
         That of the correction.
 
@@ -181,25 +179,17 @@ def interleaved_errors(
 def held_out_share(problem: Problem, nominal: Model, model: Model) -> float:
     """Share of the nominal's excess error that a hypothesis leaves in blocks it was not fitted to.
 
-    Every fourth of sixteen contiguous blocks in turn, so that what acts for a while only, or from an onset
-    on, is both fitted and held out; the excess is that over what a healthy simulation leaves over, in the
-    channels that the hypothesis changes. One where it changes none by what counts.
+    The excess is that over what a healthy simulation leaves over, in the channels that the hypothesis
+    changes. One where it changes none by what counts.
     """
     changed = [c for c, size in problem.change(model, nominal).items() if problem.counts({c: size})]
     before = after = 0.0
-    models = nominal, model
-    both = [lines_of(problem, m) for m in models]
-    place = np.arange(len(problem.recording)) * _FOLDS * _TURNS // len(problem.recording)
-    for fold in range(_FOLDS):
-        held = place % _FOLDS == fold
-        fits = [
-            problem.simulate(m.terms, refitted(problem, m, lines, ~held))
-            for m, lines in zip(models, both, strict=True)
-        ]
+    for fits in zip(fits_without(problem, nominal), fits_without(problem, model), strict=True):
         for channel in changed:
             size = problem.noise[channel].total
             left = [
-                np.nan_to_num(left_of(problem.recording, f.predictions, channel)[held] / size) for f in fits
+                np.nan_to_num(left_of(problem.recording, fit.predictions, channel)[held] / size)
+                for held, fit in fits
             ]
             # robust as the fits are: one wild minute must not outweigh an hour
             losses = [robust_cost(each) / (0.5 * len(each)) for each in left]

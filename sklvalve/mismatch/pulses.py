@@ -69,6 +69,14 @@ class Pulses:
     channel = "flow"
 
     @property
+    def reason(self) -> str:
+        """Why nothing can be named, in a sentence."""
+        return (
+            f"The flow deviates to one side at {self.many} moments and to the other at {self.against}: "
+            "no effect of the catalogue behaves like that."
+        )
+
+    @property
     def intervals(self) -> list[tuple[int, int]]:
         """First row and the one after the last of each moment."""
         return runs(self.rows)

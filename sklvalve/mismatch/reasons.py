@@ -82,10 +82,7 @@ def reasons_of(
             f"The {judgement.change.channel} changed at one time, and no effect that was tried explains it."
         )
     if judgement.pulses is not None:
-        reasons.append(
-            f"The flow deviates to one side at {judgement.pulses.many} moments and to the other at "
-            f"{judgement.pulses.against}: no effect of the catalogue behaves like that."
-        )
+        reasons.append(judgement.pulses.reason)
     unknown = judgement.unknown
     if unknown is not None:
         size = in_recorded(problem, unknown.channel, unknown.size)

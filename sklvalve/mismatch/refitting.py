@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,8 @@ from sklvalve.simulation.fitting import left_of, simulate_channels
 if TYPE_CHECKING:
     from sklvalve.mismatch.problem import Problem
 
+#: Blocks of a recording, of which every fourth is left out in turn.
+BLOCKS, FOLDS = 16, 4
 # of a step to first order so much is tried, as long as it makes the rows worse that it should make better
 _SHARES = (1.0, 0.3, 0.1, 0.03)
 
@@ -43,6 +45,22 @@ def refitted(
                 break
         values |= step
     return values
+
+
+def blocks_in_turn(rows: int) -> np.ndarray:
+    """Number of the block that each row is in, of `BLOCKS` contiguous ones."""
+    return np.arange(rows) * BLOCKS // rows
+
+
+def fits_without(problem: Problem, model: Model) -> Iterator[tuple[np.ndarray, Model]]:
+    """A hypothesis fitted again without every fourth block in turn: the rows left out, and the fit.
+
+    So what acts for a while only, or from an onset on, is both fitted and left out.
+    """
+    lines, block = lines_of(problem, model), blocks_in_turn(len(problem.recording))
+    for fold in range(FOLDS):
+        held = block % FOLDS == fold
+        yield held, problem.simulate(model.terms, refitted(problem, model, lines, ~held))
 
 
 def _error(problem: Problem, made: dict[str, np.ndarray], line: Linearised, rows: np.ndarray) -> float:

@@ -3,10 +3,12 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from sklvalve.mismatch.goodness_of_fit import LeftOver
 from sklvalve.mismatch.judgement import Judgement
+from sklvalve.mismatch.pulses import Pulses
 from sklvalve.mismatch.reasons import not_upheld, reasons_of, too_much_left
 
 # 50 m3/h of span, recorded in m3/h
@@ -58,7 +60,7 @@ def test_checks_say_what_they_stopped_and_by_how_much():
 
 
 def test_moments_a_rest_and_a_change_are_reasons():
-    pulses = SimpleNamespace(many=12, against=1)
+    pulses = Pulses(np.zeros(3, dtype=bool), 12, 1, True, 0.02, 1e-4)
     assert "12 moments" in reasons_of(_judged("none_of_these", pulses=pulses), None, BENCH)[0]
     unknown = SimpleNamespace(channel="flow", size=0.04)
     assert "flow by 2 m3/h" in reasons_of(_judged("none_of_these", unknown=unknown), None, BENCH)[0]

@@ -8,17 +8,18 @@ hypotheses compete: the effects that were fitted there beside what stands in the
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.mismatch.decide.constants import IN_CLASS
+from sklvalve.mismatch.decide.records import plain_records
 from sklvalve.mismatch.hypothesis import Model, Term, complexity_penalty
 from sklvalve.mismatch.inference.posterior import posterior
 from sklvalve.mismatch.onset import losses_of
-from sklvalve.mismatch.refitting import lines_of, refitted
+from sklvalve.mismatch.refitting import BLOCKS, blocks_in_turn, fits_without
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.explain import Explanation
@@ -28,8 +29,6 @@ if TYPE_CHECKING:
 NOTHING = "nothing"
 # rows of a place that are kept beside nothing, and those that are held against rows left out of the fit
 _KEPT, _HELD_OUT = 12, 3
-# blocks of the recording, of which every fourth is left out in turn
-_BLOCKS, _FOLDS = 16, 4
 _WITHIN_95 = 1.96
 
 
@@ -122,7 +121,7 @@ class Comparison:
     def behind(self, other: Comparison) -> Comparison:
         """The rows of another table, and those of this one in the places behind them."""
         first = max((row.place for row in other.rows), default=0)
-        moved = [Row(**asdict(row) | {"place": row.place + first}) for row in self.rows]
+        moved = [replace(row, place=row.place + first) for row in self.rows]
         return Comparison((*other.rows, *moved))
 
     def held_out_errors(self, place: int) -> float:
@@ -139,7 +138,7 @@ class Comparison:
 
     def to_records(self) -> list[dict[str, Any]]:
         """The rows as plain data, numbers with four digits."""
-        return [{key: _plain(value) for key, value in asdict(row).items()} for row in self.rows]
+        return plain_records(self.rows)
 
 
 def _place_of(finding: Finding, places: list[list[Row]]) -> list[Row] | None:
@@ -339,7 +338,7 @@ class HeldOut:
 
     def __init__(self, problem: Problem, without: Model) -> None:
         self._problem, self._without = problem, without
-        self._block = np.arange(len(problem.recording)) * _BLOCKS // len(problem.recording)
+        self._block = blocks_in_turn(len(problem.recording))
         self._of_nothing: np.ndarray | None = None
 
     def gain(self, model: Model) -> tuple[float, float]:
@@ -347,25 +346,14 @@ class HeldOut:
         if self._of_nothing is None:
             self._of_nothing = self._losses(self._without)
         gained = self._of_nothing - self._losses(model)
-        return float(gained.sum()), float(np.sqrt(_BLOCKS) * gained.std(ddof=1))
+        return float(gained.sum()), float(np.sqrt(BLOCKS) * gained.std(ddof=1))
 
     def _losses(self, model: Model) -> np.ndarray:
         """Robust losses of every block, each predicted by a fit to the blocks of other folds."""
-        bench, block = self._problem, self._block
-        lines, losses = lines_of(bench, model), np.zeros(_BLOCKS)
-        for fold in range(_FOLDS):
-            held = block % _FOLDS == fold
-            again = bench.simulate(model.terms, refitted(bench, model, lines, ~held))
-            left = bench.residuals(again)
-            for channel in bench.channels:
-                rows = losses_of(bench.noise[channel], left[channel])
-                losses += np.bincount(block[held], rows[held], minlength=_BLOCKS)
+        problem, block, losses = self._problem, self._block, np.zeros(BLOCKS)
+        for held, fit in fits_without(problem, model):
+            left = problem.residuals(fit)
+            for channel in problem.channels:
+                rows = losses_of(problem.noise[channel], left[channel])
+                losses += np.bincount(block[held], rows[held], minlength=BLOCKS)
         return losses
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return [_plain(each) for each in value]
-    if not isinstance(value, float):
-        return value
-    return float(f"{value:.4g}") if np.isfinite(value) else None

@@ -7,10 +7,8 @@ never asked, because an earlier one had decided, is not in the list.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
-from math import isfinite
-from typing import Any
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 from sklvalve.mismatch.decide import constants
 
@@ -209,17 +207,6 @@ OF_A_FIT = ("relevance", "held_out", "repeats")
 def without(rules: Iterable[Rule], names: Iterable[str]) -> tuple[Rule, ...]:
     """Rules but those of some names."""
     return tuple(rule for rule in rules if rule.name not in tuple(names))
-
-
-def to_records(rules: Sequence[Rule]) -> list[dict[str, Any]]:
-    """Rules as plain data, numbers with four digits; a value without bound is None."""
-
-    def plain(value: Any) -> Any:
-        if not isinstance(value, float):
-            return value
-        return float(f"{value:.4g}") if isfinite(value) else None
-
-    return [{key: plain(value) for key, value in asdict(rule).items()} for rule in rules]
 
 
 def _share(share: float) -> str:

@@ -6,6 +6,7 @@ import json
 import pytest
 
 from sklvalve.mismatch.decide import constants, rules
+from sklvalve.mismatch.decide.records import plain_records
 
 EVERY = [
     rules.probability(0.7, True),
@@ -56,7 +57,7 @@ def test_what_stops_a_name_says_how_far_off_it_was(rule):
     assert rule.sentence.endswith(".")
     if rule.value is not None:
         assert rule.limit is not None
-    json.dumps(rules.to_records([rule]), allow_nan=False)
+    json.dumps(plain_records([rule]), allow_nan=False)
 
 
 def test_a_rule_off_its_side_says_why():
@@ -74,7 +75,7 @@ def test_what_is_named_by_events_is_not_held_against_the_rules_on_a_fit():
 
 
 def test_numbers_that_are_none_are_no_json():
-    (plain,) = rules.to_records([rules.rarity(float("nan"), 0.01)])
+    (plain,) = plain_records([rules.rarity(float("nan"), 0.01)])
     assert plain["value"] is None
 
 
