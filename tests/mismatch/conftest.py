@@ -57,3 +57,18 @@ DESIGNED = {
     "measurement": "flow_meter_gain flow_meter_bias flow_meter_drift position_sensor_bias "
     "position_sensor_gain inlet_pressure_bias outlet_pressure_bias sensor_lag",
 }
+
+
+def agree(content):
+    """Assert that verdict, rules, effects and table of a diagnosis say the same."""
+    failed = [rule["name"] for rule in content["rules"] if not rule["passed"]]
+    assert (content["verdict"] == "named") == (not failed), failed
+    by_name = {rule["name"]: rule for rule in content["rules"]}
+    if "rarity" in by_name:
+        assert by_name["rarity"]["value"] == pytest.approx(content["mismatch"]["p_value"], rel=1e-3)
+        assert by_name["rarity"]["passed"] == (by_name["rarity"]["value"] <= content["mismatch"]["alpha"])
+    heads = [row for row in content["comparison"] if row["stands"] and row["rank"] == 1]
+    if content["verdict"] == "named":
+        names = [effect["members"][0]["name"] for effect in content["effects"]]
+        assert set(names) <= {row["hypothesis"] for row in heads}
+        assert content["comparison"][0]["stands"]

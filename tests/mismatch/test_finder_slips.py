@@ -14,7 +14,7 @@ from sklvalve.mismatch.stick_slip import find_slips
 from sklvalve.report import to_text
 from sklvalve.simulation import ValveSimulation
 
-from .conftest import record
+from .conftest import agree, record
 
 JUMP = 0.05
 
@@ -43,6 +43,11 @@ def slipping():
 @pytest.fixture(scope="module")
 def found(slipping):
     return MissingPhysicsFinder().fit(slipping)
+
+
+@pytest.mark.slow
+def test_rules_and_table_agree_with_a_name_told_by_slips(found):
+    agree(found.diagnosis_.content)
 
 
 @pytest.mark.slow
