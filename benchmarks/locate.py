@@ -124,8 +124,8 @@ def healthy(many, rows, rng, alpha=0.01):
             n_samples=rows, n_later=0, random_state=int(rng.integers(2**31)), **settings
         )
         problem = prepared_problem(recording_of(made))
-        model = calibrated(problem)
-        problem.learn_noise(model)
+        problem, model = calibrated(problem)
+        problem = problem.with_noise_of(model)
         model = problem.fit((), start=model)
         left, parts = problem.residuals(model), []
         for c in problem.channels:

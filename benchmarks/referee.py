@@ -35,7 +35,8 @@ def compared(record, dropped):
     recording = read_recording(record / "recording.csv.gz", read_valve(record / "valve.toml"))
     kept = {role: values for role, values in recording.signals.items() if role not in dropped}
     problem = prepared_problem(replace(recording, signals=kept))
-    nominal = problem.least_squares(calibrated(problem))
+    problem, nominal = calibrated(problem)
+    nominal = problem.least_squares(nominal)
     return compare(problem, forward_in_time(problem, nominal, nominal))
 
 

@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 from sklvalve.mismatch.decide.compare import HeldOut
 from sklvalve.mismatch.decide.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.detect import p_value_of_one
-from sklvalve.mismatch.explain import penalised_across_noises
+from sklvalve.mismatch.explain import in_turn, penalised_across_noises
 from sklvalve.mismatch.hypothesis import Term, is_in
 from sklvalve.mismatch.prove import cross_validated, holds_out
 from sklvalve.mismatch.relevance import may_explain
@@ -59,26 +59,24 @@ def judged_behind(
     judged : Judgement
     """
     explanation, covariates, judged = judge_on(problem, effects)
-    holding: Problem = problem
-    behind: tuple[Problem, Judgement, dict[str, Any]] | None = None
-    for _ in range(_MOST):
-        held = _property_in_front(holding, explanation, covariates, alpha)
-        if held is None and holding is problem:
-            held = _likelier_alone(holding, explanation, effects, covariates, alpha)
+    behind: Judgement | None = None
+    for number in range(_MOST):
+        held = _property_in_front(explanation, covariates, alpha)
+        if held is None and number == 0:
+            held = _likelier_alone(explanation, effects, covariates, alpha)
         if held is None:
             break
-        holding = holding.holding((held,), _alone(holding, held, explanation.nominal))
+        holding = explanation.problem.holding((held,), _alone(explanation, held)[1])
         left = [e for e in effects if not is_in(e, holding.held)]
         explanation, covariates, judged_beside = judge_on(holding, left)
         if judged_beside.verdict == "named":
-            behind = holding, judged_beside, holding.noise
-    return judged if behind is None else _joined(problem, judged, effects, *behind)
+            behind = judged_beside
+    return judged if behind is None else _joined(judged, behind, effects)
 
 
-def _property_in_front(
-    problem: Problem, explanation: Explanation, covariates: Covariates, alpha: float
-) -> Term | None:
+def _property_in_front(explanation: Explanation, covariates: Covariates, alpha: float) -> Term | None:
     """The strongest thing found, where a sheet might have declared it and chance makes none as strong."""
+    problem = explanation.problem
     if not explanation.findings:
         return None
     finding = explanation.findings[0]
@@ -91,7 +89,6 @@ def _property_in_front(
 
 
 def _likelier_alone(
-    problem: Problem,
     explanation: Explanation,
     effects: Sequence[Effect],
     covariates: Covariates,
@@ -104,50 +101,32 @@ def _likelier_alone(
     """
     if not explanation.findings:
         return None
-    front, nominal, noise = explanation.findings[0].term, explanation.nominal, problem.noise
+    problem, front = explanation.problem, explanation.findings[0].term
     touched = set(problem.channels_touched(front.effect))
-    best, likeliest = None, penalised_across_noises(problem, _alone(problem, front, nominal, keep=True))
+    best, likeliest = None, penalised_across_noises(*_alone(explanation, front))
     for effect in effects:
         if not effect.declared_as or not touched & set(problem.channels_touched(effect)):
             continue
-        model = _alone(problem, Term(effect), nominal, keep=True)
-        without = problem.fit((), start=nominal)
+        by_its_noise, model = _alone(explanation, Term(effect))
+        without = by_its_noise.fit((), start=explanation.nominal)
         gain = model.log_likelihood - without.log_likelihood
         finding = Finding(model.terms[0], [], gain, problem.change(model, without))
-        rare = p_value_of_one(finding, problem, covariates) <= alpha
-        if (
-            rare
-            and may_explain(problem, model, without)
-            and penalised_across_noises(problem, model) > likeliest
-        ):
-            best, likeliest = model.terms[0], penalised_across_noises(problem, model)
-    problem.use_noise(noise)
+        rare = p_value_of_one(finding, by_its_noise, covariates) <= alpha
+        likely = penalised_across_noises(by_its_noise, model)
+        if rare and likely > likeliest and may_explain(by_its_noise, model, without):
+            best, likeliest = model.terms[0], likely
     return best
 
 
-def _alone(problem: Problem, term: Term, nominal: Model, *, keep: bool = False) -> Model:
-    """A property fitted without what else was found, that may have bent it; `keep` its own noise."""
-    noise, model = problem.noise, problem.fit((term,), start=nominal)
-    for _ in range(2):
-        problem.learn_noise(model)
-        model = problem.fit((term,), start=model)
-    if not keep:
-        problem.use_noise(noise)
-    return model
+def _alone(explanation: Explanation, term: Term) -> tuple[Problem, Model]:
+    """A property fitted without what else was found, that may have bent it, by the noise that it leaves."""
+    return in_turn(explanation.problem, explanation.problem.fit((term,), start=explanation.nominal))
 
 
-def _joined(
-    problem: Problem,
-    judged: Judgement,
-    effects: Sequence[Effect],
-    holding: Problem,
-    judged_beside: Judgement,
-    noise: dict[str, Any],
-) -> Judgement:
-    """What was found behind the properties that the problem `holding` holds, and those beside it."""
-    added = tuple(m for m in holding.held if m not in problem.held)
-    before = problem.noise
-    problem.use_noise(noise)
+def _joined(judged: Judgement, judged_beside: Judgement, effects: Sequence[Effect]) -> Judgement:
+    """What was found behind properties that the problem of `judged_beside` holds, and those beside it."""
+    added = tuple(m for m in judged_beside.problem.held if m not in judged.problem.held)
+    problem = judged.problem.with_noise(judged_beside.problem.noise)
     with_added: dict[Model, Model] = {}
 
     def whole(model: Model) -> Model:
@@ -159,7 +138,6 @@ def _joined(
     # what is named anew must predict better than what was judged without it, not than nothing alone
     gain, error = HeldOut(problem, judged.model).gain(model)
     if not (gain >= HELD_OUT_ERRORS * error and holds_out(problem, judged.nominal, model)):
-        problem.use_noise(before)
         return judged
     behind = [
         replace(f, rivals=[replace(r, model=whole(r.model)) for r in f.rivals])
@@ -168,6 +146,7 @@ def _joined(
     properties = find_rivals(problem, model, effects, None, of=added)
     return replace(
         judged_beside,
+        problem=problem,
         p_value=min(p for p in (judged.p_value, judged_beside.p_value) if p is not None),
         findings=sorted([*behind, *properties], key=lambda f: f.gain, reverse=True),
         nominal=judged.nominal,

@@ -12,28 +12,30 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.problem import Problem
 
 
-def calibrated(problem: Problem) -> Model:
-    """The simulation without any further effect, calibrated from several starts; the noise is learnt from it.
+def calibrated(problem: Problem) -> tuple[Problem, Model]:
+    """The simulation without any further effect, calibrated from several starts, and its noise.
 
     Parameters
     ----------
     problem : Problem
-        Afterwards it knows the noise, and the values of a sound actuator.
 
     Returns
     -------
+    problem : Problem
+        It knows the noise, and the values of a sound actuator.
     nominal : Model
     """
-    guess, problem.sound_values = first_guess(problem)
+    guess, sound = first_guess(problem)
+    problem = problem.knowing_sound(sound)
     hold = "actuator_" if guess.values and not problem.coupled else None
     model = problem.fit((), start=guess, hold=hold)
     for _ in range(2):
-        problem.learn_noise(model, cautious=True, anew=True)
+        problem = problem.with_noise_of(model, cautious=True, anew=True)
         other = _from_sound(problem, model)
         model = problem.fit((), start=model)
         if other is not None and other.log_likelihood > model.log_likelihood:
             model = other
-    return model
+    return problem, model
 
 
 def _from_sound(problem: Problem, model: Model) -> Model | None:

@@ -42,6 +42,8 @@ class Explanation:
 
     Attributes
     ----------
+    problem : Problem
+        Judged by the final noise.
     nominal : Model
         The calibrated simulation without further effects, under the final noise.
     model : Model
@@ -53,6 +55,7 @@ class Explanation:
         The candidates.
     """
 
+    problem: Problem
     nominal: Model
     model: Model
     findings: list[Finding]
@@ -90,33 +93,31 @@ def explain(
     -------
     explanation : Explanation
     """
-    search = _Search(problem, effects, threshold, most, report)
-    model = search.taken_up(nominal)
+    search = _Search(effects, threshold, most, report)
+    problem, model = search.taken_up(problem, nominal)
     for last in (False, False, True):
-        model = _what_stands(problem, model, threshold)
+        problem, model = _what_stands(problem, model, threshold)
         findings = find_rivals(problem, model, effects, report, search.seen)
         better = _better_in_place(problem, findings) or _simpler(problem, findings, search.seen, threshold)
         if better is None or last:
             break
-        noise = problem.noise
-        stood = _what_stands(problem, _settle(problem, better), threshold)
+        by_its_noise, stood = _what_stands(*_settle(problem, better), threshold)
         if len(stood.terms) < len(better.terms):
             # by its own noise it explains too little to be anything at all
-            problem.use_noise(noise)
             findings = [without_rival(problem, f, model, better) for f in findings]
             break
-        problem.learn_noise(stood, cautious=True)
+        problem = by_its_noise.with_noise_of(stood, cautious=True)
         stood = problem.fit(stood.terms, start=stood)
-        model = search.taken_up(stood)
+        problem, model = search.taken_up(problem, stood)
     nominal = problem.fit((), start=nominal)
-    return Explanation(nominal, model, findings, search.tried, tuple(effects))
+    return Explanation(problem, nominal, model, findings, search.tried, tuple(effects))
 
 
-def _what_stands(problem: Problem, model: Model, threshold: float) -> Model:
+def _what_stands(problem: Problem, model: Model, threshold: float) -> tuple[Problem, Model]:
     """What remains of a hypothesis that is judged by the noise it leaves."""
-    problem.learn_noise(model)
+    problem = problem.with_noise_of(model)
     model = problem.fit(model.terms, start=model)
-    return _drop_what_no_longer_counts(problem, model, threshold, last_too=True)
+    return problem, _drop_what_no_longer_counts(problem, model, threshold, last_too=True)
 
 
 class _Search:
@@ -124,7 +125,7 @@ class _Search:
 
     Parameters
     ----------
-    problem, effects, threshold, most, report
+    effects, threshold, most, report
         As `explain` takes them.
 
     Attributes
@@ -135,34 +136,26 @@ class _Search:
         Effect key -> the best fit met of the effect.
     """
 
-    def __init__(
-        self,
-        problem: Problem,
-        effects: Sequence[Effect],
-        threshold: float,
-        most: int,
-        report: Report | None,
-    ) -> None:
-        self.problem, self.effects, self.threshold = problem, effects, threshold
+    def __init__(self, effects: Sequence[Effect], threshold: float, most: int, report: Report | None) -> None:
+        self.effects, self.threshold = effects, threshold
         self.most, self.report = most, report
         self.tried: Tried = {}
         self.seen: dict[str, Model] = {}
 
-    def taken_up(self, model: Model) -> Model:
+    def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
         first = not self.tried and not model.terms
         while len(model.terms) < self.most:
-            settled = self._next_effect(model, first=first and not model.terms)
+            problem, settled = self._next_effect(problem, model, first=first and not model.terms)
             if settled is None:
                 break
-            model = _drop_what_no_longer_counts(self.problem, settled, self.threshold)
-            self.problem.learn_noise(model, cautious=True)
-            model = self.problem.fit(model.terms, start=model)
-        return model
+            model = _drop_what_no_longer_counts(problem, settled, self.threshold)
+            problem = problem.with_noise_of(model, cautious=True)
+            model = problem.fit(model.terms, start=model)
+        return problem, model
 
-    def _next_effect(self, model: Model, *, first: bool) -> Model | None:
+    def _next_effect(self, problem: Problem, model: Model, *, first: bool) -> tuple[Problem, Model | None]:
         """A hypothesis with one effect more that matters; else None."""
-        problem = self.problem
         done = len(model.terms) / (self.most + 1)
         candidates = _step(problem, model, self.effects, self.report, done)
         for m in candidates[:_FITTED]:
@@ -174,32 +167,28 @@ class _Search:
                 gain = m.log_likelihood - model.log_likelihood
                 self.tried[m.terms[-1].effect.key] = gain, problem.change(m, model)
         promising = [m for m in candidates if is_relevant(problem, m, model, self.threshold)]
-        settled = self._first_that_counts(model, promising)
+        problem, settled = self._first_that_counts(problem, model, promising)
         if settled is None and much_is_left(problem, model):
             elsewhere = restarted(problem, model, [e for e in self.effects if not is_in(e, model.terms)])
             self.seen |= {m.terms[-1].effect.key: m for m in elsewhere}
-            settled = self._first_that_counts(model, elsewhere)
-        return settled
+            problem, settled = self._first_that_counts(problem, model, elsewhere)
+        return problem, settled
 
-    def _first_that_counts(self, model: Model, candidates: Sequence[Model]) -> Model | None:
+    def _first_that_counts(
+        self, problem: Problem, model: Model, candidates: Sequence[Model]
+    ) -> tuple[Problem, Model | None]:
         """The first hypothesis with one effect more that matters under its own noise too; else None."""
-        problem = self.problem
         for chosen in candidates[:_TRIED]:
-            settled, without = _with_noise_refitted(problem, chosen, model)
-            if is_relevant(problem, settled, without, self.threshold):
-                return settled
+            by_its_noise, settled = _settle(problem, chosen)
+            without = by_its_noise.fit(settled.terms[:-1], start=model)
+            if is_relevant(by_its_noise, settled, without, self.threshold):
+                return by_its_noise, settled
             # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
-            if not model.terms and may_explain(problem, settled, without):
+            if not model.terms and may_explain(by_its_noise, settled, without):
                 gain = settled.log_likelihood - without.log_likelihood
                 self.tried[chosen.terms[-1].effect.key] = gain, problem.change(settled, without)
-            problem.learn_noise(model, cautious=True)
-        return None
-
-
-def _with_noise_refitted(problem: Problem, chosen: Model, before: Model) -> tuple[Model, Model]:
-    """A hypothesis by the noise that it leaves itself, and the same without its last effect."""
-    settled = _settle(problem, chosen)
-    return settled, problem.fit(settled.terms[:-1], start=before)
+            problem = problem.with_noise_of(model, cautious=True)
+        return problem, None
 
 
 def _better_in_place(problem: Problem, findings: Sequence[Finding]) -> Model | None:
@@ -281,60 +270,54 @@ def _refine(problem: Problem, before: Model, model: Model, other_onset: float | 
     return intermittent(problem, best)
 
 
-def _settle(problem: Problem, model: Model) -> Model:
+def _settle(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
-    model = _in_turn(problem, model)
+    problem, model = in_turn(problem, model)
     last = model.terms[-1]
     if last.onset is not None:
         # begun where the hypothesis stands: without the effect the calibration may lie in another valley
         without = replace(problem.fit(model.terms[:-1], start=model), values=model.values)
         begun = fit_with_onset(problem, without, last.effect, onset=last.onset, max_steps=15)
         model = max(model, begun, key=lambda m: m.log_likelihood)
-        model = _throughout_if_likelier(problem, model)
+        problem, model = _throughout_if_likelier(problem, model)
     return _intermittent_if_likelier(problem, model)
 
 
-def _intermittent_if_likelier(problem: Problem, model: Model) -> Model:
+def _intermittent_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """The same effect in spells where that is likelier, each judged by its own noise."""
     spelled = intermittent(problem, model)
     if spelled is model:
-        return model
-    noise, steady = problem.noise, penalised_across_noises(problem, model)
-    spelled = _in_turn(problem, spelled)
-    if penalised_across_noises(problem, spelled) > steady:
-        return spelled
-    problem.use_noise(noise)
-    return model
+        return problem, model
+    by_its_noise, spelled = in_turn(problem, spelled)
+    if penalised_across_noises(by_its_noise, spelled) > penalised_across_noises(problem, model):
+        return by_its_noise, spelled
+    return problem, model
 
 
-def _in_turn(problem: Problem, model: Model) -> Model:
+def in_turn(problem: Problem, model: Model) -> tuple[Problem, Model]:
     for _ in range(2):
-        problem.learn_noise(model)
+        problem = problem.with_noise_of(model)
         model = problem.fit(model.terms, start=model)
-    return model
+    return problem, model
 
 
-def _throughout_if_likelier(problem: Problem, model: Model) -> Model:
+def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """The same effect without its onset, where that is likelier when each is judged by its own noise.
 
     Under the noise of a simulation that lacks the effect, an onset may hide rows in which the effect is
     modelled poorly: what is left there is no stranger than the nominal's own errors. So an onset that gains
     little beside the effect itself must gain in more than one or two events.
     """
-    noise, with_onset = problem.noise, penalised_across_noises(problem, model)
     *others, last = model.terms
-    throughout = _in_turn(problem, problem.fit((*others, Term(last.effect)), start=model))
-    gained = with_onset - penalised_across_noises(problem, throughout)
+    by_its_noise, throughout = in_turn(problem, problem.fit((*others, Term(last.effect)), start=model))
+    gained = penalised_across_noises(problem, model) - penalised_across_noises(by_its_noise, throughout)
     if gained < 0.0:
-        return throughout
-    learnt = problem.noise
-    problem.use_noise(noise)
+        return by_its_noise, throughout
     bare = problem.fit(others, start=model)
     little = gained < SHARE_MISTAKEN * (model.log_likelihood - bare.log_likelihood)
     if little and gain_in_spreads(problem, model, throughout) < SPREADS:
-        problem.use_noise(learnt)
-        return throughout
-    return model
+        return by_its_noise, throughout
+    return problem, model
 
 
 def penalised_across_noises(problem: Problem, model: Model) -> float:

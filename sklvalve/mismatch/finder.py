@@ -260,6 +260,7 @@ class MissingPhysicsFinder(BaseEstimator):
         effects, not_testable = candidates(problem, self.effects, data)
         self._say("calibrating", 0.05)
         judged = blocked(problem) if mend else self._judged(problem, ours, effects, data, seed)
+        problem = judged.problem
         judged, spoilt = suppressed(judged, data, problem.recording)
         judged = replace(judged, rules=(*judged.rules, rules.data(mend or spoilt)))
         self._say("forecasting rows ahead", 0.82)
@@ -331,14 +332,14 @@ class MissingPhysicsFinder(BaseEstimator):
         seed: int,
     ) -> Judgement:
         """The judgement on a recording, what happens in its last rows judged by itself."""
-        nominal = calibrated(problem)
-        event = late_event(problem, nominal, float(self.alpha)) if self.max_effects else None
+        start, nominal = calibrated(problem)
+        event = late_event(start, nominal, float(self.alpha)) if self.max_effects else None
         if event is None:
-            return self._judge(problem, effects, events, data, seed, nominal)
+            return self._judge(start, effects, events, data, seed, nominal)
         rows = before(problem.recording, event)
         bench = prepared_problem(rows, ours, self.tolerance, trim=problem.trim)
         judged = self._judge(bench, effects, events, data, seed)
-        with_event = with_late_event(problem, bench, judged, event, effects, float(self.alpha))
+        with_event = with_late_event(start, judged, event, effects, float(self.alpha))
         return with_event or self._judge(problem, effects, events, data, seed)
 
     def _judge(
@@ -356,7 +357,10 @@ class MissingPhysicsFinder(BaseEstimator):
         def judge_on(
             bench: Problem, candidates: Sequence[Effect]
         ) -> tuple[Explanation, Covariates, Judgement]:
-            first = nominal if bench is problem and nominal is not None else calibrated(bench)
+            if bench is problem and nominal is not None:
+                first = nominal
+            else:
+                bench, first = calibrated(bench)
             covariates = covariates_of(bench, data)
             explanation = explain(
                 bench,
@@ -366,9 +370,9 @@ class MissingPhysicsFinder(BaseEstimator):
                 most=self.max_effects,
                 report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
             )
-            comparison = compared(bench, explanation, self.evidence)
+            comparison = compared(explanation, self.evidence)
             self._say("looking for the unknown", 0.8)
-            case = Case(bench, explanation, covariates, comparison, alpha, seed)
+            case = Case(explanation, covariates, comparison, alpha, seed)
             judged = judge(case, events)
             return explanation, covariates, replace(judged, comparison=comparison)
 

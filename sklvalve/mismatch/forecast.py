@@ -41,7 +41,6 @@ class Present:
     Parameters
     ----------
     problem : Problem
-        Its noise stays as it is as long as records are foreseen.
     """
 
     def __init__(self, problem: Problem) -> None:

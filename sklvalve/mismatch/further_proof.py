@@ -165,8 +165,7 @@ def _beyond(problem: Problem, judged: Judgement, inside: np.ndarray) -> dict[str
     nominal, model = cast("Model", judged.nominal), simulated(cast("Model", judged.model))
     made: dict[str, Predictions] = {}
     for kind, fitted in (("nominal", nominal), ("corrected", model)):
-        with problem.homoscedastic(fitted):
-            lines = lines_of(problem, fitted)
+        lines = lines_of(problem.homoscedastic(fitted), fitted)
         again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, inside))
         made[kind] = dict(again.predictions)
     if judged.correction is not None and judged.unknown is not None:

@@ -158,12 +158,11 @@ def known_effect_explains(problem: Problem, nominal: Model, effects: Sequence[Ef
     effects : sequence of Effect
     """
     able = [e for e in effects if "flow" in problem.channels_touched(e)]
-    with problem.homoscedastic(nominal):
-        begin = problem.fit((), start=nominal, max_steps=6)
-        best: dict[str, Model] = {}
-        for m in screened(problem, begin, able):
-            best.setdefault(m.terms[-1].effect.key, m)
-        fits = [problem.fit(m.terms, start=m, max_steps=10) for m in list(best.values())[:_FITTED]]
+    white = problem.homoscedastic(nominal)
+    best: dict[str, Model] = {}
+    for m in screened(white, white.fit((), start=nominal, max_steps=6), able):
+        best.setdefault(m.terms[-1].effect.key, m)
+    fits = [white.fit(m.terms, start=m, max_steps=10) for m in list(best.values())[:_FITTED]]
     residuals = [left_over(problem, m, nominal) for m in fits]
     return any(left is not None and not left.too_much for left in residuals)
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.detect import Evidence
     from sklvalve.mismatch.goodness_of_fit import LeftOver
     from sklvalve.mismatch.hypothesis import Model
+    from sklvalve.mismatch.problem import Problem
     from sklvalve.mismatch.prove import CrossValidated
     from sklvalve.mismatch.pulses import Pulses
     from sklvalve.mismatch.referee.decision import Referee
@@ -28,6 +29,8 @@ class Judgement:
 
     Attributes
     ----------
+    problem : Problem
+        What was judged, and the noise that it was judged by.
     verdict : str
     p_value : float or None
         None where nothing was asked, because the data must be mended first.
@@ -72,6 +75,7 @@ class Judgement:
         Those that were asked, in turn.
     """
 
+    problem: Problem
     verdict: str
     p_value: float | None
     findings: list[Finding]

@@ -51,7 +51,6 @@ class Case:
 
     Parameters
     ----------
-    problem : Problem
     explanation : Explanation
     covariates : Covariates
         What chance depends on, as they were before the search.
@@ -64,7 +63,6 @@ class Case:
         Those in which something unknown is looked for; all unless given.
     """
 
-    problem: Problem
     explanation: Explanation
     covariates: Covariates
     comparison: Comparison
@@ -72,6 +70,11 @@ class Case:
     random_state: int
     channels: tuple[str, ...] | None = None
     _residuals: dict = field(default_factory=dict)
+
+    @property
+    def problem(self) -> Problem:
+        """What it is made on, judged by the noise that the explanation leaves."""
+        return self.explanation.problem
 
     def residual_of(self, model: Model) -> tuple[Unknown | None, float | None]:
         """What a model leaves over that follows from something, and how strong that is among chance."""
@@ -150,8 +153,8 @@ def judge(case: Case, events: Events | None = None) -> Judgement:
 
 def blocked(problem: Problem) -> Judgement:
     """Judgement of a recording whose data must be mended first: the calibrated simulation and no more."""
-    nominal = calibrated(problem)
-    return Judgement("cannot_tell", None, [], None, nominal, nominal)
+    problem, nominal = calibrated(problem)
+    return Judgement(problem, "cannot_tell", None, [], None, nominal, nominal)
 
 
 def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
@@ -229,6 +232,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
         asked.append(rules.residual(unknown.size, explained if findings else 0.0))
     verdict, findings = verdict_of(findings, unknown, weighed.enough, explained)
     return Judgement(
+        case.problem,
         verdict,
         weighed.p_value,
         findings,

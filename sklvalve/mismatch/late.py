@@ -90,7 +90,6 @@ def before(recording: Recording, event: Change) -> Recording:
 
 def with_late_event(
     problem: Problem,
-    bench: Problem,
     judged: Judgement,
     event: Change,
     effects: Sequence[Effect],
@@ -102,7 +101,7 @@ def with_late_event(
     ----------
     problem : Problem
         Of the whole recording, with the same trim.
-    bench, judged : Problem, Judgement
+    judged : Judgement
         Of the rows before.
     event : Change
         As the calibrated simulation tells it.
@@ -117,8 +116,9 @@ def with_late_event(
         Of the whole recording; named where the event is, else cannot_tell where nothing was found before.
         None where what was found before makes up for the event.
     """
-    problem.use_noise({c: _throughout(bench.noise[c], event.within[0]) for c in problem.channels})
-    problem.sound_values = bench.sound_values
+    before = judged.problem
+    noise = {c: _throughout(before.noise[c], event.within[0]) for c in problem.channels}
+    problem = problem.with_noise(noise).knowing_sound(before.sound_values)
     nominal = problem.simulate((), judged.nominal.values)
     model = problem.simulate(judged.model.terms, judged.model.values)
     # of a simulation with all that was found before an event has its date and its size
@@ -130,11 +130,17 @@ def with_late_event(
     others = [with_every_row(problem, f) for f in judged.findings]
     assert judged.p_value is not None
     p_value = min(judged.p_value, event.p_value)
-    noise = problem.noise
-    problem.use_noise({c: _without(noise[c], event.within[0], settled) for c in problem.channels})
-    finding = _named(problem, model, event, settled, effects)
-    problem.use_noise(noise)
-    judged = replace(judged, p_value=p_value, nominal=nominal, change=event, event=event, findings=others)
+    apart = {c: _without(noise[c], event.within[0], settled) for c in problem.channels}
+    finding = _named(problem.with_noise(apart), model, event, settled, effects)
+    judged = replace(
+        judged,
+        problem=problem,
+        p_value=p_value,
+        nominal=nominal,
+        change=event,
+        event=event,
+        findings=others,
+    )
     if finding is None:
         verdict = "cannot_tell" if judged.verdict == "no_mismatch" else judged.verdict
         judged = replace(judged, verdict=verdict, model=model if others else nominal)

@@ -91,7 +91,9 @@ def prepared_problem(
             f"the effects are {', '.join(_NAMES)}"
         )
     tolerance = tolerance or Tolerance()
-    return Problem(recording, tolerance, valve.physics, valve=valve, held=held, held_values=values, trim=trim)
+    return Problem.of(
+        recording, tolerance, valve.physics, valve=valve, held=held, held_values=values, trim=trim
+    )
 
 
 def _held(simulation: ValveSimulation, recording: Recording) -> tuple[Term, ...]:

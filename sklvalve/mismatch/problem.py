@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fits of hypotheses to one recording: a hypothesis is a set of effects, each from its onset on."""
+"""What is judged: a recording, its calibration and its noise; hypotheses are fitted to it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import contextmanager
-from copy import copy
-from dataclasses import replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -39,72 +37,120 @@ from sklvalve.simulation.robust import robust_cost
 _INADEQUACY = 0.2
 # and no sensor's noise is larger than this many times what counts
 _LARGEST = 2.0
+# of a noise not yet learnt, share of the span
+_UNKNOWN = 0.003
 
 
+@dataclass(frozen=True)
+class _Memory:
+    """Fits and noises found once: in a search the same question comes up many times."""
+
+    fits: dict[tuple, ChannelFit] = field(default_factory=dict)
+    noises: dict[tuple[str, bool], Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
 class Problem(Sharing, Sizes):
-    """One recording, its calibration, its noise, and the fits made so far.
+    """One recording, its calibration, and the noise that hypotheses are judged by; `Problem.of` makes one.
+
+    Nothing of it changes: another noise makes another problem, of the same recording.
 
     Parameters
     ----------
     recording : Recording
     tolerance : Tolerance
-    physics : tuple of str
-        Effects that the data sheet's simulation holds already.
+        What the data sheet leaves open.
+    valve : Valve
+        Data sheet.
+    trim : Trim
+    plain : Chain
+        The simulation without effects, bound to the recording.
+    channels : tuple of str
+        Recorded signals that hypotheses are held against.
+    spans : dict
+        Channel -> span of it [SI].
+    noise : dict
+        Channel -> noise model.
     rows : ndarray of bool or None
         Rows that may be used.
-    valve : Valve, default=None
-        Data sheet; that of the recording unless given.
-    held : sequence of Term, default=()
+    held : tuple of Term
         Effects that are part of every hypothesis, calibrated with it and never judged.
-    held_values : dict, default=None
+    held_values : dict
         Values of their parameters to begin with.
-    trim : Trim, default=None
-        The one that the recording calls for unless given.
+    sound_values : dict
+        Parameters of an actuator that most rows bear out; `calibrated` finds them.
     """
 
-    def __init__(
-        self,
+    recording: Recording
+    tolerance: Tolerance
+    valve: Valve
+    trim: Any
+    plain: Chain
+    channels: tuple[str, ...]
+    spans: dict[str, float]
+    noise: dict[str, Any]
+    rows: np.ndarray | None = None
+    held: tuple[Term, ...] = ()
+    held_values: dict[str, float] = field(default_factory=dict)
+    sound_values: dict[str, float] = field(default_factory=dict)
+    _memory: _Memory = field(default_factory=_Memory, repr=False)
+
+    @classmethod
+    def of(
+        cls,
         recording: Recording,
         tolerance: Tolerance,
         physics: Sequence[str],
-        rows: np.ndarray | None = None,
         *,
         valve: Valve | None = None,
-        held: Sequence[Term] = (),
-        held_values: dict[str, float] | None = None,
         trim: Any = None,
-    ) -> None:
-        self.recording, self.tolerance = recording, tolerance
-        self.valve = recording.valve if valve is None else valve
-        self.rows = rows
-        self.held, self.held_values = tuple(held), dict(held_values or {})
-        self.channels = channels_of(recording)
-        self.trim = trim or choose_trim(recording, self.valve, tolerance)
-        self.choking = "choked_flow" in physics
-        self.plain = self.chain((), recording)
-        self.choking = self.plain.choking
-        self.coupled = "opening" not in recording
-        self.spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in self.channels}
-        self.noise: dict[str, Any] = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
-        # fits and noises found once are kept: in a search the same question comes up many times
-        self._known: dict[tuple, ChannelFit] = {}
-        self._learnt: dict[tuple[str, bool], Any] = {}
-        # of an actuator that most rows bear out; `calibrated` finds it
-        self.sound_values: dict[str, float] = {}
+        held: Sequence[Term] = (),
+        **others: Any,
+    ) -> Problem:
+        """Problem of a recording, before anything is known of its noise.
+
+        Parameters
+        ----------
+        recording : Recording
+        tolerance : Tolerance
+        physics : sequence of str
+            Effects that the data sheet's simulation holds already.
+        valve : Valve, default=None
+            Data sheet; that of the recording unless given.
+        trim : Trim, default=None
+            The one that the recording calls for unless given.
+        held : sequence of Term, default=()
+        **others
+            As the class has them.
+
+        Returns
+        -------
+        problem : Problem
+        """
+        valve = recording.valve if valve is None else valve
+        trim = trim or choose_trim(recording, valve, tolerance)
+        channels = channels_of(recording)
+        spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in channels}
+        effects, onsets = _physics_of(held)
+        choking = "choked_flow" in physics and _knows_drop(recording)
+        plain = chain_for(recording, valve, trim, effects=effects, onsets=onsets, choking=choking)
+        noise = _first_noise(spans)
+        return cls(
+            recording, tolerance, valve, trim, plain, channels, spans, noise, held=tuple(held), **others
+        )
+
+    @property
+    def choking(self) -> bool:
+        """Whether its simulation chokes."""
+        return self.plain.choking
 
     def chain(self, terms: Sequence[Term], recording: Recording | None = None) -> Chain:
         """Chain with the effects of a hypothesis, for the recording of the problem or another one."""
         effects, onsets = self.physics_of(terms)
         if recording is None:
             return self.plain.beside(effects, onsets)
-        return chain_for(
-            recording,
-            self.valve,
-            self.trim,
-            effects=effects,
-            onsets=onsets,
-            choking=self.choking and "p1" in recording and "p2" in recording,
-        )
+        choking = self.choking and _knows_drop(recording)
+        return chain_for(recording, self.valve, self.trim, effects=effects, onsets=onsets, choking=choking)
 
     def holding(self, terms: Sequence[Term], model: Model) -> Problem:
         """Problem of the same recording whose simulation holds these effects, as if they had been declared.
@@ -115,20 +161,33 @@ class Problem(Sharing, Sizes):
         model : Model
             Whose values they begin with.
         """
-        other = copy(self)
-        other.held = (*self.held, *terms)
         keys = tuple(f"{m.effect.key}." for m in terms)
         begun = {name: value for name, value in model.values.items() if name.startswith(keys)}
-        other.held_values = self.held_values | begun
-        other.plain = other.chain((), self.recording)
-        other.noise = {c: PlainNoise(0.003 * self.spans[c]) for c in self.channels}
-        other._known, other._learnt, other.sound_values = {}, {}, {}
-        return other
+        held = (*self.held, *terms)
+        effects, onsets = _physics_of(held)
+        return replace(
+            self,
+            plain=chain_for(
+                self.recording, self.valve, self.trim, effects=effects, onsets=onsets, choking=self.choking
+            ),
+            noise=_first_noise(self.spans),
+            held=held,
+            held_values=self.held_values | begun,
+            sound_values={},
+            _memory=_Memory(),
+        )
+
+    def with_noise(self, noise: dict[str, Any]) -> Problem:
+        """The problem judged by this noise."""
+        return replace(self, noise=noise)
+
+    def knowing_sound(self, values: dict[str, float]) -> Problem:
+        """The problem with the parameters of an actuator that most rows bear out."""
+        return replace(self, sound_values=values)
 
     def physics_of(self, terms: Sequence[Term]) -> tuple[list[Effect], dict[str, Any]]:
         """Effects of a hypothesis, those held included, and the onsets of those that have one."""
-        every = (*self.held, *terms)
-        return [m.effect for m in every], {m.effect.key: m.times for m in every if m.onset is not None}
+        return _physics_of((*self.held, *terms))
 
     def fit(
         self,
@@ -181,17 +240,17 @@ class Problem(Sharing, Sizes):
                 tuple(self.noise[c] for c in channels),
             )
             sign = (*asked, self._origin(chain, begin, fitted_here, channels))
-            if sign not in self._known:
+            if sign not in self._memory.fits:
                 fit = self._fit_group(
                     chain, channels, fitted_here, begin, attempt, hold, fixed, rows, max_steps
                 )
-                self._known[sign] = fit
+                self._memory.fits[sign] = fit
                 if fit.settled:
                     # begun where it ended it would move by rounding, and all that hangs on its values with it
-                    self._known.setdefault(
+                    self._memory.fits.setdefault(
                         (*asked, self._origin(chain, fit.values, fitted_here, channels)), fit
                     )
-            fit = self._known[sign]
+            fit = self._memory.fits[sign]
             values |= fit.values
             spreads |= fit.spreads
             predictions |= fit.predictions
@@ -256,21 +315,17 @@ class Problem(Sharing, Sizes):
         """Recorded minus simulated, by channel."""
         return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
 
-    def use_noise(self, noise: dict[str, Any]) -> None:
-        """Judge by this noise from now on."""
-        self.noise = noise
-
-    def learn_noise(self, model: Model, *, cautious: bool = False, anew: bool = False) -> None:
-        """Fit the noise of every channel to what a model leaves over; `cautious` as in `fit_noise`.
+    def with_noise_of(self, model: Model, *, cautious: bool = False, anew: bool = False) -> Problem:
+        """The problem judged by the noise that a model leaves; `cautious` as in `fit_noise`.
 
         A channel that no effect of the model touches keeps what was learnt there before, unless `anew`: the
         fits made with it then hold as well.
         """
-        left, noise = self.residuals(model), {}
+        left, noise, learnt = self.residuals(model), {}, self._memory.noises
         for c in self.channels:
             untouched = not self._touching(model.terms, (c,))
-            if untouched and not anew and (c, cautious) in self._learnt:
-                noise[c] = self._learnt[c, cautious]
+            if untouched and not anew and (c, cautious) in learnt:
+                noise[c] = learnt[c, cautious]
                 continue
             noise[c] = noise_of(
                 self.recording,
@@ -282,30 +337,27 @@ class Problem(Sharing, Sizes):
                 **self.noise_settings(c),
             )
             if untouched:
-                self._learnt[c, cautious] = noise[c]
-        self.use_noise(noise)
+                learnt[c, cautious] = noise[c]
+        return self.with_noise(noise)
 
     def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
         counts = self.tolerated(channel) * self.spans[channel]
         return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
-    @contextmanager
-    def homoscedastic(self, model: Model, rows: np.ndarray | slice = slice(None)) -> Iterator[None]:
-        """Noise of one size in all rows; the best explanation's makes little of a poor one's errors.
+    def homoscedastic(self, model: Model, rows: np.ndarray | slice = slice(None)) -> Problem:
+        """The problem judged by noise of one size in all rows, that of what a model leaves in `rows`.
 
-        The size is that of the residual in `rows`.
+        The noise of the best explanation makes little of a poor one's errors.
         """
-        kept, left = self.noise, self.residuals(model)
+        left = self.residuals(model)
         squares = {c: left[c][rows] ** 2 for c in self.channels}
-        self.noise = {
-            c: PlainNoise(max(float(np.sqrt(np.nanmean(s))), 1e-12) if np.isfinite(s).any() else 1.0)
-            for c, s in squares.items()
-        }
-        try:
-            yield
-        finally:
-            self.noise = kept
+        return self.with_noise(
+            {
+                c: PlainNoise(max(float(np.sqrt(np.nanmean(s))), 1e-12) if np.isfinite(s).any() else 1.0)
+                for c, s in squares.items()
+            }
+        )
 
     def least_squares(self, model: Model) -> Model:
         """A hypothesis fitted for the least error itself, also from its effects' own starts."""
@@ -315,11 +367,11 @@ class Problem(Sharing, Sizes):
             for name, value in model.values.items()
             if not prefixes or not name.startswith(prefixes)
         }
-        with self.homoscedastic(model):
-            fits = [self.fit(model.terms, start=model, max_steps=15)]
-            for k in range(2 if prefixes and self.coupled else 0):
-                anew = self.fit(model.terms, start=replace(model, values=bare), attempt=k, max_steps=15)
-                fits.append(anew)
+        white = self.homoscedastic(model)
+        fits = [white.fit(model.terms, start=model, max_steps=15)]
+        for k in range(2 if prefixes and self.coupled else 0):
+            anew = white.fit(model.terms, start=replace(model, values=bare), attempt=k, max_steps=15)
+            fits.append(anew)
         return max(fits, key=lambda fitted: fitted.log_likelihood)
 
     def sound(self, model: Model) -> Model:
@@ -340,6 +392,19 @@ class Problem(Sharing, Sizes):
             robust_cost(m.errors(m.vector.pack(model.values))) for m in self.misfits(model, self.channels)
         )
         return replace(model, log_likelihood=-cost)
+
+
+def _physics_of(terms: Sequence[Term]) -> tuple[list[Effect], dict[str, Any]]:
+    return [m.effect for m in terms], {m.effect.key: m.times for m in terms if m.onset is not None}
+
+
+def _knows_drop(recording: Recording) -> bool:
+    return "p1" in recording and "p2" in recording
+
+
+def _first_noise(spans: dict[str, float]) -> dict[str, Any]:
+    """Noise of every channel before anything is known of it."""
+    return {c: PlainNoise(_UNKNOWN * span) for c, span in spans.items()}
 
 
 def _signs(terms: Iterable[Term]) -> tuple:

@@ -69,8 +69,7 @@ def cross_validated(problem: Problem, model: Model, unknown: Unknown | None = No
     """
     n = len(problem.recording)
     made, rest = {c: np.full(n, np.nan) for c in problem.channels}, np.zeros(n)
-    with problem.homoscedastic(model):
-        lines = lines_of(problem, model)
+    lines = lines_of(problem.homoscedastic(model), model)
     for held, others in blocks(n):
         again = problem.simulate(model.terms, refitted(problem, model, lines, others))
         for c in problem.channels:

@@ -72,21 +72,21 @@ def restarted(problem: Problem, model: Model, effects: Sequence[Effect]) -> list
         return []
     bases = [model, *([problem.sound(model)] if problem.sound_values else [])]
     met: dict[str, list[Model]] = {}
-    with problem.homoscedastic(model):
-        for base in bases:
-            begin = problem.fit(model.terms, start=base, max_steps=_STEPS)
-            # each from every calibration: none leaves a race in which it stands once
-            for m in screened(problem, begin, bent, always=bent):
-                met.setdefault(m.terms[-1].effect.key, []).append(m)
-        best = sorted(
-            met.values(), key=lambda each: max(penalised_likelihood(problem, m) for m in each), reverse=True
-        )
-        near = [m for each in best[:_FITTED] for m in each]
-        rough = list(parallel_map(lambda m: problem.fit(m.terms, start=m, max_steps=_STEPS), near))
-        chosen: dict[str, Model] = {}
-        for m in sorted(rough, key=lambda m: penalised_likelihood(problem, m), reverse=True):
-            chosen.setdefault(m.terms[-1].effect.key, m)
-        fitted = list(parallel_map(lambda m: _to_the_end(problem, model, m), chosen.values()))
+    white = problem.homoscedastic(model)
+    for base in bases:
+        begin = white.fit(model.terms, start=base, max_steps=_STEPS)
+        # each from every calibration: none leaves a race in which it stands once
+        for m in screened(white, begin, bent, always=bent):
+            met.setdefault(m.terms[-1].effect.key, []).append(m)
+    best = sorted(
+        met.values(), key=lambda each: max(penalised_likelihood(white, m) for m in each), reverse=True
+    )
+    near = [m for each in best[:_FITTED] for m in each]
+    rough = list(parallel_map(lambda m: white.fit(m.terms, start=m, max_steps=_STEPS), near))
+    chosen: dict[str, Model] = {}
+    for m in sorted(rough, key=lambda m: penalised_likelihood(white, m), reverse=True):
+        chosen.setdefault(m.terms[-1].effect.key, m)
+    fitted = list(parallel_map(lambda m: _to_the_end(white, model, m), chosen.values()))
     fitted = list(parallel_map(lambda m: _judged(problem, m), fitted))
     most = _LEFT * _left_of_opening(problem, model)
     left = [(_left_of_opening(problem, m), m) for m in fitted]

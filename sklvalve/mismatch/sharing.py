@@ -17,7 +17,7 @@ from sklvalve.simulation.parameters import Parameter
 
 
 class Sharing:
-    """Part of a problem: it has ``recording, valve, tolerance, trim, plain, channels, coupled, held``."""
+    """Part of a problem: it has ``recording, valve, tolerance, trim, plain, channels, held``."""
 
     recording: Recording
     valve: Valve
@@ -25,8 +25,12 @@ class Sharing:
     trim: Any
     plain: Chain
     channels: tuple[str, ...]
-    coupled: bool
     held: tuple[Term, ...]
+
+    @property
+    def coupled(self) -> bool:
+        """Whether channels share parameters, because no opening is recorded."""
+        return "opening" not in self.recording
 
     def channels_touched(self, effect: Effect) -> tuple[str, ...]:
         """Channels whose simulation an effect changes."""

@@ -76,13 +76,15 @@ def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgeme
     """
     nominal, model = judged.nominal, judged.model
     nothing = model is nominal
-    model = _fitted(problem, simulated(model))
+    problem, model = _fitted(problem, simulated(model))
     nominal = problem.least_squares(model if nothing else problem.fit((), start=nominal))
     findings = [_finding(problem, f, _with_events(problem, model, judged.model)) for f in judged.findings]
     model = nominal if nothing else _with_events(problem, problem.least_squares(model), judged.model)
     # what comes closest and is not named is fitted no more than the rivals of what is
     closest = [replace(f, rivals=[_rival(problem, r) for r in f.rivals]) for f in judged.closest]
-    judged = replace(judged, nominal=nominal, model=model, findings=findings, closest=closest)
+    judged = replace(
+        judged, problem=problem, nominal=nominal, model=model, findings=findings, closest=closest
+    )
     if judged.suspected is not None:
         near = judged.suspected
         judged = replace(judged, suspected=problem.simulate(near.terms, near.values))
@@ -127,18 +129,18 @@ def _with_events(problem: Problem, model: Model, searched: Model) -> Model:
     )
 
 
-def _fitted(problem: Problem, model: Model) -> Model:
-    """A hypothesis fitted to every row, by the noise that it leaves there."""
+def _fitted(problem: Problem, model: Model) -> tuple[Problem, Model]:
+    """The problem with the noise that a hypothesis leaves in every row, and the hypothesis fitted to that."""
     # rows between a stretch and the onset that it suggested must not pass for noise
     fitted = _dated(problem, problem.simulate(model.terms, model.values))
     for _ in range(2):
-        problem.learn_noise(fitted)
+        problem = problem.with_noise_of(fitted)
         fitted = problem.fit(fitted.terms, start=fitted)
     for term in fitted.terms:
         if term.onset is not None and not term.effect.grows:
             others = tuple(m for m in fitted.terms if m is not term)
             fitted = to_the_sample(problem, problem.fit((*others, term), start=fitted))
-    return fitted
+    return problem, fitted
 
 
 def _dated(problem: Problem, model: Model) -> Model:

@@ -65,10 +65,10 @@ def test_a_stroke_three_times_as_long_as_declared_is_found():
 
 def test_a_property_held_is_part_of_the_simulation_and_of_its_calibration():
     bench = prepared_problem(_record(0.0)[0])
-    nominal = calibrated(bench)
+    bench, nominal = calibrated(bench)
     slow = bench.fit((Term(EFFECTS["slew_limit"]),), start=nominal)
     holding = bench.holding(slow.terms, slow)
-    again = calibrated(holding)
+    holding, again = calibrated(holding)
     assert again.terms == ()
     assert "slew_limit.speed" in again.values
     assert [m.effect.key for m in bench.held] == []

@@ -112,7 +112,7 @@ def test_too_few_rows_have_no_change():
 
 def test_a_change_turns_agreement_into_doubt_and_is_told_in_the_signals_unit():
     bench = Bench(_step)
-    nothing = Judgement("no_mismatch", 0.3, [], None, bench.model, bench.model)
+    nothing = Judgement(bench, "no_mismatch", 0.3, [], None, bench.model, bench.model)
     told = dated(bench, nothing, 0.01)
     assert told.verdict == "cannot_tell"
     assert told.p_value <= 1e-3
@@ -123,7 +123,7 @@ def test_a_change_turns_agreement_into_doubt_and_is_told_in_the_signals_unit():
     assert entry["ci95"][0] <= entry["time"] <= entry["ci95"][1]
     assert abs(entry["time"] - AT) < 20
     sound = Bench(_nothing)
-    nothing = Judgement("no_mismatch", 0.3, [], None, sound.model, sound.model)
+    nothing = Judgement(sound, "no_mismatch", 0.3, [], None, sound.model, sound.model)
     assert dated(sound, nothing, 0.01) is nothing
     assert change_entry(sound.recording, nothing, {}) is None
 

@@ -23,9 +23,9 @@ def _swinging(recording, share, *, begins=0.0, growing=True):
 
 
 def _found(recording):
-    bench = Problem(recording, Tolerance(), recording.valve.physics)
+    bench = Problem.of(recording, Tolerance(), recording.valve.physics)
     model = bench.fit((), max_steps=5)
-    bench.learn_noise(model)
+    bench = bench.with_noise_of(model)
     return find_cycle(bench, model, "flow")
 
 
@@ -54,14 +54,14 @@ def test_what_the_valve_itself_repeats_is_no_cycle_of_its_own(healthy):
     time = healthy.time
     opening = 0.5 + 0.2 * np.sin(2.0 * np.pi * time / PERIOD)
     signals = healthy.signals | {"opening": opening, "command": opening}
-    bench = Problem(replace(healthy, signals=signals), Tolerance(), healthy.valve.physics)
+    bench = Problem.of(replace(healthy, signals=signals), Tolerance(), healthy.valve.physics)
     model = bench.fit((), max_steps=3)
     flow = model.predictions["flow"]
     noise = 0.003 * flow.mean() * np.random.default_rng(0).normal(size=len(flow))
     swung = replace(bench.recording, signals=signals | {"flow": flow + 0.04 * (flow - flow.mean()) + noise})
-    again = Problem(swung, Tolerance(), healthy.valve.physics, trim=bench.trim)
+    again = Problem.of(swung, Tolerance(), healthy.valve.physics, trim=bench.trim)
     same = again.simulate((), model.values)
-    again.learn_noise(same)
+    again = again.with_noise_of(same)
     assert find_cycle(again, same, "flow") is None
 
 

@@ -42,7 +42,7 @@ each_effect = pytest.mark.parametrize("effect", CATALOGUE, ids=lambda effect: ef
 
 @pytest.fixture(scope="module")
 def bench(healthy):
-    return Problem(healthy, Tolerance(), ())
+    return Problem.of(healthy, Tolerance(), ())
 
 
 @pytest.fixture(scope="module")

@@ -33,7 +33,7 @@ def test_every_name_of_the_design_is_in_the_catalogue_in_its_block(name, block):
 
 @pytest.fixture(scope="module")
 def bench(healthy):
-    return Problem(healthy, Tolerance(), ())
+    return Problem.of(healthy, Tolerance(), ())
 
 
 @pytest.fixture(scope="module")
@@ -79,8 +79,8 @@ def test_every_name_is_tested_or_said_why_not(bench):
 
 
 def _calibrated(name, strength, onset=0.0):
-    problem = Problem(record(name, strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",))
-    return problem, calibrated(problem)
+    problem = Problem.of(record(name, strength, random_state=4, onset=onset), Tolerance(), ("choked_flow",))
+    return calibrated(problem)
 
 
 def _best(problem, nominal, key):

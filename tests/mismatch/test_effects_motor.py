@@ -66,7 +66,7 @@ def recording():
 
 @pytest.fixture(scope="module")
 def bench(recording):
-    return Problem(recording, Tolerance(), ())
+    return Problem.of(recording, Tolerance(), ())
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,8 @@ def test_without_a_dead_band_there_is_no_threshold():
 
 
 def test_all_three_effects_of_a_motor_are_fitted(bench):
-    nominal = fitted = calibrated(bench)
+    bench, nominal = calibrated(bench)
+    fitted = nominal
     for key in ("slew_limit_motor", "dead_time", "positioner_deadband_motor"):
         fitted = bench.fit([*fitted.terms, Term(EFFECTS[key])], start=fitted)
     values = fitted.values

@@ -21,11 +21,11 @@ class _Bench:
 
     channels = ("flow",)
 
-    def __init__(self, likelihoods, spreads):
+    def __init__(self, likelihoods, spreads, log_spread=0.0):
         self.likelihoods, self.spreads = likelihoods, spreads
         self.recording = _Rows(1000)
         self.plain = SimpleNamespace(clock=np.arange(1000.0))
-        self.noise = {"flow": SimpleNamespace(log_spread=0.0)}
+        self.noise = {"flow": SimpleNamespace(log_spread=log_spread)}
 
     def fit(self, members, *, start=None, **options):
         members = tuple(members)
@@ -35,11 +35,8 @@ class _Bench:
     def simulate(self, members, values):
         return None
 
-    def learn_noise(self, model):
-        self.noise = {"flow": SimpleNamespace(log_spread=self.spreads[model.terms[-1].onset])}
-
-    def use_noise(self, noise):
-        self.noise = noise
+    def with_noise_of(self, model):
+        return _Bench(self.likelihoods, self.spreads, self.spreads[model.terms[-1].onset])
 
 
 class _Rows:
@@ -73,11 +70,10 @@ def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, wit
     bench = _Bench(likelihoods, {400.0: 1000.0, None: spread})
     monkeypatch.setattr(explain, "gain_in_spreads", lambda *args: events)
     model = bench.fit((Term(LEAK, 400.0),))
-    bench.learn_noise(model)
-    before = bench.noise
-    found = explain._throughout_if_likelier(bench, model)
+    before = bench.with_noise_of(model)
+    after, found = explain._throughout_if_likelier(before, model)
     assert found.terms[-1].onset == kept
-    assert (bench.noise is before) == (kept is not None)
+    assert (after is before) == (kept is not None)
 
 
 def test_a_rival_takes_the_place_only_where_it_is_preferred_and_could_stand_alone(monkeypatch):
@@ -105,25 +101,30 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
     place, judged = Term(LEAK), []
 
     class Bench:
-        noise = "first"
+        def __init__(self, noise="first"):
+            self.noise = noise
 
         def fit(self, members, *, start=None):
             return SimpleNamespace(terms=tuple(members), by=self.noise)
 
-        def learn_noise(self, model, *, cautious=False):
-            self.noise = "cautious" if cautious else "its own"
+        def with_noise_of(self, model, *, cautious=False):
+            return Bench("cautious" if cautious else "its own")
 
-    def taken_up(search, model):
-        judged.append((search.problem.noise, model.by))
-        return search.problem.fit((place,))
+    def taken_up(search, problem, model):
+        judged.append((problem.noise, model.by))
+        return problem, problem.fit((place,))
+
+    def what_stands(problem, model, threshold):
+        problem = problem.with_noise_of(model)
+        return problem, problem.fit((place,))
 
     bench = Bench()
     better = iter([SimpleNamespace(terms=(place,)), None])
     monkeypatch.setattr(explain._Search, "taken_up", taken_up)
-    monkeypatch.setattr(explain, "_what_stands", lambda b, model, _: b.learn_noise(model) or b.fit((place,)))
+    monkeypatch.setattr(explain, "_what_stands", what_stands)
     monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
     monkeypatch.setattr(explain, "_simpler", lambda *_: None)
-    monkeypatch.setattr(explain, "_settle", lambda b, model: model)
+    monkeypatch.setattr(explain, "_settle", lambda b, model: (b, model))
     monkeypatch.setattr(explain, "find_rivals", lambda *_: [])
     explain.explain(bench, bench.fit(()), (), threshold=1.0)
     assert judged == [("first", "first"), ("cautious", "cautious")]

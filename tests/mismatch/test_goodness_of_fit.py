@@ -29,9 +29,9 @@ from sklvalve.simulation.stages import first_order_lag
 
 
 def _left(recording):
-    bench = Problem(recording, Tolerance(), recording.valve.physics)
+    bench = Problem.of(recording, Tolerance(), recording.valve.physics)
     model = bench.fit((), max_steps=5)
-    bench.learn_noise(model)
+    bench = bench.with_noise_of(model)
     return left_over(bench, model, model)
 
 
@@ -82,9 +82,9 @@ def test_a_wander_of_half_the_quick_noise_is_none(healthy):
 
 
 def test_what_is_explained_may_be_wrong_by_a_share_of_itself(healthy):
-    bench = Problem(healthy, Tolerance(), healthy.valve.physics)
+    bench = Problem.of(healthy, Tolerance(), healthy.valve.physics)
     model = bench.fit((), max_steps=5)
-    bench.learn_noise(model)
+    bench = bench.with_noise_of(model)
     far = replace(model, predictions=model.predictions | {"flow": 0.8 * model.predictions["flow"]})
     plain, explaining = left_over(bench, model, model), left_over(bench, model, far)
     assert explaining.allowed > 1.5 * plain.allowed
@@ -163,11 +163,11 @@ def test_the_sentence_says_what_comes_closest_and_what_it_leaves():
 
 
 def _said(recording):
-    bench = Problem(recording, Tolerance(), recording.valve.physics)
+    bench = Problem.of(recording, Tolerance(), recording.valve.physics)
     nominal = bench.fit((), max_steps=5)
-    bench.learn_noise(nominal)
+    bench = bench.with_noise_of(nominal)
     effects = tuple(e for e in CATALOGUE if e.key in ("flow_meter_drift", "sedimentation", "backlash"))
-    explanation = Explanation(nominal, nominal, [], {}, effects)
+    explanation = Explanation(bench, nominal, nominal, [], {}, effects)
     return held_against_noise(bench, explanation, nominal, [], 0.01)[1]
 
 
@@ -212,6 +212,6 @@ def test_few_slow_turns_are_doubtful_and_many_clear(times, many, said):
 
 
 def test_the_next_test_of_what_nothing_tells_holds_the_command(healthy):
-    bench = Problem(healthy, Tolerance(), healthy.valve.physics)
+    bench = Problem.of(healthy, Tolerance(), healthy.valve.physics)
     left = LeftOver("flow", 0.02, 0.004, 0.005, 20.0)
     assert next_test([], "none_of_these", left, bench).startswith("Hold the command")

@@ -18,7 +18,7 @@ BY_KEY = {e.key: e for e in CATALOGUE}
 
 @pytest.fixture(scope="module")
 def bench(healthy):
-    return Problem(healthy, Tolerance(), ())
+    return Problem.of(healthy, Tolerance(), ())
 
 
 def _fitted(bench, key, own, spreads, onset=None):
@@ -38,15 +38,15 @@ def _interval(bench, key, own, spread, onset=None):
 
 @pytest.fixture
 def held(bench, monkeypatch):
-    """The workbench with a calibration that answers nothing."""
+    """The problem with a calibration that answers nothing."""
 
-    def alone(model, channels):
+    def alone(problem, model, channels):
         (member,) = model.terms
-        touched = bench.channels_touched(member.effect)
+        touched = problem.channels_touched(member.effect)
         own = [q.parameter_of(member.effect.key) for q in member.effect.quantities(model.chain)]
-        return [Misfit(model.chain, own, touched, bench.noise, fixed=model.values)]
+        return [Misfit(model.chain, own, touched, problem.noise, fixed=model.values)]
 
-    monkeypatch.setattr(bench, "misfits", alone)
+    monkeypatch.setattr(Problem, "misfits", alone)
     return bench
 
 
@@ -75,7 +75,7 @@ def test_a_calibration_answers_as_far_as_the_sheet_lets_it(healthy, bench):
 
     alone = 2.0 * SHARE_OFF * 4e-4
     narrow = Tolerance(capacity=1e-6, trim=1e-6, position_zero=1e-6, flow_zero=1e-6, pressure_zero=1e-6)
-    assert width(Problem(healthy, narrow, ())) == pytest.approx(alone, rel=0.05)
+    assert width(Problem.of(healthy, narrow, ())) == pytest.approx(alone, rel=0.05)
     assert 1.2 * alone < width(bench) < 4.0 * alone
 
 
@@ -90,9 +90,8 @@ def test_a_calibration_answers_as_far_as_the_sheet_lets_it(healthy, bench):
 def test_a_static_error_of_a_sound_valve_may_be_in_it_or_not(held, key, name, value, sound):
     ends = {}
     for error in (1e-6, 0.01):
-        held.tolerance, kept = replace(held.tolerance, static_error=error), held.tolerance
-        ends[error] = np.array(_interval(held, key, {name: value}, 0.0))
-        held.tolerance = kept
+        open_by = replace(held, tolerance=replace(held.tolerance, static_error=error))
+        ends[error] = np.array(_interval(open_by, key, {name: value}, 0.0))
     np.testing.assert_allclose(ends[0.01] - ends[1e-6], [-sound, sound], rtol=1e-3)
 
 

@@ -47,9 +47,9 @@ def lags():
     recording = Stand({"actuator_lag": 10.0}, 5, rows=900).recording
     signals = {role: values for role, values in recording.signals.items() if role != "opening"}
     problem = prepared_problem(replace(recording, signals=signals))
-    nominal = calibrated(problem)
+    problem, nominal = calibrated(problem)
     models = [problem.fit((Term(EFFECTS[k]),), start=nominal) for k in ("actuator_lag", "sensor_lag")]
-    problem.learn_noise(models[0])
+    problem = problem.with_noise_of(models[0])
     models = [problem.fit(m.terms, start=m) for m in models]
     bare = problem.fit((), start=nominal)
     explanations = [Explanation(m.keys[0], 0.5, m, problem.misfits(m, ("flow",))) for m in models]

@@ -32,7 +32,7 @@ REST = SimpleNamespace(channel="flow", period=None)
 
 @pytest.fixture(scope="module")
 def bench(bowed):
-    return Problem(bowed, Tolerance(), bowed.valve.physics)
+    return Problem.of(bowed, Tolerance(), bowed.valve.physics)
 
 
 @pytest.fixture(scope="module")
@@ -58,7 +58,7 @@ def test_blocks_cover_every_row_once():
 
 def test_correction_learns_from_the_rows_given_and_no_others(bowed, bench, nominal):
     held, others = next(iter(blocks(len(bowed))))
-    changed = Problem(_shuffled_within(bowed, held), Tolerance(), bowed.valve.physics)
+    changed = Problem.of(_shuffled_within(bowed, held), Tolerance(), bowed.valve.physics)
     same = changed.simulate((), nominal.values)
     one, two = (learn_residual(w, m, REST, others) for w, m in ((bench, nominal), (changed, same)))
     assert one.keys() == two.keys()

@@ -30,7 +30,7 @@ def _rival(name, probability):
 
 def _judged(verdict, **more):
     findings = more.pop("findings", [])
-    return Judgement(verdict, 1e-4, findings, more.pop("unknown", None), None, None, **more)
+    return Judgement(None, verdict, 1e-4, findings, more.pop("unknown", None), None, None, **more)
 
 
 @pytest.mark.parametrize("verdict", ["cannot_tell", "none_of_these"])

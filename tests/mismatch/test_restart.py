@@ -58,7 +58,7 @@ def starved():
         "supply_pressure_drop", 0.72, loop="wide", onset=0.0, n_samples=3000, n_later=0, random_state=5
     )
     bench = prepared_problem(Recording.from_frame(made.frame, Valve.from_dict(made.valve)))
-    return bench, calibrated(bench)
+    return calibrated(bench)
 
 
 @pytest.mark.slow
@@ -87,11 +87,11 @@ def test_a_hypothesis_is_not_settled_for_a_less_likely_one(monkeypatch):
     worse = SimpleNamespace(terms=(Term(SUPPLY, 70.0),), values={}, log_likelihood=-50.0)
     begun = []
     bench = SimpleNamespace(fit=lambda members, start: explain.Model(members, None, {"a": 9.0}, {}, 0.0, {}))
-    monkeypatch.setattr(explain, "_in_turn", lambda bench, model: model)
-    monkeypatch.setattr(explain, "_throughout_if_likelier", lambda bench, model: model)
+    monkeypatch.setattr(explain, "in_turn", lambda problem, model: (problem, model))
+    monkeypatch.setattr(explain, "_throughout_if_likelier", lambda problem, model: (problem, model))
     monkeypatch.setattr(
         explain, "fit_with_onset", lambda bench, rest, *args, **options: begun.append(rest) or worse
     )
-    assert explain._settle(bench, made) is made
+    assert explain._settle(bench, made)[1] is made
     # begun from where the hypothesis stands, not from the calibration that lacks the effect
     assert begun[0].values == {"a": 1.0}

@@ -43,7 +43,7 @@ def test_fewer_than_the_best_all_stay():
 @pytest.fixture(scope="module")
 def bench(leaking):
     problem = prepared_problem(leaking)
-    return problem, calibrated(problem)
+    return calibrated(problem)
 
 
 def _best(problem, tried):

@@ -85,11 +85,11 @@ def test_what_stretches_show_is_fitted_to_all_rows_and_dated_by_them(leaky):
 def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch):
     whole = prepared_problem(leaky)
     bench = prepared_problem(stretches_of(leaky, 2 * STRETCH), trim=whole.trim)
-    bench.learn_noise(bench.fit(()))
+    bench = bench.with_noise_of(bench.fit(()))
     nominal = bench.fit(())
     few, many = (np.ones(len(b.recording), dtype=bool) for b in (bench, whole))
     evidence = Evidence(0.1, None, covariates_of(bench))
-    told = Judgement("cannot_tell", 0.005, [], None, nominal, nominal, evidence=evidence)
+    told = Judgement(bench, "cannot_tell", 0.005, [], None, nominal, nominal, evidence=evidence)
     suspected = bench.fit((Term(BY_KEY["seat_leakage"]),), start=nominal)
     found = over_the_whole(whole, replace(told, suspected=suspected), 0.01)
     assert len(flagged_rows(whole, found)) == len(leaky)
@@ -117,7 +117,7 @@ def test_rivals_and_what_comes_closest_are_simulated_in_the_whole(leaky):
     models = [bench.fit((Term(BY_KEY[k]),), start=nominal) for k in ("flow_meter_drift", "seat_leakage")]
     rivals = [Rival(m.terms[0], m, 0.5, 0.0) for m in models]
     finding = Finding(models[0].terms[0], rivals, 10.0, {"flow": 0.01})
-    told = Judgement("none_of_these", 0.005, [], None, nominal, nominal, closest=[finding])
+    told = Judgement(bench, "none_of_these", 0.005, [], None, nominal, nominal, closest=[finding])
     found = over_the_whole(whole, told, 0.01)
     (closest,) = found.closest
     assert all(len(r.model.predictions["flow"]) == len(leaky) for r in closest.rivals)

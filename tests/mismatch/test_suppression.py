@@ -22,7 +22,7 @@ def judged(verdict, channel=None):
     rest = None if channel is None else SimpleNamespace(channel=channel)
     found = ["what was found"] if verdict == "named" else []
     tried = None if rest is None else "blocks"
-    return Judgement(verdict, 1e-6, found, rest, "nominal", "model", tried, rest is not None)
+    return Judgement("problem", verdict, 1e-6, found, rest, "nominal", "model", tried, rest is not None)
 
 
 def finding(name, role, **more):

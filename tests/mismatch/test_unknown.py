@@ -13,9 +13,9 @@ from sklvalve.simulation.stages import first_order_lag
 
 
 def _rest_of(recording):
-    bench = Problem(recording, Tolerance(), recording.valve.physics)
+    bench = Problem.of(recording, Tolerance(), recording.valve.physics)
     model = bench.fit((), max_steps=5)
-    bench.learn_noise(model)
+    bench = bench.with_noise_of(model)
     return find_unknown(bench, model, alpha=0.01)
 
 

@@ -48,7 +48,7 @@ def recording():
 
 @pytest.fixture(scope="module")
 def bench(recording):
-    return Problem(recording, Tolerance(), ())
+    return Problem.of(recording, Tolerance(), ())
 
 
 def _flow(bench, key=None, **own):
@@ -80,7 +80,7 @@ def test_a_trim_within_its_tolerance_is_calibrated_and_one_beyond_it_is_not(reco
     for bend, lost in ((0.06, 0.1), (0.6, 0.5)):
         own = np.exp(bend * np.sin(2.0 * np.pi * opening)) * recording["simulated_flow"]
         other = replace(recording, signals=recording.signals | {"flow": own})
-        bench = Problem(other, Tolerance(), ())
+        bench = Problem.of(other, Tolerance(), ())
         left = bench.residuals(bench.fit(()))["flow"]
         off = np.std(recording["simulated_flow"] - own)
         assert (np.nanstd(left) < lost * off) == (bend < 0.1)
@@ -125,7 +125,7 @@ def test_play_shifts_the_given_flow_along_its_own_trim(bench, recording):
 def test_what_a_given_flow_cannot_show_is_told_with_the_reason(recording):
     signals = {r: recording[r] for r in ("flow", "simulated_flow")} | {"time": recording.time}
     signals["command"] = np.roll(recording["opening"], 5)
-    bench = Problem(Recording.from_frame(signals), Tolerance(), ())
+    bench = Problem.of(Recording.from_frame(signals), Tolerance(), ())
     found, untestable = candidates(bench, "all", [])
     keys, needs = {e.key for e in found}, {u["name"]: u["needs"] for u in untestable}
     assert {"seat_leakage", "capacity_error", "flow_meter_bias", "dead_time"} <= keys
@@ -191,7 +191,7 @@ def test_given_opening_takes_the_place_of_the_actuator():
     t = np.arange(600.0)
     command = 0.5 + 0.3 * np.sign(np.sin(t / 40.0))
     signals = {"time": t, "command": command, "opening": command, "simulated_opening": command}
-    bench = Problem(Recording.from_frame(signals), Tolerance(), ())
+    bench = Problem.of(Recording.from_frame(signals), Tolerance(), ())
     values = {"actuator_filter": 1e-6, "actuator_delay": 0.0, "position_zero": 0.0}
     np.testing.assert_allclose(bench.plain.opening(values), command, atol=1e-12)
     late = bench.chain([Term(EFFECTS["dead_time"])]).opening(values | {"dead_time.delay": 3.0})

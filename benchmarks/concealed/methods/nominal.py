@@ -71,7 +71,7 @@ def nominal_of(recording):
             problem = prepared_problem(recording)
             guess, _ = first_guess(problem)
             model = problem.fit((), start=guess)
-            problem.use_noise(white(problem, model))
+            problem = problem.with_noise(white(problem, model))
             _LAST[:] = recording, Nominal(problem, problem.fit((), start=model))
     return _LAST[1]
 

@@ -48,7 +48,6 @@ def diagnose(recording, *, folder=None, alpha=0.01, most=4, practical=True):
     """
     nominal = nominal_of(recording)
     problem, model, p_value, effects = nominal.problem, nominal.model, 1.0, []
-    kept = problem.noise
     with one_thread():
         usable, _ = candidates(problem, "all", screen_recording(recording))
         for _ in range(most):
@@ -63,9 +62,8 @@ def diagnose(recording, *, folder=None, alpha=0.01, most=4, practical=True):
                 break
             effects.append(effect_of(weights(problem, tried)))
             model = best
-            problem.use_noise(white(problem, model))
+            problem = problem.with_noise(white(problem, model))
             model = problem.fit(model.terms, start=model)
-    problem.use_noise(kept)
     return found_of(
         "named" if effects else "no_mismatch",
         p_value,

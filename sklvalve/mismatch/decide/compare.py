@@ -168,12 +168,11 @@ def _rows_of_rivals(problem: Problem, finding: Finding) -> list[Row]:
 EMPTY = Comparison()
 
 
-def compared(problem: Problem, explanation: Explanation, threshold: float) -> Comparison:
+def compared(explanation: Explanation, threshold: float) -> Comparison:
     """The table of a search, under the noise that it ended with.
 
     Parameters
     ----------
-    problem : Problem
     explanation : Explanation
     threshold : float
         Log odds before any data that nothing is missing, against any one effect: what an effect must add to
@@ -185,16 +184,15 @@ def compared(problem: Problem, explanation: Explanation, threshold: float) -> Co
         Where nothing was found, one place with what was tried.
     """
     if not explanation.findings:
-        return Comparison(tuple(_tried(problem, explanation, threshold)))
+        return Comparison(tuple(_tried(explanation, threshold)))
     found = enumerate(explanation.findings, start=1)
-    rows = (row for place, f in found for row in _rows_of(problem, explanation, f, place, threshold))
+    rows = (row for place, f in found for row in _rows_of(explanation, f, place, threshold))
     return Comparison(tuple(rows))
 
 
-def _rows_of(
-    problem: Problem, explanation: Explanation, finding: Finding, place: int, threshold: float
-) -> list[Row]:
+def _rows_of(explanation: Explanation, finding: Finding, place: int, threshold: float) -> list[Row]:
     """Rows of the place of a finding."""
+    problem = explanation.problem
     rest = tuple(m for m in explanation.model.terms if m is not finding.term)
     without = problem.fit(rest, start=explanation.model)
     made = [
@@ -210,7 +208,7 @@ def _rows_of(
     return _ranked(problem, made, place, threshold, held_out)
 
 
-def _tried(problem: Problem, explanation: Explanation, threshold: float) -> list[Row]:
+def _tried(explanation: Explanation, threshold: float) -> list[Row]:
     """Rows of what was tried where nothing was found."""
     by_key = {e.key: e for e in explanation.effects}
     made = [
@@ -218,7 +216,7 @@ def _tried(problem: Problem, explanation: Explanation, threshold: float) -> list
         for key, (gain, sizes) in explanation.tried.items()
         if key in by_key
     ]
-    return _ranked(problem, made, 1, threshold, None)
+    return _ranked(explanation.problem, made, 1, threshold, None)
 
 
 @dataclass(frozen=True, eq=False)

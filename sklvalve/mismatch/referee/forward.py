@@ -143,8 +143,7 @@ def forecast(
         if known.terms not in fits:
             fits[known.terms] = model if known is model else problem.least_squares(known)
         fitted = fits[known.terms]
-        with problem.homoscedastic(fitted, past):
-            lines = lines_of(problem, fitted)
+        lines = lines_of(problem.homoscedastic(fitted, past), fitted)
         again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, past))
         for c in problem.channels:
             made[c][span] = again.predictions[c][span]

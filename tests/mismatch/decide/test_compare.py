@@ -124,17 +124,18 @@ def _bench(**more):
 def test_where_nothing_was_found_nothing_may_be_the_likeliest():
     tried = {"clogging": (2.0, {"flow": 0.02}), "erosion": (60.0, {"flow": 0.01})}
     effects = (BY_KEY["clogging"], BY_KEY["erosion"])
-    explanation = SimpleNamespace(findings=[], tried=tried, effects=effects)
-    rows = compared(_bench(), explanation, 15.0).rows
+    explanation = SimpleNamespace(problem=_bench(), findings=[], tried=tried, effects=effects)
+    rows = compared(explanation, 15.0).rows
     assert [row.hypothesis for row in rows] == ["erosion", "nothing", "clogging"]
     assert [row.in_class for row in rows] == [True, False, False]
     assert sum(row.posterior for row in rows) == pytest.approx(1.0)
     assert rows[0].size_over_relevance == pytest.approx(2.0)
     # what gains less than an effect must add is less likely than nothing
     tried = {"erosion": (20.0, {"flow": 0.01})}
-    weak = SimpleNamespace(findings=[], tried=tried, effects=effects)
-    assert compared(_bench(), weak, 15.0).rows[0].hypothesis == "nothing"
-    alone = compared(_bench(), SimpleNamespace(findings=[], tried={}, effects=()), 15.0).rows
+    weak = SimpleNamespace(problem=_bench(), findings=[], tried=tried, effects=effects)
+    assert compared(weak, 15.0).rows[0].hypothesis == "nothing"
+    nothing = SimpleNamespace(problem=_bench(), findings=[], tried={}, effects=())
+    alone = compared(nothing, 15.0).rows
     assert [row.hypothesis for row in alone] == ["nothing"]
     assert alone[0].posterior >= IN_CLASS
 

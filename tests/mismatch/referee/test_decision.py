@@ -50,7 +50,7 @@ def _forward(bench, **errors):
 
 
 def _judgement(verdict, findings=(), p_value=0.4):
-    return Judgement(verdict, p_value, list(findings), None, "nominal", SimpleNamespace(terms=()))
+    return Judgement(None, verdict, p_value, list(findings), None, "nominal", SimpleNamespace(terms=()))
 
 
 def _refereed(monkeypatch, bench, judged, **errors):
@@ -166,7 +166,7 @@ def test_forecasts_use_no_later_row(healthy):
     forecasts = []
     for signals in (healthy.signals, {**healthy.signals, "flow": flow}):
         bench = prepared_problem(replace(healthy, signals=signals))
-        nominal = bench.simulate((), calibrated(prepared_problem(healthy)).values)
+        nominal = bench.simulate((), calibrated(prepared_problem(healthy))[1].values)
         forecasts.append(forward_in_time(bench, nominal, nominal).predictions)
     for kind in ("nominal", "black_box"):
         one, two = (made[kind]["flow"][:last] for made in forecasts)
