@@ -2,7 +2,7 @@
 """Healthy recordings through the whole search: what the p-value is held against, and whether it is uniform.
 
     python benchmarks/healthy_reference.py draw REFERENCE.jsonl --records 360
-    python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/null_table.py
+    python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/decide/null_table.py
     python benchmarks/healthy_reference.py draw OTHER.jsonl --first 2000 --records 36 --nastier
     python benchmarks/healthy_reference.py check OTHER.jsonl
 
@@ -29,12 +29,12 @@ from threadpoolctl import threadpool_limits
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
-from sklvalve.mismatch.detect import Evidence, mismatch_p_value
-from sklvalve.mismatch.gate import with_seized_stems
-from sklvalve.mismatch.masking import sifted
-from sklvalve.mismatch.null_reference import EDGED, EFFECTS, Covariates, relative_to
-from sklvalve.mismatch.preparation import candidates, prepared_problem
-from sklvalve.mismatch.suppression import withheld
+from sklvalve.mismatch.data.gate import with_seized_stems
+from sklvalve.mismatch.data.masking import sifted
+from sklvalve.mismatch.data.preparation import candidates, prepared_problem
+from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
+from sklvalve.mismatch.decide.null_reference import EDGED, EFFECTS, Covariates, relative_to
+from sklvalve.mismatch.decide.suppression import withheld
 from sklvalve.recording import Recording, Valve, screen_recording
 from sklvalve.simulation.parallel_map import with_threads
 
@@ -126,7 +126,7 @@ def searched(recording):
 
 
 def table_of(rows, name):
-    """The table of one strength, as `sklvalve.mismatch.null_reference.Table` takes it."""
+    """The table of one strength, as `sklvalve.mismatch.decide.null_reference.Table` takes it."""
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
     usual = {}

@@ -23,11 +23,11 @@ sys.path.insert(0, str(Path(__file__).parents[1]))
 from benchmarks.concealed.methods.rows import overlap, told_rows
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import CONCEALABLE, make_valve_recording
-from sklvalve.mismatch.bands import simultaneous_bands
-from sklvalve.mismatch.calibrating import calibrated
-from sklvalve.mismatch.cells import cells_of, cells_of_signals, rate_of_travel
-from sklvalve.mismatch.noise import fit_noise
-from sklvalve.mismatch.preparation import prepared_problem
+from sklvalve.mismatch.data.preparation import prepared_problem
+from sklvalve.mismatch.describe.bands import simultaneous_bands
+from sklvalve.mismatch.describe.cells import cells_of, cells_of_signals, rate_of_travel
+from sklvalve.mismatch.inference.calibrating import calibrated
+from sklvalve.mismatch.inference.noise import fit_noise
 
 IN_NO_CATALOGUE = ("trim_rotation", "thermal_bow", "hydrate_pulses")
 NAMED = tuple(name for name in CONCEALABLE if name not in IN_NO_CATALOGUE)

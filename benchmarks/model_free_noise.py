@@ -14,7 +14,7 @@ import numpy as np
 
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch.steady import LENGTH
+from sklvalve.mismatch.signals.steady import LENGTH
 
 LOOPS, NOISES = ("wide", "closed", "mixed"), (1.0, 2.0, 3.0)
 

@@ -16,10 +16,10 @@ from pathlib import Path
 
 import numpy as np
 
-from sklvalve.mismatch.calibrating import calibrated
-from sklvalve.mismatch.preparation import prepared_problem
-from sklvalve.mismatch.referee.comparison import compare
-from sklvalve.mismatch.referee.forward import forward_in_time
+from sklvalve.mismatch.data.preparation import prepared_problem
+from sklvalve.mismatch.inference.calibrating import calibrated
+from sklvalve.mismatch.proof.comparison import compare
+from sklvalve.mismatch.proof.forward import forward_in_time
 from sklvalve.recording import InputError, read_recording, read_valve
 
 DROPPED = {

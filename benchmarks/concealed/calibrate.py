@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Fit how often names hold, by what a diagnosis knows of them, to the sealed runs; print the numbers.
 
-    python -m benchmarks.concealed.calibrate                      numbers of sklvalve/mismatch/borne_out.py
+    python -m benchmarks.concealed.calibrate                      numbers of mismatch/decide/borne_out.py
     python -m benchmarks.concealed.calibrate --without seventh    fitted without a run, and tried on it
 
 A logistic regression with a ridge: the log odds of the leading name, the rarity of the mismatch, whether the
@@ -21,15 +21,15 @@ from scipy.optimize import minimize
 from benchmarks.concealed.report.history import RESULTS, runs_of
 from benchmarks.concealed.report.reliability import few_signals, reliability_report
 from benchmarks.concealed.scoring.lines import entries_of, names_of, true_names
-from sklvalve.mismatch.borne_out import Numbers
-from sklvalve.mismatch.effects import CATALOGUE, EVENTS
-from sklvalve.mismatch.probability import (
+from sklvalve.mismatch.decide.borne_out import Numbers
+from sklvalve.mismatch.decide.probability import (
     Grounds,
     is_coarse,
     log_odds_of_name,
     probability_of,
     vanishing,
 )
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 
 # of the ridge: a prior of the coefficients with this standard deviation, and of the slope about one
 _SPREAD, _SPREAD_OF_SLOPE = 1.0, 0.5

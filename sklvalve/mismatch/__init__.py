@@ -2,12 +2,12 @@
 """Simulation against recording: detect, locate, name, model, prove."""
 
 from sklvalve.mismatch.advice import plan_next_test
-from sklvalve.mismatch.diagnosis import Diagnosis
 from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.files.model_file import load_model, save_model
 from sklvalve.mismatch.finder import MissingPhysicsFinder
-from sklvalve.mismatch.model_file import load_model, save_model
-from sklvalve.mismatch.plan import TestPlan
-from sklvalve.mismatch.programs import TestLimits
+from sklvalve.mismatch.next_test.plan import TestPlan
+from sklvalve.mismatch.next_test.programs import TestLimits
+from sklvalve.mismatch.result.diagnosis import Diagnosis
 
 __all__ = [
     "CATALOGUE",

@@ -9,25 +9,25 @@ from typing import TYPE_CHECKING, Any
 from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
+from sklvalve.mismatch.data.gate import with_seized_stems
+from sklvalve.mismatch.data.gathering import gathered
+from sklvalve.mismatch.data.masking import masked
+from sklvalve.mismatch.data.preparation import candidates, prepared_problem, rows_to_use
 from sklvalve.mismatch.effects import EVENTS
-from sklvalve.mismatch.gate import with_seized_stems
-from sklvalve.mismatch.gathering import gathered
-from sklvalve.mismatch.hypothesis import begun, is_in
-from sklvalve.mismatch.masking import masked
-from sklvalve.mismatch.planning import planned
-from sklvalve.mismatch.preparation import candidates, prepared_problem, rows_to_use
-from sklvalve.mismatch.rivals import find_rivals
+from sklvalve.mismatch.inference.hypothesis import begun, is_in
+from sklvalve.mismatch.next_test.planning import planned
+from sklvalve.mismatch.search.rivals import find_rivals
 from sklvalve.recording import InputError, screen_recording
 from sklvalve.simulation import ValveSimulation
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
     from sklvalve.mismatch.finder import MissingPhysicsFinder
-    from sklvalve.mismatch.hypothesis import Term
-    from sklvalve.mismatch.plan import TestPlan
-    from sklvalve.mismatch.problem import Problem
-    from sklvalve.mismatch.programs import TestLimits
-    from sklvalve.mismatch.rivals import Finding
+    from sklvalve.mismatch.inference.hypothesis import Term
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.next_test.plan import TestPlan
+    from sklvalve.mismatch.next_test.programs import TestLimits
+    from sklvalve.mismatch.search.rivals import Finding
 
 
 def plan_next_test(

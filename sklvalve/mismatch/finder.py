@@ -15,34 +15,28 @@ from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
 from sklvalve._refits import whole_or_nothing
-from sklvalve.mismatch.behind import judged_behind
-from sklvalve.mismatch.calibrating import calibrated
-from sklvalve.mismatch.contents import content_of, flagged_rows, traces_of
-from sklvalve.mismatch.dated import dated
+from sklvalve.mismatch.data.gate import blocking, with_seized_stems
+from sklvalve.mismatch.data.gathering import gathered
+from sklvalve.mismatch.data.masking import masked
+from sklvalve.mismatch.data.preparation import candidates, prepared_problem, rows_to_use
 from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.behind import judged_behind
 from sklvalve.mismatch.decide.compare import compared
-from sklvalve.mismatch.detect import covariates_of
-from sklvalve.mismatch.diagnosis import Diagnosis
-from sklvalve.mismatch.events import effects_to_search, evident_events
-from sklvalve.mismatch.explain import explain
-from sklvalve.mismatch.further_proof import further_proof
-from sklvalve.mismatch.gate import blocking, with_seized_stems
-from sklvalve.mismatch.gathering import gathered
-from sklvalve.mismatch.judging import Case, blocked, judge
-from sklvalve.mismatch.late import before, late_event, with_late_event
+from sklvalve.mismatch.decide.dated import dated
+from sklvalve.mismatch.decide.detect import covariates_of
+from sklvalve.mismatch.decide.judging import Case, blocked, judge
+from sklvalve.mismatch.decide.late import before, late_event, with_late_event
+from sklvalve.mismatch.decide.referee import refereed
+from sklvalve.mismatch.decide.stretches import over_the_whole, stretches_of
+from sklvalve.mismatch.decide.suppression import suppressed
+from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
-from sklvalve.mismatch.masking import masked
-from sklvalve.mismatch.next_test import plan_of
-from sklvalve.mismatch.preparation import candidates, prepared_problem, rows_to_use
-from sklvalve.mismatch.prove import (
-    errors,
-    held_out_predictions,
-    interleaved_errors,
-    interleaved_predictions,
-)
-from sklvalve.mismatch.referee import forward_in_time, refereed
-from sklvalve.mismatch.stretches import over_the_whole, stretches_of
-from sklvalve.mismatch.suppression import suppressed
+from sklvalve.mismatch.next_test.suggestions import plan_of
+from sklvalve.mismatch.result.contents import content_of, flagged_rows, traces_of
+from sklvalve.mismatch.result.diagnosis import Diagnosis
+from sklvalve.mismatch.result.fit_entries import fit_entries
+from sklvalve.mismatch.search.events import effects_to_search, evident_events
+from sklvalve.mismatch.search.explain import explain
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.parallel_map import with_threads
@@ -50,14 +44,13 @@ from sklvalve.simulation.parallel_map import with_threads
 if TYPE_CHECKING:
     import numpy as np
 
+    from sklvalve.mismatch.decide.judgement import Judgement
+    from sklvalve.mismatch.decide.null_reference import Covariates
     from sklvalve.mismatch.effects import Effect
-    from sklvalve.mismatch.events import Events
-    from sklvalve.mismatch.explain import Explanation
-    from sklvalve.mismatch.hypothesis import Model
-    from sklvalve.mismatch.judgement import Judgement
-    from sklvalve.mismatch.null_reference import Covariates
-    from sklvalve.mismatch.problem import Problem
-    from sklvalve.mismatch.referee.forward import Forward
+    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.search.events import Events
+    from sklvalve.mismatch.search.explain import Explanation
     from sklvalve.recording import Recording
 
 
@@ -277,7 +270,7 @@ class MissingPhysicsFinder(BaseEstimator):
             problem,
             judged,
             flagged,
-            {} if mend else _proof(problem, whole, judged, forward, flagged, seed),
+            {} if mend else fit_entries(problem, whole, judged, forward, flagged, seed),
             data=data,
             not_testable=not_testable,
             alpha=float(self.alpha),
@@ -389,30 +382,6 @@ class MissingPhysicsFinder(BaseEstimator):
         if isinstance(self.random_state, Integral):
             return int(self.random_state)
         return int(check_random_state(self.random_state).randint(2**31 - 1))
-
-
-def _proof(
-    problem: Problem,
-    whole: Recording,
-    judged: Judgement,
-    forward: Forward | None,
-    flagged: np.ndarray,
-    seed: int,
-) -> dict[str, Any]:
-    """The ``fit`` entries of diagnosis.json, from rows that no fit has seen."""
-    nominal, model = judged.nominal, judged.model
-    if forward is None:
-        forward = forward_in_time(problem, nominal, model)
-    made, held = held_out_predictions(problem, whole, nominal, model, forward, judged.correction)
-    interleaved = interleaved_predictions(problem, judged)
-    fit = {}
-    for c in problem.channels:
-        fit[c] = errors(whole, made, held, c, problem.noise[c].floor, random_state=seed)
-        fit[c]["interleaved"] = {"rmse": interleaved_errors(problem.recording, interleaved, c)}
-    if judged.found:
-        more = further_proof(problem, whole, judged, made, held, flagged, forward.spans)
-        fit = {c: entry | more[c] for c, entry in fit.items()}
-    return fit
 
 
 def _simulation_of(

@@ -79,7 +79,7 @@ def to_be_declared(effects: list[dict]) -> str:
 
 def _declaration(effect: dict) -> str:
     """The line that declares an effect; empty where valve.toml has no key for it."""
-    from sklvalve.mismatch.effects.known import forms_of
+    from sklvalve.mismatch.result.known_effects import forms_of
 
     values = effect.get("parameters") or {}
     for form in forms_of(effect["members"][0]["name"]):

@@ -82,7 +82,7 @@ def shown_parameters(effect: dict, d: dict) -> list[Parameter]:
 
 def _shown(who: str, name: str, item: dict, d: dict) -> Parameter | None:
     # a report without effects does without the simulation, which takes a second to import
-    from sklvalve.mismatch.effects.known import quantity_named
+    from sklvalve.mismatch.result.known_effects import quantity_named
 
     unit = item.get("unit") or "1"
     quantity = quantity_named(who, name, unit)

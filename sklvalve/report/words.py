@@ -68,7 +68,7 @@ def class_clause(members: Iterable[dict], limit: int = 3) -> str:
 def _own(name: str, told: str) -> str:
     """What an effect says of itself; empty where it says nothing."""
     # commands that speak of signals alone do without the simulation, which takes a second to import
-    from sklvalve.mismatch.effects.known import forms_of
+    from sklvalve.mismatch.result.known_effects import forms_of
 
     return next((words for form in forms_of(name) if (words := getattr(form, told))), "")
 

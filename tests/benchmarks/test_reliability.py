@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.concealed.calibrate import Told, as_code, fitted_to, held_by_name, reported_anew, told_of
 from benchmarks.concealed.report.reliability import by_chance, main, reliability_report
-from sklvalve.mismatch.borne_out import Numbers
-from sklvalve.mismatch.probability import Grounds, probability_of
+from sklvalve.mismatch.decide.borne_out import Numbers
+from sklvalve.mismatch.decide.probability import Grounds, probability_of
 
 
 def _told(n=1500, seed=0):

@@ -5,7 +5,7 @@ import pytest
 
 from sklvalve import Recording, Valve
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch.preparation import candidates, prepared_problem
+from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,8 @@ import pytest
 
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.effects.backlash import play_with_overshoot
-from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.problem import Problem
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.inference.problem import Problem
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.stages import play
 

@@ -4,13 +4,13 @@
 import numpy as np
 import pytest
 
-from sklvalve.mismatch.calibrating import calibrated
+from sklvalve.mismatch.data.preparation import candidates
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.growing import fit_growing
-from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.onset_sample import to_the_sample
-from sklvalve.mismatch.preparation import candidates
-from sklvalve.mismatch.problem import Problem
+from sklvalve.mismatch.inference.calibrating import calibrated
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.inference.problem import Problem
+from sklvalve.mismatch.search.growing import fit_growing
+from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.simulation import Tolerance
 
 from .conftest import DESIGNED, record

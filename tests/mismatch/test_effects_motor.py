@@ -5,12 +5,12 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.calibrating import calibrated
+from sklvalve.mismatch.data.preparation import candidates
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.preparation import candidates
-from sklvalve.mismatch.problem import Problem
-from sklvalve.mismatch.thresholds import seen_thresholds
+from sklvalve.mismatch.effects.thresholds import seen_thresholds
+from sklvalve.mismatch.inference.calibrating import calibrated
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.inference.problem import Problem
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.electric import is_electric

@@ -9,11 +9,11 @@ import pytest
 import sklvalve
 from sklvalve import Recording, Valve
 from sklvalve.datasets import make_valve_recording
+from sklvalve.mismatch.data.gate import effects_switched_off
+from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE, Effect, Quantity, Shown
-from sklvalve.mismatch.effects.known import forms_of, quantity_named
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
-from sklvalve.mismatch.gate import effects_switched_off
-from sklvalve.mismatch.preparation import candidates, prepared_problem
+from sklvalve.mismatch.result.known_effects import forms_of, quantity_named
 from sklvalve.report.kinds import to_be_declared
 from sklvalve.report.parameters import parameters
 from sklvalve.report.words import class_clause, spoken

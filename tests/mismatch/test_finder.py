@@ -12,7 +12,7 @@ from sklearn.metrics import r2_score
 
 from sklvalve.mechanism import ValidityWarning
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
-from sklvalve.mismatch.decide.constants import NAMED_FROM
+from sklvalve.mismatch.constants import NAMED_FROM
 from sklvalve.recording import InputError, Recording, Valve
 from sklvalve.simulation import Tolerance, ValveSimulation
 

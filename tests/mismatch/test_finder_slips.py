@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
-from sklvalve.mismatch.events import P_VALUE, beside_events, effects_to_search
-from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.stick_slip import find_slips
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.search.events import P_VALUE, beside_events, effects_to_search
+from sklvalve.mismatch.signals.stick_slip import find_slips
 from sklvalve.report import to_text
 from sklvalve.simulation import ValveSimulation
 

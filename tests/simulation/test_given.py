@@ -9,10 +9,10 @@ from sklearn.linear_model import LinearRegression
 
 from sklvalve import MissingPhysicsFinder, Valve
 from sklvalve.mechanism.liquid import FLOW_CONSTANT
+from sklvalve.mismatch.data.preparation import candidates
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.preparation import candidates
-from sklvalve.mismatch.problem import Problem
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.inference.problem import Problem
 from sklvalve.recording import InputError, Recording
 from sklvalve.recording.diagnosable import require_diagnosable
 from sklvalve.simulation import Tolerance, ValveSimulation

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from benchmarks.concealed.methods.operators import filled, slope_by
-from sklvalve.mismatch.cells import direction_of_travel, rate_of_travel
+from sklvalve.mismatch.describe.cells import direction_of_travel, rate_of_travel
 
 _OPENINGS = (0.0, 0.05, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 1.01)
 _RATIOS = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9, 2.0)

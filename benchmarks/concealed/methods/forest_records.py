@@ -12,9 +12,9 @@ import numpy as np
 from scipy.signal import lfilter
 
 from sklvalve.mechanism import relative_capacity
+from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.preparation import prepared_problem
+from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation.parameters import ParameterVector
 

@@ -3,7 +3,7 @@
 
 import numpy as np
 
-from sklvalve.mismatch.cells import direction_of_travel, rate_of_travel
+from sklvalve.mismatch.describe.cells import direction_of_travel, rate_of_travel
 
 
 def told_rows(content, recording, seconds, *, opening=None, pressure_ratio=None):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.concealed.methods.operators import filled, slope_by, stick_and_jump
-from sklvalve.mismatch.cells import direction_of_travel, rate_of_travel
+from sklvalve.mismatch.describe.cells import direction_of_travel, rate_of_travel
 from sklvalve.simulation.chain import ATMOSPHERE
 from sklvalve.simulation.stages import first_order_lag, limited_rate
 

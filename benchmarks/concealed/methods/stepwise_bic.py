@@ -14,10 +14,10 @@ from scipy.stats import chi2
 
 from benchmarks.concealed.methods.found import effect_of, found_of
 from benchmarks.concealed.methods.nominal import nominal_of, one_thread, simulation_of, white
-from sklvalve.mismatch.hypothesis import is_in
-from sklvalve.mismatch.preparation import candidates
-from sklvalve.mismatch.relevance import beyond_tolerance
-from sklvalve.mismatch.screening import screened
+from sklvalve.mismatch.data.preparation import candidates
+from sklvalve.mismatch.inference.hypothesis import is_in
+from sklvalve.mismatch.search.relevance import beyond_tolerance
+from sklvalve.mismatch.search.screening import screened
 from sklvalve.recording import screen_recording
 
 # of the candidates of one step so many are fitted with the whole calibration free

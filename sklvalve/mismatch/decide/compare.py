@@ -14,17 +14,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sklvalve.mismatch.decide.constants import IN_CLASS
+from sklvalve.mismatch.constants import IN_CLASS
 from sklvalve.mismatch.decide.records import plain_records
-from sklvalve.mismatch.hypothesis import Model, Term, complexity_penalty
+from sklvalve.mismatch.inference.hypothesis import Model, Term, complexity_penalty
 from sklvalve.mismatch.inference.posterior import posterior
-from sklvalve.mismatch.onset import losses_of
-from sklvalve.mismatch.refitting import BLOCKS, blocks_in_turn, fits_without
+from sklvalve.mismatch.inference.refitting import BLOCKS, blocks_in_turn, fits_without
+from sklvalve.mismatch.search.onset import losses_of
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.explain import Explanation
-    from sklvalve.mismatch.problem import Problem
-    from sklvalve.mismatch.rivals import Finding
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.search.explain import Explanation
+    from sklvalve.mismatch.search.rivals import Finding
 
 NOTHING = "nothing"
 # rows of a place that are kept beside nothing, and those that are held against rows left out of the fit

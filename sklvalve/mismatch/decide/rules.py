@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from sklvalve.mismatch.decide import constants
+from sklvalve.mismatch import constants
 
 #: Names of the rules, in their order.
 ORDER = (

@@ -7,7 +7,7 @@ import numpy as np
 
 from sklvalve.mismatch.effects._defects import STICKS
 from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
-from sklvalve.mismatch.thresholds import seen_thresholds
+from sklvalve.mismatch.effects.thresholds import seen_thresholds
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.tolerance import Tolerance
 

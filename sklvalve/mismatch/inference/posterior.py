@@ -16,7 +16,7 @@ of Kennedy and O'Hagan (2001) in the one direction that matters, and a power pos
 
 import numpy as np
 
-from sklvalve.mismatch.decide.constants import IN_CLASS, SHARE_WRONG
+from sklvalve.mismatch.constants import IN_CLASS, SHARE_WRONG
 
 
 def temperature(gain: float) -> float:

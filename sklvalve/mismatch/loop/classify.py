@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sklvalve.mismatch.loop.constants as constants
-from sklvalve.mismatch.decide.constants import DISTINGUISHABLE
+from sklvalve.mismatch.constants import DISTINGUISHABLE
 from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.mismatch.loop.fit import LoopFit, Regression, Screening, likeliest, refine, screen
 from sklvalve.mismatch.loop.operators import (

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from sklvalve.mismatch.decide.constants import MARGIN
+from sklvalve.mismatch.constants import MARGIN
+from sklvalve.mismatch.inference.origins import ORIGINS, enough, spans_of
 from sklvalve.mismatch.loop.fit import NoiseFilter, Regression, fit_weights
-from sklvalve.mismatch.origins import ORIGINS, enough, spans_of
 
 _LEVEL_ROWS = 10  # before an origin, that set the level
 

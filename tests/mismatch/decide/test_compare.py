@@ -11,11 +11,11 @@ import pytest
 from sklvalve import MissingPhysicsFinder
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE
+from sklvalve.mismatch.constants import IN_CLASS
 from sklvalve.mismatch.decide import compare, rules
 from sklvalve.mismatch.decide.compare import Comparison, HeldOut, Row, compared
-from sklvalve.mismatch.decide.constants import IN_CLASS
-from sklvalve.mismatch.hypothesis import Term
-from sklvalve.mismatch.rivals import Finding, Rival
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.search.rivals import Finding, Rival
 from sklvalve.recording import Recording, Valve
 
 BY_KEY = {effect.key: effect for effect in CATALOGUE}

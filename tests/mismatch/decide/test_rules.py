@@ -5,7 +5,8 @@ import json
 
 import pytest
 
-from sklvalve.mismatch.decide import constants, rules
+from sklvalve.mismatch import constants
+from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.records import plain_records
 
 EVERY = [

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from sklvalve.mismatch.decide.constants import IN_CLASS, SHARE_WRONG
+from sklvalve.mismatch.constants import IN_CLASS, SHARE_WRONG
 from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class, temperature
 
 _SCORES = st.lists(st.floats(-1e5, 0.0), min_size=1, max_size=12)

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How sure each finding is: its probability where that was checked, its grade, whether it may be named."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
+from sklvalve.mismatch.decide.grade import WEAK, grade_of
+from sklvalve.mismatch.decide.probability import Grounds, is_coarse, probability_of
+from sklvalve.mismatch.inference.origins import ORIGINS
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.recording import Recording
+
+# of a recording, its first rows: a valve, its line and its meter settle from what was before
+_AT_FIRST = 0.02
+
+
+def assessed(
+    entries: list[dict[str, Any]],
+    verdict: str,
+    p_value: float | None,
+    skills: dict[str, float | None],
+    data: list[dict[str, Any]],
+    problem: Problem,
+) -> tuple[list[dict[str, Any]], str, list[str]]:
+    """Entries of diagnosis.json with how sure they are, and the verdict that this leaves.
+
+    Parameters
+    ----------
+    entries : list of dict
+        As `verdict.effect_entry` makes them, the strongest first.
+    verdict : str
+    p_value : float or None
+    skills : dict
+        Channel -> share of the squared error beyond noise that the correction removes from rows ahead in
+        time; None where not known.
+    data : list of dict
+        Findings of `screen_recording`.
+    problem : Problem
+
+    Returns
+    -------
+    entries : list of dict
+        Those that may be named, or all candidates where none may.
+        With probabilities as they were borne out, None where that was not checked; ``grade``; and in their
+        ``evidence`` the skill on rows ahead, and whether they begin too ``late`` for one.
+    verdict : str
+        ``cannot_tell`` in place of ``named`` where every finding is weak.
+    reasons : list of str
+        Why what was found beside them is no name.
+    """
+    if not entries:
+        return entries, verdict, []
+    kind, few, coarse = unchecked(problem), few_signals(problem.recording), is_coarse(data)
+    made = []
+    for k, entry in enumerate(entries):
+        evidence = _evidence(entry, skills, problem.recording)
+        grounds = Grounds(
+            entry["members"][0]["name"],
+            1.0 if p_value is None else p_value,
+            beside=k > 0,
+            coarse=coarse,
+            may_vanish=bool(evidence["vanishes"]),
+            few_signals=few,
+        )
+        made.append(_graded(entry, grounds, evidence, kind))
+    if verdict != "named":
+        return made, verdict, []
+    weak = [entry for entry in made if entry["grade"]["level"] == WEAK]
+    if len(weak) == len(made):
+        return made, "cannot_tell", [_doubt(made[0])]
+    # what is too weak for a name is none beside a stronger one either
+    return [entry for entry in made if entry not in weak], verdict, [_doubt(entry) for entry in weak]
+
+
+def _evidence(entry: dict[str, Any], skills: dict[str, float | None], recording: Recording) -> dict[str, Any]:
+    """Evidence of an entry, with its skill on rows ahead and whether it begins too late for one."""
+    late = _is_late(entry, recording)
+    return {
+        **entry["evidence"],
+        "skill": None if late else _skill(entry, skills),
+        "late": late,
+        "at_first": _is_at_first(entry, recording),
+    }
+
+
+def _graded(entry: dict[str, Any], grounds: Grounds, evidence: dict[str, Any], kind: str) -> dict[str, Any]:
+    """An entry with its grade, and with probabilities where no `kind` of recording forbids them."""
+    whole = min(entry["probability"], 1.0) * probability_of(grounds)
+    alternatives = [
+        alternative
+        | {
+            "probability": None
+            if kind
+            else round(whole * alternative["probability"] / entry["probability"], 4)
+        }
+        for alternative in entry["members"]
+    ]
+    return entry | {
+        "members": alternatives,
+        "probability": None if kind else round(whole, 4),
+        "grade": grade_of(whole, grounds, evidence, kind),
+        "evidence": evidence,
+    }
+
+
+def _doubt(entry: dict[str, Any]) -> str:
+    """Why the strongest finding is no name, in a sentence that says which it is."""
+    name, reason = entry["members"][0]["name"].replace("_", " "), entry["grade"]["reason"]
+    # what was not checked is said once, beside the grade
+    reason = f"{reason.split('; how often')[0].rstrip('.')}."
+    return f"{name.capitalize()} is too uncertain to be named: {reason[:1].lower()}{reason[1:]}"
+
+
+def _skill(entry: dict[str, Any], skills: dict[str, float | None]) -> float | None:
+    """Largest skill among the channels that a finding changes; None where none is known."""
+    known = [skills.get(channel) for channel in entry["size"]]
+    return max((skill for skill in known if skill is not None), default=None)
+
+
+def _is_late(entry: dict[str, Any], recording: Recording) -> bool:
+    """Whether a finding begins behind the last origin of the forecasts, which cannot know of it."""
+    if entry["onset"] is None:
+        return False
+    return bool(entry["onset"] >= recording.time[int(ORIGINS[-2] * len(recording))] - recording.time[0])
+
+
+def _is_at_first(entry: dict[str, Any], recording: Recording) -> bool:
+    """Whether a finding acts in the first rows alone, where what was before the recording still shows."""
+    episodes = entry.get("spells") or []
+    return bool(episodes and episodes[-1][1] <= _AT_FIRST * (recording.time[-1] - recording.time[0]))

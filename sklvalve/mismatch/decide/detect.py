@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Is there any mismatch at all: one p-value for the whole search, by rank among healthy recordings.
+
+At thousands of rows any simulation is found to be a little wrong, and the best of fifty effects is the best
+of fifty. So no textbook law says how strong evidence gets by chance. Healthy recordings do: each went
+through the whole search, and the p-value is the share of them that looked as far from their simulation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.stats import chi2
+
+from sklvalve.mismatch.decide.null_reference import EFFECTS, RESIDUAL, Covariates, survival
+from sklvalve.mismatch.search.relevance import effect_strength
+from sklvalve.recording.dead_bands import flow_moved_by
+from sklvalve.simulation.calibration import drop_is_unknown
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.search.explain import Explanation
+    from sklvalve.mismatch.search.rivals import Finding
+
+# share of the level that the effects get; the rest is for the learnt rest, which seldom sees what they do not
+_FOR_EFFECTS = 0.75
+# no reference of some hundred recordings is that good
+_LEAST_P_VALUE = 1e-12
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """How far a recording lies from the healthy simulation.
+
+    Parameters
+    ----------
+    effects : float
+        The strongest that any effect makes of it, relative to what is usual for that effect among healthy
+        recordings; zero where none was tried.
+    rest : float or None
+        What the learnt rest makes of it; None where no rest could be learnt.
+    covariates : Covariates
+        What chance depends on.
+    effect_strengths : dict, default={}
+        Effect key -> standard deviations as `effect_strength` has them, of the effects tried beyond
+        their tolerance and of those found.
+    """
+
+    effects: float
+    rest: float | None
+    covariates: Covariates
+    effect_strengths: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
+
+
+def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, float]:
+    """Strength of each effect beyond tolerance, of those found and those tried at the first step, by key.
+
+    The deviations of an effect are the root of twice the log likelihood that it gains.
+    """
+    seen = [(key, *tried) for key, tried in explanation.tried.items()]
+    seen += [(f.term.effect.key, f.gain, f.sizes) for f in explanation.findings]
+    by_key: dict[str, float] = {}
+    for key, gain, sizes in seen:
+        by_key[key] = max(by_key.get(key, 0.0), _effect_strength(gain, sizes, problem))
+    return by_key
+
+
+def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -> float:
+    """Share of healthy recordings in which the strongest effect is as strong as this one, or stronger.
+
+    Each effect relative to what is usual for it.
+
+    Parameters
+    ----------
+    finding : Finding
+    problem : Problem
+    covariates : Covariates
+
+    Returns
+    -------
+    p_value : float
+    """
+    alone = {finding.term.effect.key: _effect_strength(finding.gain, finding.sizes, problem)}
+    return mismatch_p_value(Evidence(EFFECTS.relative(alone), None, covariates))
+
+
+def _effect_strength(gain: float, sizes: dict[str, float], problem: Problem) -> float:
+    return effect_strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(sizes, problem))
+
+
+def in_counts(sizes: dict[str, float], problem: Problem) -> float:
+    """Sizes of a change by channel as one: the largest, in multiples of what counts in its channel [1]."""
+    return max((size / problem.least(c) for c, size in sizes.items()), default=0.0)
+
+
+def covariates_of(problem: Problem, data: Sequence[dict[str, Any]] = ()) -> Covariates:
+    """What chance depends on, known before the search: its noise and how the valve moved.
+
+    Parameters
+    ----------
+    problem : Problem
+        With the noise that the calibrated simulation leaves.
+    data : list of dict, default=()
+        Findings of `screen_recording` of its recording.
+    """
+    recording = problem.recording
+    # without a flow nothing waits for its drop
+    no_drop = "flow" in problem.channels and drop_is_unknown(recording)
+    moved = next(recording[r] for r in ("opening", "command", "flow") if r in recording)
+    low, high = np.nanquantile(moved, [0.05, 0.95])
+    span = 1.0 if "opening" in recording or "command" in recording else np.nanmax(np.abs(moved))
+    noise = max(problem.noise[c].floor / (problem.least(c) * problem.spans[c]) for c in problem.channels)
+    return Covariates(
+        noise=float(np.log(noise)),
+        travel=float((high - low) / span),
+        no_opening=float("opening" not in recording),
+        no_drop=float(no_drop),
+        one_pressure=float(no_drop and ("p1" in recording or "p2" in recording)),
+        held_opening=_held(problem, data, ("opening",)),
+        held_flow=_held(problem, data, ("flow", "p1", "p2")),
+    )
+
+
+def _held(problem: Problem, data: Sequence[dict[str, Any]], roles: tuple[str, ...]) -> float:
+    """Logarithm of one plus the widest dead band of some signals, in multiples of what counts."""
+    bands = [_left_out(problem, each) for each in data if each["role"] in roles]
+    return float(np.log1p(max(bands, default=0.0)))
+
+
+def _left_out(problem: Problem, finding: dict[str, Any]) -> float:
+    """Dead band of a historian, in multiples of what counts in the channel that it changes most [1]."""
+    role, band, recording = finding["role"], finding.get("size"), problem.recording
+    # of lines and slower scans, which have no size, no healthy recording of the reference tells
+    if finding["finding"] != "compressed" or not band:
+        return 0.0
+    if role in problem.channels:
+        return band / (problem.spans[role] * problem.tolerated(role))
+    # where nothing tells the drop no flow is simulated from a pressure
+    moved = flow_moved_by(recording, band) if role in ("p1", "p2") and "flow" in problem.channels else 0.0
+    return moved / problem.tolerated("flow") if np.isfinite(moved) else 0.0
+
+
+def mismatch_p_value(evidence: Evidence) -> float:
+    """Share of healthy recordings that look as far from their simulation as this one, or further.
+
+    The strength of the effects and that of the learnt rest are each held against their own among healthy
+    recordings in the same covariates. Of two looks at one recording either may raise the alarm: three
+    quarters of the level go to the effects, a quarter to the rest (Sidak, with weights).
+
+    Parameters
+    ----------
+    evidence : Evidence
+
+    Returns
+    -------
+    p_value : float
+        Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger either
+        part, the smaller. Never below 1e-12.
+    """
+    if evidence.rest is None:
+        looks = [(EFFECTS, evidence.effects, 1.0)]
+    else:
+        looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (RESIDUAL, evidence.rest, 1.0 - _FOR_EFFECTS)]
+    # 1 - (1 - p)^(1 / weight), exact for a small p as well
+    p_values = [
+        -np.expm1(np.log1p(-min(survival(table, strongest, evidence.covariates), 1.0 - 1e-16)) / weight)
+        for table, strongest, weight in looks
+    ]
+    return float(np.clip(min(p_values), _LEAST_P_VALUE, 1.0))
+
+
+def p_value_of_what_counts(
+    findings: Sequence[Finding], tried: dict[str, tuple[float, dict[str, float]]], problem: Problem
+) -> float:
+    """Probability that chance lifts an effect that does not count as far above what counts.
+
+    The hypothesis is that no effect is larger than what counts in practice: the likelihood ratio of each
+    effect is taken from there on, in standard deviations of its size, and the least of the p-values is told.
+    It is asked beside `mismatch_p_value`, never instead: what was selected, and of how many, is in that one.
+
+    Parameters
+    ----------
+    findings : list of Finding
+    tried : dict
+        Effect key -> (gain of its best single fit, sizes), where nothing was found.
+    problem : Problem
+
+    Returns
+    -------
+    p_value : float
+        Never below 1e-12: no noise model is that good.
+    """
+    least = problem.least
+    seen = [(f.gain, f.sizes, len(f.term.effect.parameters)) for f in findings]
+    if not seen:
+        seen = [(gain, sizes, 2) for gain, sizes in tried.values()]
+    p_values = [1.0]
+    for gain, sizes, parameters in seen:
+        beyond = max(max(1.0 - least(c) / size, 0.0) if size > 0.0 else 0.0 for c, size in sizes.items())
+        p_values.append(float(chi2.sf(2.0 * max(gain, 0.0) * beyond**2, parameters + 1)))
+    return max(min(p_values), _LEAST_P_VALUE)

@@ -1,0 +1,384 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From the search to the judgement: what stands of the findings, and the model that goes with it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS, HELD_OUT_SHARE
+from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.detect import (
+    Evidence,
+    effect_strengths,
+    mismatch_p_value,
+    p_value_of_one,
+    p_value_of_what_counts,
+)
+from sklvalve.mismatch.decide.judgement import Judgement
+from sklvalve.mismatch.decide.null_reference import EFFECTS
+from sklvalve.mismatch.decide.reasons import not_upheld, too_much_left
+from sklvalve.mismatch.decide.verdict import verdict_of
+from sklvalve.mismatch.inference.calibrating import calibrated
+from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated, held_out_share
+from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
+from sklvalve.mismatch.residual.pulses import find_pulses
+from sklvalve.mismatch.residual.stem_residual import P_VALUE as STRAYS_BY_CHANCE
+from sklvalve.mismatch.residual.stem_residual import stem_residual
+from sklvalve.mismatch.residual.unknown import Unknown, look_for_residual
+from sklvalve.mismatch.search.events import P_VALUE, Events, beside_events, with_events
+from sklvalve.mismatch.search.rivals import class_of
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.decide.compare import Comparison
+    from sklvalve.mismatch.decide.null_reference import Covariates
+    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.search.explain import Explanation
+    from sklvalve.mismatch.search.rivals import Finding
+
+# a residual of so many times what counts needs no further proof
+_LARGE = 2.0
+# an effect that by itself gains this share of what the best one does tells where to look
+_COMES_NEAR = 0.25
+# no noise model is so good that less could be said
+_LEAST_P_VALUE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """What a judgement is made on.
+
+    Parameters
+    ----------
+    explanation : Explanation
+    covariates : Covariates
+        What chance depends on, as they were before the search.
+    comparison : Comparison
+        The table of the explanation.
+    alpha : float
+        Level of the test.
+    random_state : int
+    channels : tuple of str, default=None
+        Those in which something unknown is looked for; all unless given.
+    """
+
+    explanation: Explanation
+    covariates: Covariates
+    comparison: Comparison
+    alpha: float
+    random_state: int
+    channels: tuple[str, ...] | None = None
+    _residuals: dict = field(default_factory=dict)
+
+    @property
+    def problem(self) -> Problem:
+        """What it is made on, judged by the noise that the explanation leaves."""
+        return self.explanation.problem
+
+    def residual_of(self, model: Model) -> tuple[Unknown | None, float | None]:
+        """What a model leaves over that follows from something, and how strong that is among chance."""
+        if model not in self._residuals:
+            # of the least error itself: orthogonal to all that was fitted and is free to move
+            fitted = self.problem.least_squares(model)
+            unknown, strong = look_for_residual(
+                self.problem,
+                fitted,
+                alpha=self.alpha,
+                random_state=self.random_state,
+                channels=self.channels,
+            )
+            stands = unknown is not None and _stands(self.problem, fitted, unknown)
+            self._residuals[model] = unknown if stands else None, strong
+        return self._residuals[model]
+
+    def is_rare(self, finding: Finding, level: float | None = None) -> bool:
+        """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""
+        level = self.alpha if level is None else level
+        return p_value_of_one(finding, self.problem, self.covariates) <= level
+
+    def held_out_gain(self, finding: Finding) -> float:
+        """Gain of a finding on rows left out of its fit, in standard errors."""
+        return self.comparison.held_out_errors(1 + self.explanation.findings.index(finding))
+
+
+@dataclass(frozen=True)
+class _Weighed:
+    """Evidence for a mismatch: what is left, p-values, and whether it is enough."""
+
+    unknown: Unknown | None
+    evidence: Evidence
+    p_value: float
+    by_chance: float | None
+    enough: bool
+
+
+def judge(case: Case, events: Events | None = None) -> Judgement:
+    """Verdict, what stands of the findings, and the model and the learnt residual that go with it.
+
+    Slips of the stem that are evident, or its hunting, name what makes them where the search has not: then
+    its findings in the actuator, which they explain, go, and so does what it left unexplained of the opening.
+
+    Parameters
+    ----------
+    case : Case
+    events : Events, default=None
+        Those that are evident, where they may name what makes them.
+
+    Returns
+    -------
+    judgement : Judgement
+    """
+    problem, explanation = case.problem, case.explanation
+    searched = _judged(case, explanation.findings, explanation.model)
+    if events is None or _names_one_of(events.names, searched):
+        return searched
+    findings, model = beside_events(explanation.findings), explanation.model
+    if len(findings) < len(explanation.findings):
+        model = problem.fit(tuple(f.term for f in findings), start=model)
+    others = tuple(c for c in problem.channels if c != "opening")
+    beside = _judged(replace(case, channels=others, _residuals={}), findings, model)
+    finding, model = with_events(beside.model, events, problem, case.random_state)
+    return replace(
+        beside,
+        verdict="named",
+        p_value=P_VALUE if searched.p_value is None else min(searched.p_value, P_VALUE),
+        findings=[finding, *beside.findings],
+        model=model,
+        tried=beside.tried or cross_validated(problem, beside.model),
+        suspected=None,
+        rules=rules.without(beside.rules, rules.OF_A_FIT),
+    )
+
+
+def blocked(problem: Problem) -> Judgement:
+    """Judgement of a recording whose data must be mended first: the calibrated simulation and no more."""
+    problem, nominal = calibrated(problem)
+    return Judgement(problem, "cannot_tell", None, [], None, nominal, nominal)
+
+
+def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
+    """The judgement, rule after rule: evidence, rows left out, what is left, noise, nameless patterns."""
+    stand, model, share = _standing(case, findings, model)
+    judged = _against_noise(case, _named_or_not(case, stand, model, share))
+    judged = _by_least_error(case, judged)
+    if judged.verdict == "no_mismatch" and case.channels is None:
+        judged = _strays(case, judged)
+    if judged.verdict == "no_mismatch" and case.channels is None:
+        judged = _pulses(case, judged)
+    return _with_learnt(case, judged)
+
+
+def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model, float]:
+    """The strongest finding and those beside it that may be named, and the model with them.
+
+    One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
+    alarm and gains on rows left out helps to predict these; to be named beside a stronger one of the same
+    signals it must be as rare as alpha twice over. The share of the error that is left there is of all that
+    helps.
+    """
+    if not findings:
+        return [], model, 1.0
+    fit, first = case.problem.fit, findings[0]
+    able = [first, *[f for f in findings[1:] if case.held_out_gain(f) >= HELD_OUT_ERRORS and case.is_rare(f)]]
+    if len(able) < len(findings):
+        model = fit(tuple(f.term for f in able), start=model)
+    share = held_out_share(case.problem, case.explanation.nominal, model)
+    stand = [first]
+    for finding in able[1:]:
+        if _shows_alone(case.problem, finding, stand) or case.is_rare(finding, case.alpha**2):
+            stand.append(finding)
+    if len(stand) < len(able):
+        model = fit(tuple(f.term for f in stand), start=model)
+    return stand, model, share
+
+
+def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]) -> bool:
+    """Whether a finding shows in no signal in which a stronger one does."""
+    if problem.coupled:
+        return False
+    elsewhere = {c for f in stronger for c in problem.channels_touched(f.term.effect)}
+    return elsewhere.isdisjoint(problem.channels_touched(finding.term.effect))
+
+
+def _named_or_not(case: Case, findings: list[Finding], model: Model, share: float) -> Judgement:
+    """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
+    nominal = case.explanation.nominal
+    weighed = _weighed(case, findings, model)
+    unknown = weighed.unknown
+    if findings and not weighed.enough:
+        # effects too weak to be told from chance must not hide a residual that is not; what decides is what
+        # is told beside it
+        weighed = _weighed(case, [], nominal)
+        # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
+        if not (weighed.enough and any(map(case.is_rare, findings))):
+            findings, unknown = [], weighed.unknown
+    asked = [rules.rarity(weighed.p_value, case.alpha)]
+    if weighed.by_chance is not None:
+        asked.append(rules.relevance(weighed.by_chance, case.alpha))
+    why: list[str] = []
+    explained = 0.0
+    if findings:
+        gain = case.held_out_gain(findings[0])
+        asked += [rules.held_out(share), rules.repeats(gain)]
+        if unknown is not None:
+            # of all recordings together, as the unknown is
+            explained = case.problem.change_in_all(unknown.channel, model, nominal)
+        if share >= HELD_OUT_SHARE or gain < HELD_OUT_ERRORS:
+            # blocks that the fit had not seen speak against it: no name is better than a wrong one
+            why.append(not_upheld(findings))
+            findings = []
+    if unknown is not None and weighed.enough:
+        asked.append(rules.residual(unknown.size, explained if findings else 0.0))
+    verdict, findings = verdict_of(findings, unknown, weighed.enough, explained)
+    return Judgement(
+        case.problem,
+        verdict,
+        weighed.p_value,
+        findings,
+        unknown,
+        nominal,
+        model,
+        evidence=weighed.evidence,
+        suspects=_suspects(case.explanation),
+        why=tuple(why),
+        rules=tuple(asked),
+    )
+
+
+def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
+    """What is left beside findings, and the evidence for a mismatch with its p-values."""
+    unknown, strong = case.residual_of(model)
+    strengths = effect_strengths(case.explanation, case.problem)
+    evidence = Evidence(EFFECTS.relative(strengths), strong, case.covariates, strengths)
+    p_value = mismatch_p_value(evidence)
+    by_chance = None
+    # what was found is larger than what counts: where it is rare among healthy recordings that is enough
+    if unknown is None and not any(map(case.is_rare, findings)):
+        by_chance = p_value_of_what_counts(findings, case.explanation.tried, case.problem)
+    elif unknown is not None and unknown.period is not None:
+        # a cycle is told by a law of its own
+        p_value = min(p_value, unknown.p_value)
+    counts = by_chance is None or by_chance <= case.alpha
+    return _Weighed(unknown, evidence, p_value, by_chance, counts and p_value <= case.alpha)
+
+
+def _against_noise(case: Case, judged: Judgement) -> Judgement:
+    """A judgement held against noise that no model has a part in.
+
+    The noise model took for wander what an imitation leaves.
+    """
+    problem, explanation = case.problem, case.explanation
+    left, said = held_against_noise(problem, explanation, judged.model, judged.findings, case.alpha)
+    if left is not None:
+        judged = _with_what_is_left(case, judged, left, said)
+    elif said != FINE:
+        judged = replace(judged, rules=(*judged.rules, rules.noise(None, False)))
+    of_flow = any("flow" in problem.channels_touched(f.term.effect) for f in judged.findings)
+    closest: list[Finding] = []
+    if said == REFUTED or (said != FINE and of_flow):
+        closest = judged.findings
+        judged = replace(judged, findings=[])
+    if not judged.findings and judged.verdict != "no_mismatch":
+        unknown = case.residual_of(explanation.nominal)[0] or judged.unknown
+        verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
+        judged = replace(judged, verdict=verdict, unknown=unknown)
+    if said == REFUTED:
+        beyond = left_over(problem, explanation.nominal, explanation.nominal)
+        judged = replace(judged, left=beyond, closest=closest, closest_leaves=left)
+    return judged
+
+
+def _with_what_is_left(case: Case, judged: Judgement, left: LeftOver, said: str) -> Judgement:
+    """A judgement with the outcome of the rule on noise, and with its doubt where there is one."""
+    # an effect of the stem stands beside a flow that is not explained, unless that refutes it
+    flow = [f for f in judged.findings if "flow" in case.problem.channels_touched(f.term.effect)]
+    passed = said == FINE or (said != REFUTED and bool(judged.findings) and not flow)
+    judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, passed)))
+    if said == FINE:
+        return judged
+    judged = replace(judged, why=(*judged.why, too_much_left(left, judged.findings, case.problem)))
+    if judged.verdict != "no_mismatch":
+        return judged
+    p_value = max(min(judged.p_value or 1.0, left.p_value), _LEAST_P_VALUE)
+    return replace(judged, verdict="cannot_tell", p_value=p_value)
+
+
+def _by_least_error(case: Case, judged: Judgement) -> Judgement:
+    """A judgement with its simulations fitted for the least error itself."""
+    nameless = judged.verdict != "no_mismatch" and not judged.findings
+    if nameless and judged.unknown is None and case.explanation.model.terms:
+        # what was found and may not be named shows where it is all the same
+        judged = replace(judged, suspected=case.explanation.model)
+    nominal = case.problem.least_squares(judged.nominal)
+    model = nominal
+    if judged.findings:
+        model = _else_as(case.problem, case.problem.least_squares(judged.model), nominal)
+    return replace(judged, nominal=nominal, model=model)
+
+
+def _strays(case: Case, judged: Judgement) -> Judgement:
+    """A judgement with a stem that is further off than any sound one, where nothing else was found."""
+    if case.alpha < STRAYS_BY_CHANCE:
+        return judged
+    strays = stem_residual(case.problem, judged.nominal)
+    if strays is None or not strays.evident:
+        return judged
+    p_value = min(judged.p_value or 1.0, STRAYS_BY_CHANCE)
+    asked = (*judged.rules, rules.nameless(strays.reason))
+    return replace(judged, verdict="cannot_tell", p_value=p_value, unknown=None, strays=strays, rules=asked)
+
+
+def _pulses(case: Case, judged: Judgement) -> Judgement:
+    """A judgement with a flow that breaks out to one side, where nothing else was found."""
+    pulses = find_pulses(case.problem, judged.nominal, case.alpha)
+    if pulses is None:
+        return judged
+    p_value = min(judged.p_value or 1.0, pulses.p_value)
+    asked = (*judged.rules, rules.nameless(pulses.reason))
+    return replace(judged, verdict="none_of_these", p_value=p_value, unknown=None, pulses=pulses, rules=asked)
+
+
+def _with_learnt(case: Case, judged: Judgement) -> Judgement:
+    """A judgement with what is learnt of the unknown, where there is something."""
+    unknown = judged.unknown
+    if judged.verdict == "no_mismatch" or unknown is None:
+        return replace(judged, unknown=None)
+    tried = cross_validated(case.problem, judged.model, unknown)
+    kept, errors = correction_holds_out(case.problem, tried, unknown.channel)
+    return replace(judged, tried=tried, kept=kept, errors=errors)
+
+
+def _suspects(explanation: Explanation) -> tuple[str, ...]:
+    """Blocks of what was found, and of what comes near the best of what was tried; no name, but a place."""
+    blocks = {f.term.effect.block for f in explanation.findings}
+    gains = {key: gain for key, (gain, _) in explanation.tried.items()}
+    enough = _COMES_NEAR * max(gains.values(), default=0.0)
+    blocks |= {e.block for e in explanation.effects if gains.get(e.key, -1.0) >= enough}
+    return tuple(sorted(blocks))
+
+
+def _stands(problem: Problem, model: Model, unknown: Unknown) -> bool:
+    """Whether a residual is large, or, once learnt, predicts blocks that it was not learnt from.
+
+    What is hardly larger than what counts, and no help elsewhere, may be a slow chance of the noise.
+    """
+    if unknown.size >= _LARGE * problem.least(unknown.channel):
+        return True
+    tried = cross_validated(problem, model, unknown)
+    return correction_holds_out(problem, tried, unknown.channel)[0]
+
+
+def _else_as(problem: Problem, model: Model, nominal: Model) -> Model:
+    """A model whose channels that no effect touches are simulated as the nominal simulation does."""
+    touched = {c for m in model.terms for c in problem.channels_touched(m.effect)}
+    others = [c for c in problem.channels if c not in touched]
+    values = {p.name: nominal.values[p.name] for c in others for p in problem.calibration((c,))}
+    predictions = {c: nominal.predictions[c] for c in others}
+    return replace(model, values=model.values | values, predictions=model.predictions | predictions)
+
+
+def _names_one_of(names: set[str], judgement: Judgement) -> bool:
+    named = judgement.verdict == "named"
+    return named and any(names & set(class_of(f)) for f in judgement.findings)

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How strong the evidence against healthy recordings gets by chance, and how rare a stronger one is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sklvalve.mismatch.decide.null_table import TABLES
+
+
+@dataclass(frozen=True)
+class Covariates:
+    """What the strength of chance depends on, known before a search.
+
+    Parameters
+    ----------
+    noise : float
+        Logarithm of the noise of the noisier channel in multiples of what counts there.
+    travel : float
+        From the 5 % to the 95 % quantile of the opening; of the command, or of the flow as share of its span,
+        where no opening is recorded [1].
+    no_opening : float
+        1 where no opening is recorded, else 0.
+    no_drop : float
+        1 where nothing tells the pressure drop, else 0.
+    one_pressure : float
+        1 where nothing tells the drop but one of its two pressures is recorded, else 0.
+    held_opening, held_flow : float
+        Logarithm of one plus the dead band of a historian in that channel, where it is compared, in multiples
+        of what counts there; of the flow's and those of the pressures, by what they move it, the widest. 0
+        where every value was written.
+    """
+
+    noise: float
+    travel: float
+    no_opening: float
+    no_drop: float
+    one_pressure: float = 0.0
+    held_opening: float = 0.0
+    held_flow: float = 0.0
+
+    @property
+    def noise_without_opening(self) -> float:
+        """The noise where it is the flow's alone, else 0."""
+        return self.noise * self.no_opening
+
+    @property
+    def noise_without_drop(self) -> float:
+        """The noise where it is next to all the opening's, else 0."""
+        return self.noise * self.no_drop
+
+    @property
+    def noise_among(self) -> str:
+        """Name of the noise of those recordings in the reference that lack the same: how far theirs went."""
+        if self.no_opening:
+            return "noise_without_opening"
+        return "noise_without_drop" if self.no_drop else "noise"
+
+
+#: Covariates that are held within their range in the reference, besides the noise.
+EDGED = ("travel", "held_opening", "held_flow")
+
+
+@dataclass(frozen=True)
+class Table:
+    r"""Distribution of a strength among healthy recordings, relative to what is typical in the covariates.
+
+    The typical strength is the exponential of a linear function of the covariates, of which noise, travel
+    and dead bands are held within their range in the reference. Relative to it the chance of more falls as in
+    the reference up to a threshold, linearly between quantiles, and from there on as the generalised Pareto
+    law has it,
+
+    .. math:: P(v) = P_u \left(1 + \xi \frac{v - u}{\sigma}\right)^{-1/\xi}
+
+    to which the excesses over a high threshold tend (Pickands, Annals of Statistics 3, 1975). Its shape is
+    held at zero or above, so that no strength, however large, is impossible.
+
+    Parameters
+    ----------
+    recordings : int
+        Number of healthy recordings.
+    offset : float
+        Logarithm of the typical strength where all covariates are zero.
+    slopes : dict
+        Circumstance -> change of that logarithm.
+    ranges : dict
+        Circumstance -> (lowest, highest) in the reference, beyond which its edge is taken: of travel and dead
+        bands, and of the noise among recordings that lack neither opening nor drop, one, or the other.
+    quantiles : tuple of float
+        Of the relative strength, at equally spaced probabilities from 0 to that of the threshold.
+    above : float
+        Share of the reference above the threshold, the last quantile.
+    scale, shape : float
+        Of the tail.
+    usual : dict, default={}
+        Effect key -> how strong it gets by chance, relative to all effects together. Of two effects that look
+        as strong the one that seldom does among healthy recordings is the rarer evidence. What the table
+        does not know is taken for the most usual that it knows.
+    """
+
+    recordings: int
+    offset: float
+    slopes: dict[str, float]
+    ranges: dict[str, tuple[float, float]]
+    quantiles: tuple[float, ...]
+    above: float
+    scale: float
+    shape: float
+    usual: dict[str, float] = field(default_factory=dict)
+
+    def relative(self, effect_strengths: dict[str, float]) -> float:
+        """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
+        return relative_to(self.usual, effect_strengths)
+
+    def typical(self, covariates: Covariates) -> float:
+        """Typical strength of healthy recordings."""
+        noise = float(np.clip(covariates.noise, *self.ranges[covariates.noise_among]))
+        edged = {c: float(np.clip(getattr(covariates, c), *self.ranges[c])) for c in EDGED}
+        within = replace(covariates, noise=noise, **edged)
+        return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))
+
+
+def relative_to(usual: dict[str, float], effect_strengths: dict[str, float]) -> float:
+    """The largest of some strengths by effect, each over what is usual for it."""
+    most = max(usual.values(), default=1.0)
+    return max((strongest / usual.get(key, most) for key, strongest in effect_strengths.items()), default=0.0)
+
+
+EFFECTS, RESIDUAL = (Table(**TABLES[name]) for name in ("effects", "rest"))
+
+
+def survival(table: Table, effect_strength: float, covariates: Covariates) -> float:
+    """Share of healthy recordings whose strength is at least this.
+
+    Parameters
+    ----------
+    table : Table
+    effect_strength : float
+    covariates : Covariates
+
+    Returns
+    -------
+    share : float
+        Between 0, never reached, and 1; falls with the strength, without a step.
+    """
+    relative = effect_strength / table.typical(covariates)
+    threshold = table.quantiles[-1]
+    if relative <= threshold:
+        chances = np.linspace(1.0, table.above, len(table.quantiles))
+        # below the least of the reference nothing is known but that all are above zero
+        return float(np.interp(relative, (0.0, *table.quantiles[1:]), chances))
+    excess = (relative - threshold) / table.scale
+    if table.shape < 1e-6:
+        return float(table.above * np.exp(-excess))
+    return float(table.above * np.exp(-np.log1p(table.shape * excess) / table.shape))

@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The nominal simulation, calibrated, and the noise that it leaves."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sklvalve.mismatch.inference.first_guess import first_guess
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.problem import Problem
+
+
+def calibrated(problem: Problem) -> tuple[Problem, Model]:
+    """The simulation without any further effect, calibrated from several starts, and its noise.
+
+    Parameters
+    ----------
+    problem : Problem
+
+    Returns
+    -------
+    problem : Problem
+        It knows the noise, and the values of a sound actuator.
+    nominal : Model
+    """
+    guess, sound = first_guess(problem)
+    problem = problem.knowing_sound(sound)
+    hold = "actuator_" if guess.values and not problem.coupled else None
+    model = problem.fit((), start=guess, hold=hold)
+    for _ in range(2):
+        problem = problem.with_noise_of(model, cautious=True, anew=True)
+        other = _from_sound(problem, model)
+        model = problem.fit((), start=model)
+        if other is not None and other.log_likelihood > model.log_likelihood:
+            model = other
+    return problem, model
+
+
+def _from_sound(problem: Problem, model: Model) -> Model | None:
+    """The calibration begun anew from a sound actuator, which may lie in another valley."""
+    if not problem.sound_values:
+        return None
+    return problem.fit((), start=problem.sound(model))

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A fitted hypothesis and how its calibration would answer a change, to first order and within its bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sklvalve.mismatch.inference.hypothesis import FIRST_ONSET, LAST_ONSET, Model
+from sklvalve.simulation.fitting import Misfit
+from sklvalve.simulation.robust import least_within, normal_equations, robust_cost, robust_weights
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.problem import Problem
+
+
+class Linearised:
+    """A fitted hypothesis and, to first order, what its calibration can do about a change of some channels.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : Model
+    touched : sequence of str
+        Channels that change.
+
+    Attributes
+    ----------
+    channels : tuple of str
+        Those touched, and those that share parameters with them.
+    errors : ndarray of shape (n_errors,)
+        Whitened residuals of the channels, one after the other, then distances from the priors.
+    cost : float
+        Robust cost of the errors.
+    """
+
+    def __init__(self, problem: Problem, model: Model, touched: Sequence[str]) -> None:
+        misfits = problem.misfits(model, touched)
+        self.channels = tuple(c for m in misfits for c in m.channels)
+        self.clock, self.n = model.chain.clock, len(model.chain.clock)
+        self._names, parts = [], []
+        for misfit in misfits:
+            parts.append(_derivatives(misfit))
+            self._names += list(misfit.vector.names)
+        self._assemble(parts)
+        self.cost = robust_cost(self.errors)
+        self._weights = robust_weights(self.errors)
+        _, hessian = normal_equations(self._slopes, self._weights, self.errors)
+        self._inverse = np.linalg.pinv(hessian, rcond=1e-10, hermitian=True)
+        self._vectors = [m.vector for m in misfits]
+
+    def _assemble(self, parts: list[dict[str, Any]]) -> None:
+        """One system of all groups: they share no parameter, so their derivatives stand block by block."""
+        rows = [len(p["whitened"]) for p in parts]
+        width = [len(p["z"]) for p in parts]
+        priors = [p["slopes"].shape[1] - r for p, r in zip(parts, rows, strict=True)]
+        slopes = np.zeros((sum(width), sum(rows) + sum(priors)))
+        row, prior, column = 0, sum(rows), 0
+        self._raw = {}
+        for part, r, w, q in zip(parts, rows, width, priors, strict=True):
+            span = slice(column, column + w)
+            slopes[span, row : row + r] = part["slopes"][:, :r]
+            slopes[span, prior : prior + q] = part["slopes"][:, r:]
+            for channel, raw in part["raw"].items():
+                self._raw[channel] = (span, raw)
+            row, prior, column = row + r, prior + q, column + w
+        self._slopes = slopes
+        self._priors = np.concatenate([p["priors"] for p in parts])
+        self.errors = np.concatenate([*(p["whitened"] for p in parts), self._priors])
+        self._z = np.concatenate([p["z"] for p in parts])
+        self._low = np.concatenate([p["low"] for p in parts]) - self._z
+        self._high = np.concatenate([p["high"] for p in parts]) - self._z
+
+    def with_priors(self, whitened: np.ndarray) -> np.ndarray:
+        """Errors of a changed simulation whose calibration stands as it was."""
+        return np.concatenate([whitened, self._priors])
+
+    def refitted(self, rows: np.ndarray) -> dict[str, float]:
+        """Values of the calibration when only some rows count.
+
+        Parameters
+        ----------
+        rows : ndarray of bool, shape (n,)
+        """
+        counts = np.concatenate([np.tile(rows, len(self.channels)), np.ones(len(self._priors), dtype=bool)])
+        errors, slopes = (np.where(counts, each, 0.0) for each in (self.errors, self._slopes))
+        return self.values(least_within(slopes, errors, self._low, self._high)[1])
+
+    def answered(
+        self,
+        errors: np.ndarray,
+        columns: np.ndarray | None = None,
+        low: np.ndarray | None = None,
+        high: np.ndarray | None = None,
+    ) -> tuple[float, np.ndarray]:
+        """Least cost of changed errors when the calibration, and `columns` beside it, may answer in bounds.
+
+        Parameters
+        ----------
+        errors : ndarray of shape (n_errors,)
+        columns : ndarray of shape (n_errors, m), default=None
+            Derivatives with regard to something else that may move.
+        low, high : ndarray of shape (m,), default=None
+            How far that may move.
+
+        Returns
+        -------
+        cost : float
+        steps : ndarray of shape (n_parameters + m,)
+        """
+        if columns is None:
+            return least_within(self._slopes, errors, self._low, self._high)
+        lowest, highest = np.concatenate([self._low, low]), np.concatenate([self._high, high])
+        return least_within(np.vstack([self._slopes, columns.T]), errors, lowest, highest)
+
+    def gain_at_any_size(self, errors: np.ndarray) -> tuple[float, float]:
+        """What a change gains at the best share of it up to one and a half, and at the best whatsoever."""
+        change = (errors - self.errors)[:, None]
+        if not np.any(change):
+            return 0.0, 0.0
+        cost, steps = self.answered(errors, change, np.array([-np.inf]), np.array([np.inf]))
+        # it gains nothing at no size at least
+        promised = max(self.cost - cost, 0.0)
+        if -1.0 <= steps[-1] <= 0.5:
+            return promised, promised
+        cost, _ = self.answered(errors, change, np.array([-1.0]), np.array([0.5]))
+        return self.cost - cost, promised
+
+    def likeliest_onset(self, errors: np.ndarray) -> tuple[float, float]:
+        """From when on a change gains most at the best share of it, and what, to second order."""
+        rows = len(self.errors) - len(self._priors)
+        weights = self._weights[:rows]
+        change = (errors - self.errors)[:rows]
+        behind = lambda each: _sums_from_here(each.reshape(-1, self.n).sum(axis=0))  # noqa: E731
+        towards = -behind(weights * change * self.errors[:rows])
+        square = behind(weights * change * change)
+        shared = weights * change * self._slopes[:, :rows]
+        shared = _sums_from_here(shared.reshape(len(shared), -1, self.n).sum(axis=1).T)
+        left = square - np.einsum("ij,jk,ik->i", shared, self._inverse, shared, optimize=True)
+        left = np.maximum(left, 1e-3 * square + 1e-12)
+        share = np.clip(towards / left, 0.0, 1.5)
+        gains = share * towards - 0.5 * share**2 * left
+        first, last = int(FIRST_ONSET * self.n), int(LAST_ONSET * self.n)
+        k = first + int(np.argmax(gains[first:last]))
+        return float(gains[k]), float(self.clock[k])
+
+    def values(self, steps: np.ndarray) -> dict[str, float]:
+        """Values of the calibration after steps."""
+        moved, at = self._z + steps[: len(self._z)], 0
+        values: dict[str, float] = {}
+        for vector in self._vectors:
+            values |= vector.values(moved[at : at + len(vector)])
+            at += len(vector)
+        return values
+
+    def between(self, here: dict[str, float], there: dict[str, float], share: float) -> dict[str, float]:
+        """Values that lie a share of the way from some of the calibration to others."""
+        way: dict[str, float] = {}
+        for vector in self._vectors:
+            start = vector.pack(here)
+            way |= vector.values(start + share * (vector.pack(there) - start))
+        return way
+
+    def predictions(self, changed: dict[str, np.ndarray], steps: np.ndarray) -> dict[str, np.ndarray]:
+        """Changed predictions after steps of the calibration."""
+        return {c: changed[c] + steps[span] @ raw for c, (span, raw) in self._raw.items()}
+
+
+def _derivatives(misfit: Misfit) -> dict[str, Any]:
+    """Errors of one group at its calibration, and their derivatives, whitened and raw."""
+    vector = misfit.vector
+    z = vector.pack(misfit.fixed)
+    base = misfit.predictions(z)
+    whitened, priors = misfit.whitened(base), vector.prior_residuals(z)
+    moved, reach = misfit.neighbours(z)
+    slopes = np.empty((len(z), len(whitened) + len(priors)))
+    raw = {c: np.empty((len(z), len(base[c]))) for c in misfit.channels}
+    for j, (m, r) in enumerate(zip(moved, reach, strict=True)):
+        beside = misfit.predictions(m)
+        slopes[j, : len(whitened)] = (misfit.whitened(beside) - whitened) / r
+        slopes[j, len(whitened) :] = (vector.prior_residuals(m) - priors) / r
+        for c in misfit.channels:
+            raw[c][j] = (beside[c] - base[c]) / r
+    return {
+        "z": z,
+        "low": vector.low,
+        "high": vector.high,
+        "whitened": whitened,
+        "priors": priors,
+        "slopes": slopes,
+        "raw": raw,
+    }
+
+
+def _sums_from_here(each: np.ndarray) -> np.ndarray:
+    """Sum of every row and all behind it."""
+    return np.cumsum(each[::-1], axis=0)[::-1]

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The rival that knows no physics: an LS-SVM on the signals, or in a closed loop responses of one sign."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+
+from sklvalve.lssvm import LSSVMRegressor
+from sklvalve.lssvm.held_out import least_in_error
+from sklvalve.mismatch.loop.process import forecast_command
+from sklvalve.mismatch.proof.feedback import driver_of, filled
+from sklvalve.mismatch.proof.one_sign import one_sign_prediction
+from sklvalve.recording import Recording
+
+LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
+_MOST_ROWS = 1500
+# of fewer rows nothing is learnt but their mean
+_FEWEST = 40
+_TUNED_ON = 600
+# those first that mostly turn out best: the others are given up early, then
+_GAMMAS, _WEIGHTS = (0.01, 0.05, 0.2), (1000.0, 10.0)
+
+
+def black_box_prediction(
+    recording: Recording, channel: str, train: np.ndarray, *, closed: bool = False, at: slice | None = None
+) -> np.ndarray:
+    """Prediction of a channel by a black box that saw the `train` rows only.
+
+    Parameters
+    ----------
+    recording : Recording
+    channel : {"opening", "flow"}
+    train : ndarray of bool, shape (n,)
+    closed : bool, default=False
+        Whether a controller answers the channel by the driver. An LS-SVM on lagged commands would learn the
+        controller backwards there, so responses of one sign take its place (`one_sign_prediction`).
+    at : slice, default=None
+        Rows to predict; all unless given.
+
+    Returns
+    -------
+    predicted : ndarray of shape (n,), or of the rows asked for
+        [SI]
+    """
+    at = slice(None) if at is None else at
+    if closed:
+        return _of_one_sign(recording, channel, train)[at]
+    learnt = _learnt_from(recording, channel, train)
+    if learnt is None:
+        y = recording[channel]
+        return np.full(len(y), np.nanmean(y[train] if np.isfinite(y[train]).any() else y))[at]
+    rows, Z, y, size = learnt
+    gamma, C = _best(rows, Z, y)
+    many = rows[:: max(len(rows) // _MOST_ROWS, 1)]
+    return LSSVMRegressor(gamma=gamma, C=C).fit(Z[many], y[many]).predict(Z[at]) * size
+
+
+def _learnt_from(
+    recording: Recording, channel: str, train: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, float] | None:
+    """Rows to learn from, scaled inputs and values of all rows, and the values' unit; None where too few."""
+    X, y = lagged_signals(recording, channel), recording[channel]
+    rows = np.flatnonzero(train & np.isfinite(y))
+    # what stood still in the rows learnt from tells nothing there
+    X = X[:, X[rows].std(axis=0) > 0.0] if len(rows) else X[:, :0]
+    if len(rows) < _FEWEST or not X.shape[1]:
+        return None
+    size = y[rows].std() + 1e-30
+    return rows, (X - X[rows].mean(axis=0)) / (X[rows].std(axis=0) + 1e-12), y / size, size
+
+
+def _best(rows: np.ndarray, Z: np.ndarray, y: np.ndarray) -> tuple[float, float]:
+    """Width of the kernel and weight of the errors that predict quarters of the rows best."""
+    few = rows[:: max(len(rows) // _TUNED_ON, 1)]
+    return least_in_error(Z[few], y[few], gammas=_GAMMAS, Cs=_WEIGHTS, blocks=_quarters(len(few)))
+
+
+def lagged_signals(recording: Recording, channel: str) -> np.ndarray:
+    """Inputs of the LS-SVM: the driver with its lags, and pressures and temperature as they are."""
+    signal = filled(recording[driver_of(recording, channel)])
+    columns = [np.concatenate([np.full(k, signal[0]), signal[: len(signal) - k]]) for k in LAGS]
+    if channel == "flow":
+        extra = [r for r in ("p1", "p2", "temperature") if r in recording and r not in recording.constants]
+        columns += [filled(recording[r]) for r in extra]
+    return np.column_stack(columns)
+
+
+def _of_one_sign(recording: Recording, channel: str, train: np.ndarray) -> np.ndarray:
+    driver, value = filled(recording[driver_of(recording, channel)]), filled(recording[channel])
+    weight = None
+    if channel == "flow" and "p1" in recording and "p2" in recording:
+        drop = np.sqrt(np.maximum(filled(recording["p1"] - recording["p2"]), 0.0))
+        weight = drop / max(drop.mean(), 1e-12)
+    forecast = forecast_command(driver, value, recording.get("setpoint"))
+    return one_sign_prediction(driver, value, train, forecast=forecast, weight=weight)
+
+
+def _quarters(n: int) -> list[slice]:
+    return [slice(low, high) for low, high in pairwise(np.linspace(0, n, 5).astype(int))]

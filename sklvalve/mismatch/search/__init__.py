@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which effects a recording asks for: screened, dated, fitted, and held against their rivals."""

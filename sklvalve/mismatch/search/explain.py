@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which physics: effects taken up one by one, each fitted together with the calibration, and their rivals."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from sklvalve.mismatch.constants import DISTINGUISHABLE
+from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in, penalised_likelihood
+from sklvalve.mismatch.search.intermittent import intermittent
+from sklvalve.mismatch.search.onset import fit_with_onset
+from sklvalve.mismatch.search.onset_sample import to_the_sample
+from sklvalve.mismatch.search.relevance import SPREADS, beyond_tolerance, is_relevant, may_explain
+from sklvalve.mismatch.search.restart import much_is_left, restarted
+from sklvalve.mismatch.search.rivals import find_rivals, without_rival
+from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.search.screening import screened
+from sklvalve.simulation.given import ACTUATOR_STAGES
+from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.search.rivals import Finding
+
+    Report = Callable[[float], object]
+    Tried = dict[str, tuple[float, dict[str, float]]]
+
+# of the effects screened, so many are fitted with the whole calibration free
+_FITTED = 4
+# and so many of those settled under their own noise
+_TRIED = 3
+# a rival so many times as probable takes the place of an effect
+_CLEARLY = 30.0
+
+
+@dataclass(eq=False)
+class Explanation:
+    """Result of the search.
+
+    Attributes
+    ----------
+    problem : Problem
+        Judged by the final noise.
+    nominal : Model
+        The calibrated simulation without further effects, under the final noise.
+    model : Model
+        With the effects taken up.
+    findings : list of Finding
+    tried : dict
+        Effect key -> (gain of its best single fit, sizes), at the first step.
+    effects : tuple of Effect
+        The candidates.
+    """
+
+    problem: Problem
+    nominal: Model
+    model: Model
+    findings: list[Finding]
+    tried: Tried = field(default_factory=dict)
+    effects: tuple[Effect, ...] = ()
+
+
+def explain(
+    problem: Problem,
+    nominal: Model,
+    effects: Sequence[Effect],
+    *,
+    threshold: float,
+    most: int = 4,
+    report: Report | None = None,
+) -> Explanation:
+    """Search of the effects that the recording asks for.
+
+    Parameters
+    ----------
+    problem : Problem
+        With its noise learnt from `nominal`.
+    nominal : Model
+        The calibrated simulation.
+    effects : sequence of Effect
+        Candidates.
+    threshold : float
+        Log likelihood that an effect must add beyond its price.
+    most : int, default=4
+        Largest number of effects.
+    report : callable, default=None
+        Called with the share done.
+
+    Returns
+    -------
+    explanation : Explanation
+    """
+    search = _Search(effects, threshold, most, report)
+    problem, model = search.taken_up(problem, nominal)
+    for last in (False, False, True):
+        problem, model = _what_stands(problem, model, threshold)
+        findings = find_rivals(problem, model, effects, report, search.seen)
+        better = _better_in_place(problem, findings) or _simpler(problem, findings, search.seen, threshold)
+        if better is None or last:
+            break
+        by_its_noise, stood = _what_stands(*_settle(problem, better), threshold)
+        if len(stood.terms) < len(better.terms):
+            # by its own noise it explains too little to be anything at all
+            findings = [without_rival(problem, f, model, better) for f in findings]
+            break
+        problem = by_its_noise.with_noise_of(stood, cautious=True)
+        stood = problem.fit(stood.terms, start=stood)
+        problem, model = search.taken_up(problem, stood)
+    nominal = problem.fit((), start=nominal)
+    return Explanation(problem, nominal, model, findings, search.tried, tuple(effects))
+
+
+def _what_stands(problem: Problem, model: Model, threshold: float) -> tuple[Problem, Model]:
+    """What remains of a hypothesis that is judged by the noise it leaves."""
+    problem = problem.with_noise_of(model)
+    model = problem.fit(model.terms, start=model)
+    return problem, _drop_what_no_longer_counts(problem, model, threshold, last_too=True)
+
+
+class _Search:
+    """Effects taken up one after the other, and what was met on the way.
+
+    Parameters
+    ----------
+    effects, threshold, most, report
+        As `explain` takes them.
+
+    Attributes
+    ----------
+    tried : dict
+        Effect key -> what the effect would gain as the first one, and sizes.
+    seen : dict
+        Effect key -> the best fit met of the effect.
+    """
+
+    def __init__(self, effects: Sequence[Effect], threshold: float, most: int, report: Report | None) -> None:
+        self.effects, self.threshold = effects, threshold
+        self.most, self.report = most, report
+        self.tried: Tried = {}
+        self.seen: dict[str, Model] = {}
+
+    def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
+        """A hypothesis with one effect after the other taken up, as long as they matter."""
+        first = not self.tried and not model.terms
+        while len(model.terms) < self.most:
+            problem, settled = self._next_effect(problem, model, first=first and not model.terms)
+            if settled is None:
+                break
+            model = _drop_what_no_longer_counts(problem, settled, self.threshold)
+            problem = problem.with_noise_of(model, cautious=True)
+            model = problem.fit(model.terms, start=model)
+        return problem, model
+
+    def _next_effect(self, problem: Problem, model: Model, *, first: bool) -> tuple[Problem, Model | None]:
+        """A hypothesis with one effect more that matters; else None."""
+        done = len(model.terms) / (self.most + 1)
+        candidates = _step(problem, model, self.effects, self.report, done)
+        for m in candidates[:_FITTED]:
+            self.seen.setdefault(m.terms[-1].effect.key, m)
+        if first:
+            # what a data sheet leaves open is no mismatch, however clear it is
+            beyond = [m for m in candidates if beyond_tolerance(problem, m, m.terms[-1])]
+            for m in beyond:
+                gain = m.log_likelihood - model.log_likelihood
+                self.tried[m.terms[-1].effect.key] = gain, problem.change(m, model)
+        promising = [m for m in candidates if is_relevant(problem, m, model, self.threshold)]
+        problem, settled = self._first_that_counts(problem, model, promising)
+        if settled is None and much_is_left(problem, model):
+            elsewhere = restarted(problem, model, [e for e in self.effects if not is_in(e, model.terms)])
+            self.seen |= {m.terms[-1].effect.key: m for m in elsewhere}
+            problem, settled = self._first_that_counts(problem, model, elsewhere)
+        return problem, settled
+
+    def _first_that_counts(
+        self, problem: Problem, model: Model, candidates: Sequence[Model]
+    ) -> tuple[Problem, Model | None]:
+        """The first hypothesis with one effect more that matters under its own noise too; else None."""
+        for chosen in candidates[:_TRIED]:
+            by_its_noise, settled = _settle(problem, chosen)
+            without = by_its_noise.fit(settled.terms[:-1], start=model)
+            if is_relevant(by_its_noise, settled, without, self.threshold):
+                return by_its_noise, settled
+            # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
+            if not model.terms and may_explain(by_its_noise, settled, without):
+                gain = settled.log_likelihood - without.log_likelihood
+                self.tried[chosen.terms[-1].effect.key] = gain, problem.change(settled, without)
+            problem = problem.with_noise_of(model, cautious=True)
+        return problem, None
+
+
+def _better_in_place(problem: Problem, findings: Sequence[Finding]) -> Model | None:
+    """A hypothesis with a rival in the place of an effect, where the recording prefers it; else None."""
+    for finding in findings:
+        best = next(r for r in finding.rivals if r.term is finding.term)
+        for rival in finding.rivals:
+            # of two that cannot be told apart either may stand in front: no reason to fit all again
+            same = rival.term.effect.name == finding.term.effect.name
+            if same or rival.probability <= _CLEARLY * best.probability:
+                break
+            without = problem.fit(rival.model.terms[:-1], start=rival.model)
+            if may_explain(problem, rival.model, without):
+                return rival.model
+    return None
+
+
+def _simpler(
+    problem: Problem, findings: Sequence[Finding], seen: dict[str, Model], threshold: float
+) -> Model | None:
+    """A hypothesis with a rival in place of one effect that leaves no need for another one; else None.
+
+    What a poor choice among rivals gets wrong may pass for a second effect.
+    """
+    for finding in findings:
+        inside = [r for r in finding.rivals if r.distance < DISTINGUISHABLE]
+        for rival in inside if len(findings) > 1 else ():
+            for other in rival.model.terms:
+                if other is rival.term:
+                    continue
+                others = tuple(m for m in rival.model.terms if m is not other)
+                starts = [rival.model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
+                fits = [problem.fit(others, start=start) for start in starts]
+                without = max(fits, key=lambda m: m.log_likelihood)
+                full = problem.fit((*others, other), start=rival.model)
+                if not is_relevant(problem, full, without, threshold):
+                    return without
+    return None
+
+
+def _step(
+    problem: Problem, model: Model, effects: Sequence[Effect], report: Report | None, done: float
+) -> list[Model]:
+    """Hypotheses with one effect more, best first: all screened, the most promising fitted."""
+    usable = [e for e in effects if not is_in(e, model.terms)]
+    bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
+    also: list[tuple[Model, list[Effect]]] = []
+    if bent and not any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
+        # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
+        also = [(problem.sound(model), bent)]
+    shown = report and (lambda share: report(done + 0.1 * share))
+    rough = _best_of_each(problem, screened(problem, model, usable, also=also, report=shown))
+    onset = rough[0].terms[-1].onset if rough else None
+    refined: list[Model] = []
+    for m in parallel_map(lambda m: _refine(problem, model, m, onset), rough[:_FITTED]):
+        refined.append(m)
+        if report:
+            report(done + 0.1 + 0.1 * len(refined) / _FITTED)
+    return sorted(refined + rough[_FITTED:], key=lambda m: penalised_likelihood(problem, m), reverse=True)
+
+
+def _best_of_each(problem: Problem, tried: Iterable[Model]) -> list[Model]:
+    """Of every effect its best hypothesis, the best first."""
+    best: dict[str, Model] = {}
+    for m in sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True):
+        best.setdefault(m.terms[-1].effect.key, m)
+    return list(best.values())
+
+
+def _refine(problem: Problem, before: Model, model: Model, other_onset: float | None) -> Model:
+    """The last effect with the whole calibration free; one that begins, also from where the best one does."""
+    last = model.terms[-1]
+    if last.onset is None:
+        return intermittent(problem, problem.fit(model.terms, start=model))
+    without = Model(before.terms, before.chain, model.values, before.predictions, before.log_likelihood, {})
+    onsets = {last.onset, last.onset if other_onset is None else other_onset}
+    fits = [fit_with_onset(problem, without, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
+    best = to_the_sample(problem, max(fits, key=lambda m: m.log_likelihood))
+    return intermittent(problem, best)
+
+
+def _settle(problem: Problem, model: Model) -> tuple[Problem, Model]:
+    """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
+    problem, model = in_turn(problem, model)
+    last = model.terms[-1]
+    if last.onset is not None:
+        # begun where the hypothesis stands: without the effect the calibration may lie in another valley
+        without = replace(problem.fit(model.terms[:-1], start=model), values=model.values)
+        begun = fit_with_onset(problem, without, last.effect, onset=last.onset, max_steps=15)
+        model = max(model, begun, key=lambda m: m.log_likelihood)
+        problem, model = _throughout_if_likelier(problem, model)
+    return _intermittent_if_likelier(problem, model)
+
+
+def _intermittent_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Model]:
+    """The same effect in spells where that is likelier, each judged by its own noise."""
+    spelled = intermittent(problem, model)
+    if spelled is model:
+        return problem, model
+    by_its_noise, spelled = in_turn(problem, spelled)
+    if penalised_across_noises(by_its_noise, spelled) > penalised_across_noises(problem, model):
+        return by_its_noise, spelled
+    return problem, model
+
+
+def in_turn(problem: Problem, model: Model) -> tuple[Problem, Model]:
+    for _ in range(2):
+        problem = problem.with_noise_of(model)
+        model = problem.fit(model.terms, start=model)
+    return problem, model
+
+
+def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Model]:
+    """The same effect without its onset, where that is likelier when each is judged by its own noise.
+
+    Under the noise of a simulation that lacks the effect, an onset may hide rows in which the effect is
+    modelled poorly: what is left there is no stranger than the nominal's own errors. So an onset that gains
+    little beside the effect itself must gain in more than one or two events.
+    """
+    *others, last = model.terms
+    by_its_noise, throughout = in_turn(problem, problem.fit((*others, Term(last.effect)), start=model))
+    gained = penalised_across_noises(problem, model) - penalised_across_noises(by_its_noise, throughout)
+    if gained < 0.0:
+        return by_its_noise, throughout
+    bare = problem.fit(others, start=model)
+    little = gained < SHARE_MISTAKEN * (model.log_likelihood - bare.log_likelihood)
+    if little and gain_in_spreads(problem, model, throughout) < SPREADS:
+        return by_its_noise, throughout
+    return problem, model
+
+
+def penalised_across_noises(problem: Problem, model: Model) -> float:
+    """As `penalised_likelihood`, but comparable between noises: wide noise costs what it makes likelier."""
+    return penalised_likelihood(problem, model) - sum(problem.noise[c].log_spread for c in problem.channels)
+
+
+def _drop_what_no_longer_counts(
+    problem: Problem, model: Model, threshold: float, *, last_too: bool = False
+) -> Model:
+    for term in model.terms if last_too else model.terms[:-1]:
+        without = problem.fit(tuple(m for m in model.terms if m is not term), start=model)
+        again = problem.fit((*without.terms, term), start=model)
+        if not (is_relevant(problem, again, without, threshold) and beyond_tolerance(problem, model, term)):
+            model = without
+    return model

@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""From when on an effect acts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.inference.hypothesis import FIRST_ONSET, LAST_ONSET, Model, Term
+from sklvalve.mismatch.search.growing import fit_growing
+from sklvalve.simulation.robust import ROBUST_FROM
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.noise import NoiseModel
+    from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
+    from sklvalve.mismatch.inference.problem import Problem
+
+
+def row_losses(problem: Problem, model: Model, channels: Iterable[str]) -> np.ndarray:
+    """What each row costs a model: robust loss of its whitened residuals in some channels together."""
+    total, left = np.zeros(len(problem.recording)), problem.residuals(model)
+    for channel in channels:
+        total += losses_of(problem.noise[channel], left[channel])
+    return total
+
+
+def losses_of(noise: NoiseModel | NoiseOfPieces, residual: np.ndarray) -> np.ndarray:
+    """Robust loss of each row of one channel's residual, whitened."""
+    scaled = (noise.whiten(residual) / ROBUST_FROM) ** 2
+    return ROBUST_FROM**2 * (np.sqrt(1.0 + scaled) - 1.0)
+
+
+def best_onset(problem: Problem, without: Model, acting: Model) -> float:
+    """Time at which to pass from a model without an effect to one with it, at the least cost.
+
+    Parameters
+    ----------
+    problem : Problem
+    without, acting : Model
+        The effect is the last member of `acting`.
+
+    Returns
+    -------
+    onset : float
+        Absolute time [s].
+    """
+    # a channel that the effect leaves alone says nothing of when it began, only how often it was fitted
+    touched = problem.channels_touched(acting.terms[-1].effect)
+    before, after = (row_losses(problem, m, touched) for m in (without, acting))
+    cost = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
+    cost -= np.concatenate([[0.0], np.cumsum(after)])
+    n = len(before)
+    first, last = int(FIRST_ONSET * n), int(LAST_ONSET * n)
+    return float(acting.chain.clock[first + int(np.argmin(cost[first:last]))])
+
+
+def fit_with_onset(
+    problem: Problem,
+    model: Model,
+    effect: Effect,
+    *,
+    hold: str | None = None,
+    attempt: int = 0,
+    onset: float | None = None,
+    max_steps: int = 5,
+) -> Model:
+    """Fit of an effect that begins within the recording.
+
+    Begins with the effect switched on after a half of the record, moves the onset to where the losses of the
+    models without it and with it throughout change sides, and fits again as long as that is likelier.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : Model
+        The hypothesis so far.
+    effect : Effect
+    hold, attempt, max_steps
+        As in `Problem.fit`.
+    onset : float, default=None
+        Where to begin the search [s, absolute]; the middle of the record unless given.
+
+    Returns
+    -------
+    fitted : Model
+    """
+    clock = problem.plain.clock
+    onset = float(clock[len(clock) // 2]) if onset is None else onset
+    options: dict[str, Any] = {"hold": hold, "attempt": attempt, "max_steps": max_steps}
+    if effect.grows:
+        return fit_growing(problem, model, effect, onset=onset, **options)
+    fitted = problem.fit((*model.terms, Term(effect, onset)), start=model, **options)
+    for _ in range(4):
+        throughout = problem.simulate((*model.terms, Term(effect)), fitted.values)
+        moved = best_onset(problem, model, throughout)
+        if abs(moved - onset) < 1.5 * problem.recording.sample_time:
+            break
+        again = problem.fit((*model.terms, Term(effect, moved)), start=fitted, **options)
+        # what the losses of two fits suggest need not be better when it is fitted itself
+        if again.log_likelihood <= fitted.log_likelihood:
+            break
+        onset, fitted = moved, again
+    return fitted

@@ -1,0 +1,247 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What else could stand in the place of an effect that was found, and how far from it that is."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.inference.hypothesis import Model, Term, begun, is_in, penalised_likelihood
+from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class
+from sklvalve.mismatch.search.onset_sample import to_the_sample
+from sklvalve.mismatch.search.relevance import may_be_instead
+from sklvalve.mismatch.search.screening import screened
+from sklvalve.simulation.given import ACTUATOR_STAGES
+from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.problem import Problem
+
+# of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
+_FITTED = 4
+_WITHIN_REACH = 100.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """An explanation in the place of a finding.
+
+    Attributes
+    ----------
+    term : Term
+    model : Model
+        The hypothesis with it in place.
+    probability : float
+    distance : float
+        Profile-likelihood distance D from the best.
+    """
+
+    term: Term
+    model: Model
+    probability: float
+    distance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Finding:
+    """One thing found: an effect, and those the recording cannot tell from it.
+
+    Attributes
+    ----------
+    term : Term
+        The most likely explanation.
+    rivals : list of Rival
+        Explanations in its place, its own among them, the most probable first.
+    gain : float
+        Log likelihood that the explanation adds to the rest of the hypothesis.
+    sizes : dict
+        Channel -> change that it makes, share of span [1].
+    """
+
+    term: Term
+    rivals: list[Rival]
+    gain: float
+    sizes: dict[str, float]
+
+
+def find_rivals(
+    problem: Problem,
+    model: Model,
+    effects: Sequence[Effect],
+    report: Callable[[float], object] | None,
+    seen: dict[str, Model] | None = None,
+    of: Sequence[Term] | None = None,
+) -> list[Finding]:
+    """For each effect found, what else could stand in its place.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : Model
+    effects : sequence of Effect
+    report : callable or None
+    seen : dict, default=None
+        Effect key -> the best hypothesis with it that the search met: where else to begin.
+    of : sequence of Term, default=None
+        Those of the hypothesis that are asked; all unless given.
+
+    Returns
+    -------
+    findings : list of Finding
+        The strongest first.
+    """
+    findings = []
+    for i, term in enumerate(model.terms if of is None else of):
+        other_terms = tuple(m for m in model.terms if m is not term)
+        without = problem.fit(other_terms, start=model)
+        others = [e for e in effects if e.key != term.effect.key and not is_in(e, other_terms)]
+        others = [e for e in others if _touch_the_same(problem, e, term.effect)]
+        places = [(term, model)]
+        instead = _others_in_place(problem, model, other_terms, without, others, term, seen or {})
+        places += [(place, fitted) for place, fitted in instead if may_be_instead(problem, fitted, without)]
+        gain = model.log_likelihood - without.log_likelihood
+        rivals = weighed(problem, places, without)
+        findings.append(Finding(term, rivals, gain, problem.change(model, without)))
+        if report:
+            report(0.8 + 0.2 * (i + 1) / len(model.terms))
+    return sorted(findings, key=lambda f: f.gain, reverse=True)
+
+
+def without_rival(problem: Problem, finding: Finding, model: Model, rejected: Model) -> Finding:
+    """A finding without one of its rivals, the others weighed anew.
+
+    Parameters
+    ----------
+    problem : Problem
+    finding : Finding
+    model : Model
+        The hypothesis that stands.
+    rejected : Model
+        That of the rival.
+    """
+    left = [(r.term, r.model) for r in finding.rivals if r.model is not rejected]
+    if len(left) == len(finding.rivals):
+        return finding
+    other_terms = tuple(m for m in model.terms if m is not finding.term)
+    return replace(finding, rivals=weighed(problem, left, problem.fit(other_terms, start=model)))
+
+
+def _others_in_place(
+    problem: Problem,
+    model: Model,
+    other_terms: tuple[Term, ...],
+    without: Model,
+    others: Sequence[Effect],
+    term: Term,
+    seen: dict[str, Model],
+) -> list[tuple[Term, Model]]:
+    """Other effects in the place of one, each from the best of two calibrations, as (Term, Model)."""
+    # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
+    bare = problem.judged(problem.simulate(other_terms, model.values))
+    best: dict[str, Model] = {}
+    for base in (bare, without):
+        # no race: a class is to hold all that cannot be told apart, not the best four alone
+        rough = screened(problem, base, others, onset=term.times, always=others)
+        promising = [
+            k < _FITTED
+            or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
+            or _alike(m.terms[-1].effect, term.effect)
+            for k, m in enumerate(rough)
+        ]
+        near = [m for m, fit in zip(rough, promising, strict=True) if fit]
+        far = [m for m, fit in zip(rough, promising, strict=True) if not fit]
+        _keep_the_best(best, (*parallel_map(lambda m: _fitted(problem, m), near), *far))
+    met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, term.effect)]
+    there = [_where_it_was_met(problem, model, other_terms, begun(e, term.times), seen) for e in met]
+    there += _elsewhere(problem, model, other_terms, term, others)
+    _keep_the_best(best, parallel_map(lambda m: _fitted(problem, m), there))
+    return [(fitted.terms[-1], fitted) for fitted in best.values()]
+
+
+def _alike(effect: Effect, other: Effect) -> bool:
+    return bool(effect.alike) and effect.alike == other.alike
+
+
+def _may_lie_elsewhere(effect: Effect, other: Effect) -> bool:
+    """Whether one effect in place of another may ask for a calibration far from the other's."""
+    return _alike(effect, other) or {effect.stage, other.stage} <= set(ACTUATOR_STAGES)
+
+
+def _fitted(problem: Problem, begin: Model) -> Model:
+    return to_the_sample(problem, problem.fit(begin.terms, start=begin))
+
+
+def _keep_the_best(best: dict[str, Model], models: Iterable[Model]) -> None:
+    for m in models:
+        before = best.get(m.terms[-1].effect.key)
+        if before is None or m.log_likelihood > before.log_likelihood:
+            best[m.terms[-1].effect.key] = m
+
+
+def _where_it_was_met(
+    problem: Problem, model: Model, other_terms: tuple[Term, ...], term: Term, seen: dict[str, Model]
+) -> Model:
+    """A rival to be fitted from where the search met it."""
+    prefixes = (f"{term.effect.key}.", "actuator_")
+    met = {name: value for name, value in seen[term.effect.key].values.items() if name.startswith(prefixes)}
+    return problem.simulate((*other_terms, term), model.values | met)
+
+
+def _elsewhere(
+    problem: Problem, model: Model, other_terms: tuple[Term, ...], term: Term, others: Sequence[Effect]
+) -> list[Model]:
+    """Rivals in the actuator to be fitted from the calibrations that they ask for themselves."""
+    if term.effect.stage not in ACTUATOR_STAGES:
+        return []
+    begun_anew = []
+    for effect in (e for e in others if e.begins_with):
+        largest = {f"{effect.key}.{q.name}": q.starts[-1] for q in effect.quantities(model.chain)}
+        values = model.values | dict(effect.begins_with) | largest
+        begun_anew.append(problem.simulate((*other_terms, begun(effect, term.times)), values))
+    return begun_anew
+
+
+def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Model) -> list[Rival]:
+    """Explanations in one place, with distances from the best and probabilities, the most probable first.
+
+    Parameters
+    ----------
+    problem : Problem
+    places : list of (Term, Model)
+    without : Model
+        The hypothesis without any of them.
+    """
+    likelihoods = [fitted.log_likelihood for _, fitted in places]
+    best = max(likelihoods)
+    gain = best - without.log_likelihood
+    probabilities = posterior(np.array([penalised_likelihood(problem, fitted) for _, fitted in places]), gain)
+    rivals = [
+        Rival(term, fitted, float(probability), distance(best, likelihood, gain))
+        for (term, fitted), probability, likelihood in zip(places, probabilities, likelihoods, strict=True)
+    ]
+    return sorted(rivals, key=lambda r: r.probability, reverse=True)
+
+
+def _touch_the_same(problem: Problem, effect: Effect, other: Effect) -> bool:
+    return bool(set(problem.channels_touched(effect)) & set(problem.channels_touched(other)))
+
+
+def class_of(finding: Finding) -> dict[str, tuple[float, Term, Model]]:
+    """Members of the smallest class that most likely holds the truth: name -> (probability, Term, Model).
+
+    Forms of one effect are one name, with the most probable form's member and model.
+    """
+    likeliest: dict[str, Rival] = {}
+    for rival in sorted(finding.rivals, key=lambda r: -r.probability):
+        likeliest.setdefault(rival.term.effect.name, rival)
+    total = dict.fromkeys(likeliest, 0.0)
+    for rival in finding.rivals:
+        total[rival.term.effect.name] += rival.probability
+    return {
+        name: (probability, likeliest[name].term, likeliest[name].model)
+        for name, probability in smallest_class(total).items()
+    }

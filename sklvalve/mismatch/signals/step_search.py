@@ -1,0 +1,207 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a step at any row explains of a residual, beside columns that are there throughout; compiled."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numba as nb
+import numpy as np
+from scipy.linalg import qr
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.noise import NoiseModel
+    from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
+
+# deviations from which on a row counts less
+_ROBUST = 3.0
+# log likelihood that a response besides a level must gain
+_FOR_A_RESPONSE = 6.0
+# share of the rows that a posterior of change times holds to either side of its interval
+_TAIL = 0.025
+# of what a step is, so much must be left beside the columns, or rounding is all that is compared
+_LEFT = 1e-10
+# of its length, so much of a column must be no sum of the others, or it counts as one
+_INDEPENDENT = 1e-9
+
+
+class StepSearch:
+    """Generalised least squares of a residual on its steady columns, and one step more at any row.
+
+    Parameters
+    ----------
+    noise : NoiseModel or NoiseOfPieces
+    left : ndarray of shape (n,)
+        What a simulation leaves over [SI].
+    steady : ndarray of shape (n, m)
+        What may be wrong throughout.
+    about : ndarray of shape (n,)
+        The simulated signal, centred and scaled: how far the residual follows it may change as well. Rows
+        at which it is not finite say nothing of that.
+    """
+
+    def __init__(
+        self, noise: NoiseModel | NoiseOfPieces, left: np.ndarray, steady: np.ndarray, about: np.ndarray
+    ) -> None:
+        self.noise, self.left, self.steady = noise, left, steady
+        self.about = np.where(np.isfinite(about), about, 0.0)
+        self.response = 0.0
+        white = noise.whiten(left)
+        columns = np.stack([noise.whiten(c) for c in steady.T], axis=1)
+        self.weights = np.ones(len(left))
+        for _ in range(2):
+            self._project(white, columns)
+            off = np.abs(self.white) / np.sqrt(self.weights)
+            self.weights = 1.0 / np.sqrt(1.0 + (off / _ROBUST) ** 2)
+        self._raw = white, columns
+        self._project(white, columns)
+
+    def _project(self, white: np.ndarray, columns: np.ndarray) -> None:
+        root = np.sqrt(self.weights)
+        self.basis = _orthonormal(columns * root[:, None])
+        self.white = self._beside(white)
+
+    def _beside(self, white: np.ndarray) -> np.ndarray:
+        weighed = white * np.sqrt(self.weights)
+        return weighed - self.basis @ (self.basis.T @ weighed)
+
+    def gains(self, rows: np.ndarray, white: np.ndarray | None = None) -> np.ndarray:
+        """Twice the log likelihood that a step of the level gains at each row, and one of the response too.
+
+        Parameters
+        ----------
+        rows : ndarray of int, shape (k,)
+        white : ndarray of shape (n,), default=None
+            Whitened residual beside the columns; that of the search unless given.
+
+        Returns
+        -------
+        gains : ndarray of shape (k, 2)
+        """
+        white = self.white if white is None else white
+        rows, root = np.asarray(rows, dtype=np.int64), np.sqrt(self.weights)
+        m = self.basis.shape[1]
+        sums: Any = 0.0
+        for low, high, gain, keep, spread in self.noise.pieces:
+            part = slice(low, high)
+            sums = sums + _step_sums(
+                rows, low, gain, keep, spread, root[part], self.about[part], white[part], self.basis[part]
+            )
+        level, both, follows, seen, seen_too = sums[:, :5].T
+        of_level, of_follows = sums[:, 5 : 5 + m], sums[:, 5 + m :]
+        size = level - np.sum(of_level**2, axis=1)
+        both -= np.sum(of_level * of_follows, axis=1)
+        of_response = follows - np.sum(of_follows**2, axis=1)
+        some = size > np.maximum(1e-9, _LEFT * level)
+        share = np.divide(both, size, out=np.zeros(len(rows)), where=some)
+        of_response -= share * both
+        seen_too -= share * seen
+        first = np.divide(seen**2, size, out=np.zeros(len(rows)), where=some)
+        # at a join the level is free already, and the response may still change
+        also = of_response > np.maximum(1e-6, _LEFT * follows)
+        second = np.divide(seen_too**2, of_response, out=np.zeros(len(rows)), where=also)
+        return np.stack([first, first + second], axis=1)
+
+    def best(self, places: np.ndarray) -> tuple[int, float, bool]:
+        """The likeliest row, twice its log likelihood, and whether the response changes as well."""
+        top = int(np.argmax(_net_gains(self.gains(places))))
+        low, high = places[max(top - 1, 0)], places[min(top + 1, len(places) - 1)]
+        near = np.unique(np.linspace(low, high, min(high - low + 1, 160)).astype(int))
+        scores = self.gains(near)
+        top = int(np.argmax(_net_gains(scores)))
+        both = scores[top, 1] - 2.0 * _FOR_A_RESPONSE > scores[top, 0]
+        return int(near[top]), float(scores[top, int(both)]), bool(both)
+
+    def split(self, row: int, response_too: bool) -> tuple[np.ndarray, np.ndarray]:
+        """What the change makes of the signal, and what is left over without it and the steady columns."""
+        white, columns = self._raw
+        root = np.sqrt(self.weights)[:, None]
+        after = (np.arange(len(self.left)) >= row).astype(float)
+        steps = [after, after * self.about] if response_too else [after]
+        every = np.column_stack([columns, *(self.noise.whiten(s) for s in steps)])
+        sizes = np.linalg.lstsq(every * root, white * root[:, 0], rcond=1e-10)[0]
+        many = columns.shape[1]
+        made = sum(size * s for size, s in zip(sizes[many:], steps, strict=True))
+        self.response = float(sizes[-1]) if response_too else 0.0
+        self.white_left = self._beside(self.noise.whiten(self.left - made))
+        return made, self.left - self.steady @ sizes[:many] - made
+
+    def inflation(self, places: np.ndarray) -> float:
+        """How many times chance the steps at other times gain when the best is gone, at least once."""
+        gained = self.gains(places[:: max(len(places) // 80, 1)], self.white_left)[:, 0]
+        return max(1.0, float(np.mean(gained)))
+
+    def interval(self, row: int, response_too: bool, spread: float) -> tuple[int, int]:
+        """Rows between which the change lies with 95 %, of a posterior over rows around the likeliest."""
+        n, reach = len(self.left), 8
+        while True:
+            near = np.unique(np.linspace(max(row - reach, 1), min(row + reach, n - 5), 121).astype(int))
+            near = np.unique(np.append(near, row))
+            gains = self.gains(near)[:, int(response_too)]
+            weights = np.exp(0.5 * (gains - gains.max()) / spread) * np.gradient(near.astype(float))
+            mass = np.cumsum(weights) / weights.sum()
+            ends = np.interp([_TAIL, 1.0 - _TAIL], mass, near)
+            inside = (near[0] + 2 < ends[0] or near[0] <= 1) and (ends[1] < near[-1] - 2 or near[-1] >= n - 5)
+            if inside or reach > n:
+                return int(np.floor(min(ends[0], row))), int(np.ceil(max(ends[1], row)))
+            reach *= 4
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    """Orthonormal columns with the same span; what sums of others leave is rounding, and no direction."""
+    length = np.linalg.norm(columns, axis=0)
+    made, left, _ = qr(columns[:, length > 0.0] / length[length > 0.0], mode="economic", pivoting=True)
+    lengths = np.abs(np.diag(left))
+    return np.ascontiguousarray(made[:, : np.count_nonzero(lengths > _INDEPENDENT)])
+
+
+def _net_gains(scores: np.ndarray) -> np.ndarray:
+    return np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _FOR_A_RESPONSE)
+
+
+@nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
+def _step_sums(
+    rows: np.ndarray,
+    begin: int,
+    gain: np.ndarray,
+    keep: np.ndarray,
+    spread: np.ndarray,
+    root: np.ndarray,
+    about: np.ndarray,
+    white: np.ndarray,
+    basis: np.ndarray,
+) -> np.ndarray:
+    """Of each row's step, whitened from that row on: its squares, and its products with all else.
+
+    Columns: level², level follows, follows², level white, follows white, level basis (m), follows basis (m).
+    """
+    n, m = basis.shape
+    sums = np.zeros((len(rows), 5 + 2 * m))
+    for j in range(len(rows)):
+        f = s = g = u = 0.0
+        here = sums[j]
+        for k in range(max(rows[j] - begin, 0), n):
+            a, b = keep[k, 0], keep[k, 1]
+            f *= a
+            s *= b
+            g *= a
+            u *= b
+            if spread[k] == np.inf:
+                continue
+            left, too = 1.0 - f - s, about[k] - g - u
+            f += gain[k, 0] * left
+            s += gain[k, 1] * left
+            g += gain[k, 0] * too
+            u += gain[k, 1] * too
+            weight = root[k] / spread[k]
+            left *= weight
+            too *= weight
+            here[0] += left * left
+            here[1] += left * too
+            here[2] += too * too
+            here[3] += left * white[k]
+            here[4] += too * white[k]
+            for i in range(m):
+                here[5 + i] += left * basis[k, i]
+                here[5 + m + i] += too * basis[k, i]
+    return sums

@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Grades: what makes a finding strong, moderate or weak, with and without a frequency that was checked."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sklvalve.mismatch.constants import NAMED_FROM
+from sklvalve.mismatch.decide.assessing import assessed
+from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
+from sklvalve.mismatch.decide.grade import grade_of
+from sklvalve.mismatch.decide.probability import Grounds, probability_of
+
+CLEAR = Grounds("dead_time", 1e-6)
+PLAIN = {"skill": 0.9, "vanishes": [], "at_bound": []}
+
+
+def _grade(probability=0.95, grounds=CLEAR, unchecked="", **evidence):
+    return grade_of(probability, grounds, PLAIN | evidence, unchecked)
+
+
+def test_by_its_probability():
+    levels = [_grade(p)["level"] for p in (0.95, 0.7, NAMED_FROM - 0.01)]
+    assert levels == ["strong", "moderate", "weak"]
+
+
+def test_reasons_are_one_plain_sentence():
+    assert _grade()["reason"] == (
+        "A difference this large is rare among healthy valves, and the correction explains 90 % of it on "
+        "forecast rows."
+    )
+    friction = _grade(0.7, Grounds("friction", 1e-4))["reason"]
+    assert friction.startswith("In blind tests ")
+    assert "diagnoses that named this effect first were right" in friction
+    coarse = _grade(0.7, Grounds("dead_time", 1e-4, coarse=True))
+    assert coarse["reason"] == "The recorded values are compressed or coarsely quantised."
+    few = _grade(0.7, Grounds("dead_time", 1e-4, few_signals=True))
+    assert few["reason"] == "The opening or a pressure is not recorded."
+
+
+def test_an_interval_that_holds_zero_names_nothing():
+    grounds = Grounds("flow_meter_bias", 1e-6, may_vanish=True)
+    grade = _grade(0.95, grounds, vanishes=["bias"])
+    assert grade["level"] == "weak"
+    assert grade["reason"] == "The interval of its bias includes the value of no effect."
+
+
+def test_what_acts_in_the_first_rows_alone_is_no_name():
+    grade = _grade(0.99, at_first=True)
+    assert grade["level"] == "weak"
+    assert "what happened before the recording" in grade["reason"]
+
+
+def test_without_a_frequency_only_what_explains_most_is_strong():
+    assert _grade(unchecked="gas", skill=0.9)["level"] == "strong"
+    assert _grade(unchecked="gas", skill=0.5)["level"] == "moderate"
+    assert _grade(unchecked="gas", skill=None)["level"] == "moderate"
+    assert _grade(unchecked="gas", skill=-0.1)["level"] == "weak"
+    # forecasts cannot know of what begins behind their last origin
+    assert _grade(unchecked="gas", skill=None, late=True)["level"] == "strong"
+    assert _grade(unchecked="gas")["reason"].endswith(
+        "; how often such a diagnosis is right was not checked for gas."
+    )
+
+
+# ---- kinds of recordings
+
+
+def _bench(known=True, electric=False, supply=2.4e5, pieces=(), rows=3000, seconds=1.0, fluid=(), lacks=()):
+    class Signals(dict):
+        pieces = ()
+        sample_time = 1.0
+
+        def __len__(self):
+            return rows
+
+    roles = ("command", "flow", "opening", "p1", "p2", "temperature")
+    recording = Signals({role: None for role in roles if role not in lacks})
+    recording.pieces, recording.sample_time = pieces, seconds
+    recording.time = seconds * np.arange(rows)
+    valve = SimpleNamespace(fluid=dict.fromkeys(fluid, 1.0), supply_pressure=supply)
+    chain = SimpleNamespace(trim=SimpleNamespace(known=known), electric=electric, valve=valve)
+    return SimpleNamespace(recording=recording, plain=chain, valve=valve)
+
+
+@pytest.mark.parametrize(
+    ("differs", "words"),
+    [
+        ({}, ""),
+        ({"lacks": ("opening",)}, ""),
+        ({"lacks": ("p2",)}, ""),
+        ({"lacks": ("opening", "p2")}, "so few signals"),
+        ({"lacks": ("flow",)}, "without flow"),
+        ({"known": False}, "data sheet"),
+        ({"electric": True}, "driven by air"),
+        ({"supply": None}, "driven by air"),
+        ({"pieces": ("a", "b")}, "several recordings"),
+        ({"fluid": ("molar_mass",)}, "gas"),
+        ({"rows": 600}, "600 rows"),
+        ({"seconds": 10.0}, "10 s apart"),
+    ],
+)
+def test_kinds_that_were_checked(differs, words):
+    reason = unchecked(_bench(**differs))
+    assert words in reason if words else reason == ""
+    assert few_signals(_bench(**differs).recording) == bool(set(differs.get("lacks", ())) - {"flow"})
+
+
+# ---- entries
+
+
+def _entry(name="dead_time", vanishes=(), onset=None):
+    return {
+        "members": [{"name": name, "probability": 0.9}, {"name": "slew_limit", "probability": 0.1}],
+        "probability": 1.0,
+        "size": {"flow": 0.05},
+        "onset": onset,
+        "evidence": {"gain": 100.0, "runner_up": 20.0, "vanishes": list(vanishes), "at_bound": []},
+    }
+
+
+AHEAD = {"flow": 0.8, "opening": None}
+
+
+def test_entries_of_a_checked_kind():
+    (first, second), verdict, reasons = assessed([_entry(), _entry()], "named", 1e-5, AHEAD, [], _bench())
+    assert (verdict, reasons) == ("named", [])
+    assert first["probability"] == pytest.approx(probability_of(Grounds("dead_time", 1e-5)), abs=1e-4)
+    assert second["probability"] < first["probability"]
+    assert sum(m["probability"] for m in first["members"]) == pytest.approx(first["probability"], abs=2e-4)
+    assert first["members"][1]["probability"] / first["probability"] == pytest.approx(0.1, abs=2e-3)
+    assert first["evidence"]["skill"] == 0.8
+    assert first["grade"]["level"] == "strong"
+
+
+def test_what_begins_late_has_no_skill():
+    (entry,), _, _ = assessed([_entry(onset=2990.0)], "named", 1e-5, {"flow": 0.0}, [], _bench())
+    assert entry["evidence"]["late"]
+    assert entry["evidence"]["skill"] is None
+
+
+def test_entries_of_another_kind_have_a_grade_alone():
+    (entry,), verdict, _ = assessed([_entry()], "named", 1e-5, AHEAD, [], _bench(known=False))
+    assert entry["probability"] is None
+    assert [m["probability"] for m in entry["members"]] == [None, None]
+    assert (entry["grade"]["level"], verdict) == ("strong", "named")
+
+
+def test_the_verdict_is_taken_back_where_all_is_weak():
+    weak = _entry("flow_meter_bias", ["bias"])
+    _, verdict, reasons = assessed([weak], "named", 1e-5, AHEAD, [], _bench())
+    assert verdict == "cannot_tell"
+    assert reasons == [
+        "Flow meter bias is too uncertain to be named: the interval of its bias includes the value of no "
+        "effect."
+    ]
+    entries, verdict, reasons = assessed([weak, _entry()], "named", 1e-5, AHEAD, [], _bench())
+    assert verdict == "named"
+    assert [entry["members"][0]["name"] for entry in entries] == ["dead_time"]
+    assert reasons[0].startswith("Flow meter bias is too uncertain")
+    (entry,), _, _ = assessed([_entry() | {"spells": [[0.0, 30.0]]}], "named", 1e-5, AHEAD, [], _bench())
+    assert entry["grade"]["level"] == "weak"
+    assert assessed([], "no_mismatch", 0.5, {}, [], _bench()) == ([], "no_mismatch", [])

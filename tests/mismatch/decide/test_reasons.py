@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A verdict that names nothing says why, and one that names something does not."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from sklvalve.mismatch.decide.judgement import Judgement
+from sklvalve.mismatch.decide.reasons import not_upheld, reasons_of, too_much_left
+from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
+from sklvalve.mismatch.residual.pulses import Pulses
+
+# 50 m3/h of span, recorded in m3/h
+BENCH = SimpleNamespace(
+    spans={"flow": 50.0 / 3600.0},
+    recording=SimpleNamespace(per_si=lambda role: 3600.0, unit=lambda role: "m3/h"),
+)
+
+
+def _finding(*members):
+    rivals = [_rival(name, probability) for name, probability in members]
+    return SimpleNamespace(rivals=rivals, term=SimpleNamespace(onset=None))
+
+
+def _rival(name, probability):
+    member = SimpleNamespace(effect=SimpleNamespace(name=name))
+    return SimpleNamespace(term=member, probability=probability, distance=0.0, model=None)
+
+
+def _judged(verdict, **more):
+    findings = more.pop("findings", [])
+    return Judgement(None, verdict, 1e-4, findings, more.pop("unknown", None), None, None, **more)
+
+
+@pytest.mark.parametrize("verdict", ["cannot_tell", "none_of_these"])
+def test_a_nameless_verdict_always_has_a_reason(verdict):
+    assert reasons_of(_judged(verdict), None, BENCH)
+    assert reasons_of(_judged(verdict, why=("A check.",)), None, BENCH) == ["A check."]
+    assert reasons_of(_judged(verdict), "Mend it.", BENCH) == ["Mend it."]
+
+
+@pytest.mark.parametrize("verdict", ["named", "no_mismatch"])
+def test_a_verdict_that_stands_needs_none(verdict):
+    assert reasons_of(_judged(verdict), None, BENCH) == []
+
+
+def test_checks_say_what_they_stopped_and_by_how_much():
+    assert (
+        "dead time or slew limit" in not_upheld([_finding(("dead_time", 0.5), ("slew_limit", 0.5))]).lower()
+    )
+    words = too_much_left(LeftOver("flow", 0.03, 0.005, 0.01, 4.0), [_finding(("backlash", 0.9))], BENCH)
+    assert words.startswith("With backlash the simulation is off by 1.5 m3/h")
+    assert "3 times the 0.5 m3/h" in words
+    many = [_finding(*((f"effect_{k}", 0.1) for k in range(9)))]
+    assert "effect 0 or effect 1 or effect 2 or one of 6 others" in not_upheld(many).lower()
+    assert too_much_left(LeftOver("flow", 0.03, 0.005, 0.01, 4.0), [], BENCH).startswith(
+        "The simulation is off"
+    )
+
+
+def test_moments_a_rest_and_a_change_are_reasons():
+    pulses = Pulses(np.zeros(3, dtype=bool), 12, 1, True, 0.02, 1e-4)
+    assert "12 moments" in reasons_of(_judged("none_of_these", pulses=pulses), None, BENCH)[0]
+    unknown = SimpleNamespace(channel="flow", size=0.04)
+    assert "flow by 2 m3/h" in reasons_of(_judged("none_of_these", unknown=unknown), None, BENCH)[0]
+    assert (
+        "The flow changed at one time"
+        in reasons_of(_judged("cannot_tell", change=SimpleNamespace(channel="flow")), None, BENCH)[0]
+    )
