@@ -12,7 +12,7 @@ from sklvalve.mismatch.decide import judging
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
 
-from .conftest import record
+from tests.mismatch.conftest import record
 
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
 

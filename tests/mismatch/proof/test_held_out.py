@@ -23,7 +23,7 @@ from sklvalve.mismatch.proof.held_out import (
 from sklvalve.mismatch.residual.low_pass_residual import learn_residual
 from sklvalve.simulation import Tolerance
 
-from .conftest import record
+from tests.mismatch.conftest import record
 
 
 @pytest.fixture(scope="module")

@@ -8,7 +8,7 @@ from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.result.further_proof import _ranges
 from sklvalve.report import to_text
 
-from .conftest import record
+from tests.mismatch.conftest import record
 
 LIMIT = 0.55
 

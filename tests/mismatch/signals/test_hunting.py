@@ -11,7 +11,7 @@ from sklvalve.mismatch.constants import NAMED_FROM
 from sklvalve.mismatch.search.events import Events
 from sklvalve.mismatch.signals.hunting import find_hunting
 
-from .conftest import record
+from tests.mismatch.conftest import record
 
 ROWS = np.arange(1200)
 REST = np.full(1200, 0.4)
