@@ -2,7 +2,7 @@
 """Healthy recordings through the whole search: what the p-value is held against, and whether it is uniform.
 
     python benchmarks/healthy_reference.py draw REFERENCE.jsonl --records 360
-    python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/decide/null_table.py
+    python benchmarks/healthy_reference.py table REFERENCE.jsonl sklvalve/mismatch/decide/null_reference.json
     python benchmarks/healthy_reference.py draw OTHER.jsonl --first 2000 --records 36 --nastier
     python benchmarks/healthy_reference.py check OTHER.jsonl
 
@@ -30,11 +30,11 @@ from threadpoolctl import threadpool_limits
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.data.gate import with_seized_stems
-from sklvalve.mismatch.data.masking import sifted
+from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.decide.null_reference import EDGED, EFFECTS, Covariates, relative_to
-from sklvalve.mismatch.decide.suppression import withheld
+from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.recording import Recording, Valve, screen_recording
 from sklvalve.simulation.parallel_map import with_threads
 
@@ -114,14 +114,14 @@ def searched(recording):
     """Evidence and verdict of a recording, as the finder judges it; what follows the verdict is left out."""
     finder = MissingPhysicsFinder(n_jobs=1)
     data = with_seized_stems(screen_recording(recording), recording)
-    _, recording = sifted(recording, recording, data)
+    _, recording = masked(recording, recording, data)
     with threadpool_limits(1, user_api="blas"), with_threads(1):
         problem = prepared_problem(recording, None, None)
         effects, _ = candidates(problem, "all", data)
-        judged, _ = withheld(finder._judged(problem, None, effects, data, 0), data, recording)
+        judged, _ = suppressed(finder._judged(problem, None, effects, data, 0), data, recording)
     told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
     told |= {name: getattr(judged.evidence.covariates, name) for name in CIRCUMSTANCES}
-    told["strengths"] = {key: round(found, 3) for key, found in judged.evidence.strengths.items()}
+    told["strengths"] = {key: round(found, 3) for key, found in judged.evidence.effect_strengths.items()}
     return told | {"verdict": judged.verdict, "p_value": judged.p_value}
 
 
@@ -219,10 +219,10 @@ def tail_of(excess):
     return min(found)[1:]
 
 
-HEAD = '''# SPDX-License-Identifier: BSD-3-Clause
-"""Strengths of the evidence against healthy recordings, made by benchmarks/healthy_reference.py."""
-
-TABLES: dict[str, dict] = '''
+def recordings_of(rows):
+    """What the recordings of a reference were, in a sentence."""
+    seeds = [row["seed"] for row in rows]
+    return f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}, through the whole search"
 
 
 def interval(many, of):
@@ -267,7 +267,7 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", choices=("draw", "table", "check"))
     parser.add_argument("rows", type=Path, help="file of one line of JSON a recording")
-    parser.add_argument("table", type=Path, nargs="?", help="python file to be written")
+    parser.add_argument("table", type=Path, nargs="?", help="JSON file to be written")
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--records", type=int, default=260)
     parser.add_argument("--nastier", action="store_true", help="noise that the reference has none of")
@@ -277,7 +277,9 @@ def main(arguments=None):
         print("\n".join(check(rows)))
     elif options.what == "table":
         tables = {name: table_of(rows, name) for name in STRENGTHS}
-        options.table.write_text(f"{HEAD}{tables!r}\n", encoding="utf-8")
+        made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table.name}"
+        told = {"made_by": made_by, "recordings": recordings_of(rows), **tables}
+        options.table.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     else:
         done = {row["seed"] for row in rows}
         for seed in range(options.first, options.first + options.records):

@@ -187,7 +187,6 @@ def test_what_is_declared_has_a_key():
 
 # measured with these effects, or chosen to be drawn; and a plant that shares no code with the catalogue
 TABLES = (
-    "mismatch/decide/null_table.py",
     "mismatch/decide/borne_out.py",
     "mismatch/search/events.py",
     "cli/demo.py",

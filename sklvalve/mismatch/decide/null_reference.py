@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field, replace
+from importlib.resources import files
 
 import numpy as np
 
-from sklvalve.mismatch.decide.null_table import TABLES
 
 
 @dataclass(frozen=True)
@@ -128,7 +129,13 @@ def relative_to(usual: dict[str, float], effect_strengths: dict[str, float]) -> 
     return max((strongest / usual.get(key, most) for key, strongest in effect_strengths.items()), default=0.0)
 
 
-EFFECTS, RESIDUAL = (Table(**TABLES[name]) for name in ("effects", "rest"))
+def _tables() -> dict[str, Table]:
+    """Tables of the file beside this one, which says by which command it was made."""
+    stored = json.loads(files(__package__).joinpath("null_reference.json").read_text(encoding="utf-8"))
+    return {name: Table(**stored[name]) for name in ("effects", "rest")}
+
+
+EFFECTS, RESIDUAL = _tables().values()
 
 
 def survival(table: Table, effect_strength: float, covariates: Covariates) -> float:
