@@ -10,7 +10,6 @@ from importlib.resources import files
 import numpy as np
 
 
-
 @dataclass(frozen=True)
 class Covariates:
     """What the strength of chance depends on, known before a search.

@@ -11,7 +11,6 @@ from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import judging
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
-
 from tests.mismatch.conftest import record
 
 BY_KEY = {effect.key: effect for effect in CATALOGUE}

@@ -22,7 +22,6 @@ from sklvalve.mismatch.proof.held_out import (
 )
 from sklvalve.mismatch.residual.low_pass_residual import learn_residual
 from sklvalve.simulation import Tolerance
-
 from tests.mismatch.conftest import record
 
 

@@ -7,7 +7,6 @@ import pytest
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.result.further_proof import _ranges
 from sklvalve.report import to_text
-
 from tests.mismatch.conftest import record
 
 LIMIT = 0.55

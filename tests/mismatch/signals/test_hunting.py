@@ -10,7 +10,6 @@ from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.constants import NAMED_FROM
 from sklvalve.mismatch.search.events import Events
 from sklvalve.mismatch.signals.hunting import find_hunting
-
 from tests.mismatch.conftest import record
 
 ROWS = np.arange(1200)
