@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.decide.compare import EMPTY, Comparison
 from sklvalve.mismatch.decide.rules import Rule
+from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.detect import Evidence
@@ -117,3 +118,13 @@ class Judgement:
     def correction(self) -> dict | None:
         """The learnt rest that joins the corrected simulation; None where there is none."""
         return self.unknown.correction if self.kept and self.unknown is not None else None
+
+
+def with_learnt(judgement: Judgement) -> Judgement:
+    """A judgement with what is learnt of its unknown, and whether that holds out."""
+    unknown = judgement.unknown
+    if unknown is None:
+        return replace(judgement, tried=None)
+    tried = cross_validated(judgement.problem, judgement.model, unknown)
+    kept, errors = correction_holds_out(judgement.problem, tried, unknown.channel)
+    return replace(judgement, tried=tried, kept=kept, errors=errors)

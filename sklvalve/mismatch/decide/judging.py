@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.constants import HELD_OUT_ERRORS, HELD_OUT_SHARE
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import (
     Evidence,
@@ -16,7 +16,7 @@ from sklvalve.mismatch.decide.detect import (
     p_value_of_one,
     p_value_of_what_counts,
 )
-from sklvalve.mismatch.decide.judgement import Judgement
+from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
 from sklvalve.mismatch.decide.null_reference import EFFECTS
 from sklvalve.mismatch.decide.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.decide.verdict import verdict_of
@@ -167,7 +167,9 @@ def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
         judged = _strays(case, judged)
     if judged.verdict == "no_mismatch" and case.channels is None:
         judged = _pulses(case, judged)
-    return _with_learnt(case, judged)
+    if judged.verdict == "no_mismatch":
+        return replace(judged, unknown=None)
+    return with_learnt(judged)
 
 
 def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model, float]:
@@ -205,27 +207,19 @@ def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]
 def _named_or_not(case: Case, findings: list[Finding], model: Model, share: float) -> Judgement:
     """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
     nominal = case.explanation.nominal
-    weighed = _weighed(case, findings, model)
-    unknown = weighed.unknown
-    if findings and not weighed.enough:
-        # effects too weak to be told from chance must not hide a residual that is not; what decides is what
-        # is told beside it
-        weighed = _weighed(case, [], nominal)
-        # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
-        if not (weighed.enough and any(map(case.is_rare, findings))):
-            findings, unknown = [], weighed.unknown
+    findings, unknown, weighed = _by_evidence(case, findings, model)
+    why: list[str] = []
+    explained = 0.0
     asked = [rules.rarity(weighed.p_value, case.alpha)]
     if weighed.by_chance is not None:
         asked.append(rules.relevance(weighed.by_chance, case.alpha))
-    why: list[str] = []
-    explained = 0.0
     if findings:
-        gain = case.held_out_gain(findings[0])
-        asked += [rules.held_out(share), rules.repeats(gain)]
+        held_out = rules.held_out(share), rules.repeats(case.held_out_gain(findings[0]))
+        asked += held_out
         if unknown is not None:
             # of all recordings together, as the unknown is
             explained = case.problem.change_in_all(unknown.channel, model, nominal)
-        if share >= HELD_OUT_SHARE or gain < HELD_OUT_ERRORS:
+        if not all(rule.passed for rule in held_out):
             # blocks that the fit had not seen speak against it: no name is better than a wrong one
             why.append(not_upheld(findings))
             findings = []
@@ -245,6 +239,22 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
         why=tuple(why),
         rules=tuple(asked),
     )
+
+
+def _by_evidence(
+    case: Case, findings: list[Finding], model: Model
+) -> tuple[list[Finding], Unknown | None, _Weighed]:
+    """What the evidence leaves of the findings, the unknown beside them, and that evidence."""
+    weighed = _weighed(case, findings, model)
+    if weighed.enough or not findings:
+        return findings, weighed.unknown, weighed
+    # effects too weak to be told from chance must not hide a residual that is not; what decides is what is
+    # told beside it
+    alone = _weighed(case, [], case.explanation.nominal)
+    # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
+    if alone.enough and any(map(case.is_rare, findings)):
+        return findings, weighed.unknown, alone
+    return [], alone.unknown, alone
 
 
 def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
@@ -280,14 +290,20 @@ def _against_noise(case: Case, judged: Judgement) -> Judgement:
     if said == REFUTED or (said != FINE and of_flow):
         closest = judged.findings
         judged = replace(judged, findings=[])
-    if not judged.findings and judged.verdict != "no_mismatch":
-        unknown = case.residual_of(explanation.nominal)[0] or judged.unknown
-        verdict = "none_of_these" if said == REFUTED or unknown is not None else "cannot_tell"
-        judged = replace(judged, verdict=verdict, unknown=unknown)
+    judged = _nameless(case, judged, said == REFUTED)
     if said == REFUTED:
         beyond = left_over(problem, explanation.nominal, explanation.nominal)
         judged = replace(judged, left=beyond, closest=closest, closest_leaves=left)
     return judged
+
+
+def _nameless(case: Case, judged: Judgement, refuted: bool) -> Judgement:
+    """A judgement of which no name is left: what no effect explains, if that is shown, else open."""
+    if judged.findings or judged.verdict == "no_mismatch":
+        return judged
+    unknown = case.residual_of(case.explanation.nominal)[0] or judged.unknown
+    verdict = "none_of_these" if refuted or unknown is not None else "cannot_tell"
+    return replace(judged, verdict=verdict, unknown=unknown)
 
 
 def _with_what_is_left(case: Case, judged: Judgement, left: LeftOver, said: str) -> Judgement:
@@ -338,16 +354,6 @@ def _pulses(case: Case, judged: Judgement) -> Judgement:
     p_value = min(judged.p_value or 1.0, pulses.p_value)
     asked = (*judged.rules, rules.nameless(pulses.reason))
     return replace(judged, verdict="none_of_these", p_value=p_value, unknown=None, pulses=pulses, rules=asked)
-
-
-def _with_learnt(case: Case, judged: Judgement) -> Judgement:
-    """A judgement with what is learnt of the unknown, where there is something."""
-    unknown = judged.unknown
-    if judged.verdict == "no_mismatch" or unknown is None:
-        return replace(judged, unknown=None)
-    tried = cross_validated(case.problem, judged.model, unknown)
-    kept, errors = correction_holds_out(case.problem, tried, unknown.channel)
-    return replace(judged, tried=tried, kept=kept, errors=errors)
 
 
 def _suspects(explanation: Explanation) -> tuple[str, ...]:

@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
 from sklvalve.mismatch.decide.stretches import with_every_row
 from sklvalve.mismatch.effects import CATALOGUE, LATE
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in, penalised_likelihood
 from sklvalve.mismatch.inference.noise import NoiseModel
-from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.change import find_change
 from sklvalve.mismatch.search.relevance import may_be_instead
 from sklvalve.mismatch.search.rivals import Finding, weighed
@@ -28,7 +28,6 @@ from sklvalve.mismatch.search.screening import screened
 from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.residual.change import Change
 
@@ -116,9 +115,9 @@ def with_late_event(
         Of the whole recording; named where the event is, else cannot_tell where nothing was found before.
         None where what was found before makes up for the event.
     """
-    before = judged.problem
-    noise = {c: _throughout(before.noise[c], event.within[0]) for c in problem.channels}
-    problem = problem.with_noise(noise).knowing_sound(before.sound_values)
+    searched = judged.problem
+    noise = {c: _throughout(searched.noise[c], event.within[0]) for c in problem.channels}
+    problem = problem.with_noise(noise).knowing_sound(searched.sound_values)
     nominal = problem.simulate((), judged.nominal.values)
     model = problem.simulate(judged.model.terms, judged.model.values)
     # of a simulation with all that was found before an event has its date and its size
@@ -148,11 +147,7 @@ def with_late_event(
         model = problem.least_squares(finding.rivals[0].model)
         asked = rules.without(judged.rules, rules.OF_A_FIT)
         judged = replace(judged, verdict="named", model=model, findings=[finding, *others], rules=asked)
-    if judged.unknown is None:
-        return replace(judged, tried=None)
-    tried = cross_validated(problem, judged.model, judged.unknown)
-    kept, errors = correction_holds_out(problem, tried, judged.unknown.channel)
-    return replace(judged, tried=tried, kept=kept, errors=errors)
+    return with_learnt(judged)
 
 
 def _throughout(noise: NoiseModel, row: int) -> NoiseModel:

@@ -10,9 +10,9 @@ import numpy as np
 
 from sklvalve.mismatch.data.gathering import without_settling
 from sklvalve.mismatch.decide.detect import mismatch_p_value
+from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.inference.hypothesis import Model
-from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.pulses import find_pulses
 from sklvalve.mismatch.residual.stem_residual import stem_residual
 from sklvalve.mismatch.search.events import simulated
@@ -21,7 +21,6 @@ from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.rivals import Finding, Rival
 
@@ -89,11 +88,7 @@ def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgeme
         near = judged.suspected
         judged = replace(judged, suspected=problem.simulate(near.terms, near.values))
     judged = _seen_in_the_whole(problem, judged, alpha)
-    if judged.unknown is None:
-        return replace(judged, tried=None)
-    tried = cross_validated(problem, model, judged.unknown)
-    kept, errors = correction_holds_out(problem, tried, judged.unknown.channel)
-    return replace(judged, tried=tried, kept=kept, errors=errors)
+    return with_learnt(judged)
 
 
 def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
