@@ -1,2 +1,20 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From fitted hypotheses to a decision: the table that compares them, and the rules that decide."""
+"""From fitted hypotheses to a decision: the table that compares them, and the rules that decide.
+
+In the order in which a diagnosis comes by them:
+
+`compare`
+    The table of all hypotheses; their posterior is `mismatch.inference.posterior`.
+`detect`, `null_reference`
+    The p-value: how strong a mismatch looks, among healthy recordings. `judging` holds it against alpha.
+`judging`, `verdict`, `rules`, `reasons`
+    What stands of the findings, rule after rule. Limits are in `mismatch.constants`, sentences in `reasons`.
+`judgement`
+    The frozen result, which the steps below replace by another.
+`behind`, `late`, `stretches`
+    The same for what lies behind a property, in the last rows, and in long recordings.
+`suppression`, `referee`, `dated`
+    What the data may have made, what a black box predicts better, and when something changed.
+`assessing`, `probability`, `borne_out`, `grade`, `kinds`, `checked_kind`
+    How sure it is: frequencies from sealed records, and a grade; where all is weak no name is left.
+"""

@@ -24,7 +24,7 @@ from sklvalve.mismatch.inference.noise import NoiseModel
 from sklvalve.mismatch.residual.change import find_change
 from sklvalve.mismatch.search.relevance import may_be_instead
 from sklvalve.mismatch.search.rivals import Finding, weighed
-from sklvalve.mismatch.search.screening import screened
+from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
@@ -38,8 +38,8 @@ _LATE = 0.94
 COUNTS, _ENDS = 2.0, 4.0
 # share of the level of a diagnosis that this look at a recording has, beside what the others have
 _OF_ALPHA = 0.1
-# of the candidates screened so many are fitted, besides those that end what a valve does
-_FITTED, _STEPS = 4, 8
+# of a fit of what explains the last rows
+_STEPS = 8
 # an event has settled where its signal is this near to what it ends at, share of its size
 _SETTLED = 0.15
 # and behind so many of the meter's lags
@@ -190,7 +190,7 @@ def _named(
     base = problem.judged(model)
     rough = screened(problem, base, usable, onset=onset, always=ends)
     end_keys = {e.key for e in ends}
-    chosen = [m for k, m in enumerate(rough) if k < _FITTED or m.terms[-1].effect.key in end_keys]
+    chosen = [m for k, m in enumerate(rough) if k < FITTED or m.terms[-1].effect.key in end_keys]
     fits = [problem.fit(m.terms, start=m, max_steps=_STEPS) for m in chosen]
     without = problem.fit(model.terms, start=model, max_steps=_STEPS)
     places = [

@@ -84,9 +84,9 @@ class Table:
     offset : float
         Logarithm of the typical strength where all covariates are zero.
     slopes : dict
-        Circumstance -> change of that logarithm.
+        Covariate -> change of that logarithm.
     ranges : dict
-        Circumstance -> (lowest, highest) in the reference, beyond which its edge is taken: of travel and dead
+        Covariate -> (lowest, highest) in the reference, beyond which its edge is taken: of travel and dead
         bands, and of the noise among recordings that lack neither opening nor drop, one, or the other.
     quantiles : tuple of float
         Of the relative strength, at equally spaced probabilities from 0 to that of the threshold.
@@ -134,16 +134,17 @@ def _tables() -> dict[str, Table]:
     return {name: Table(**stored[name]) for name in ("effects", "rest")}
 
 
-EFFECTS, RESIDUAL = _tables().values()
+EFFECTS, RESIDUAL = _tables()["effects"], _tables()["rest"]
 
 
-def survival(table: Table, effect_strength: float, covariates: Covariates) -> float:
+def survival(table: Table, strength: float, covariates: Covariates) -> float:
     """Share of healthy recordings whose strength is at least this.
 
     Parameters
     ----------
     table : Table
-    effect_strength : float
+    strength : float
+        Of the effects or of the rest, as the table is.
     covariates : Covariates
 
     Returns
@@ -151,7 +152,7 @@ def survival(table: Table, effect_strength: float, covariates: Covariates) -> fl
     share : float
         Between 0, never reached, and 1; falls with the strength, without a step.
     """
-    relative = effect_strength / table.typical(covariates)
+    relative = strength / table.typical(covariates)
     threshold = table.quantiles[-1]
     if relative <= threshold:
         chances = np.linspace(1.0, table.above, len(table.quantiles))

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How often a class of names holds the truth, by what a diagnosis knows of it.
+"""How often a class holds the truth, by what a diagnosis knows of it.
+
+A class is the names that a recording cannot tell apart (`mismatch.inference.posterior`). Its probability is
+made here; `assessing` shares it among the names by their posterior.
 
 Among the explanations at hand the likeliest class has nearly always a probability of one; that says nothing
 of those not at hand. So the probability that is reported is calibrated on simulated plants whose causes were

@@ -1,42 +1,32 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""From fits to words: classes of explanations that the recording cannot tell apart, and the verdict."""
+"""The verdict by the evidence alone; what may overrule it stands in `verdict_of`."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Sequence
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.constants import RESIDUAL_SHARE
-from sklvalve.mismatch.decide.probability import vanishing
-from sklvalve.mismatch.describe.intervals import interval_of
-from sklvalve.mismatch.effects.base import Quantity
-from sklvalve.mismatch.inference.hypothesis import Model, Term, own_values
-from sklvalve.mismatch.search.rivals import class_of
-from sklvalve.recording import Recording
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.rivals import Finding
-
-# so near to a bound, share of what is possible, a parameter lies at it
-_NEAR_BOUND = 0.02
 
 
 def verdict_of(
     findings: list[Finding], unknown: Unknown | None, enough: bool, explained: float
 ) -> tuple[str, list[Finding]]:
-    """Verdict, and the findings that stand.
+    """Verdict by the evidence alone, and the findings that stand.
+
+    Later steps may take a name back: `judging` by rows left out and by noise, `referee` by a black box,
+    `assessing` where every finding is weak, `suppression` by the data.
 
     Parameters
     ----------
     findings : list of Finding
     unknown : Unknown or None
     enough : bool
-        Whether there is more than chance makes, and more than counts.
+        Whether there is more than chance makes (p at most alpha, a parameter of the finder, 0.01), and more
+        than counts.
     explained : float
         Size of what the effects explain, share of span, in the unknown's channel [1].
     """
@@ -47,103 +37,3 @@ def verdict_of(
     if not findings:
         return "cannot_tell", []
     return "named", findings
-
-
-def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> dict[str, Any]:
-    """The entry of diagnosis.json for one finding, but for how sure it is (`assessed`).
-
-    Its probabilities are those among the explanations at hand.
-    """
-    explanations = class_of(finding)
-    _, term, fitted = next(iter(explanations.values()))
-    total = sum(p for p, _, _ in explanations.values())
-    values = own_values(term, fitted)
-    entry: dict[str, Any] = {
-        "members": [{"name": n, "probability": float(p)} for n, (p, _, _) in explanations.items()],
-        "probability": float(total),
-        "blocks": sorted({w.effect.block for _, w, _ in explanations.values()}),
-        "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
-        "onset": None if term.onset is None else float(term.onset - fitted.chain.clock[0]),
-        **({"spells": _episodes(term, fitted)} if term.switches else {}),
-        "parameters": {},
-        "sentence": _sentence(term, values, term.effect.quantities(fitted.chain), recording),
-        "separated_by": term.effect.separated_by,
-    }
-    for q in term.effect.quantities(fitted.chain):
-        value = fitted.values[f"{term.effect.key}.{q.name}"]
-        interval = interval_of(problem, term, fitted, q)
-        entry["parameters"][q.name] = _in_units(q, value, interval, recording) | {
-            "unknown_ends": _unknown_ends(q, interval)
-        }
-    entry["evidence"] = {
-        "gain": float(f"{finding.gain:.4g}"),
-        "runner_up": _runner_up(finding, explanations),
-        "vanishes": vanishing(term.effect, entry["parameters"]),
-        "at_bound": [q.name for q in term.effect.quantities(fitted.chain) if _at_bound(term, fitted, q)],
-    }
-    return entry
-
-
-def _runner_up(finding: Finding, in_class: Collection[str]) -> float | None:
-    """Distance of the likeliest explanation that is not in the class; None without one."""
-    others = [r.distance for r in finding.rivals if r.term.effect.name not in in_class]
-    return float(f"{min(others):.4g}") if others else None
-
-
-def _at_bound(term: Term, fitted: Model, quantity: Quantity) -> bool:
-    """Whether the size of an effect ends where physics ends, other than where the effect vanishes."""
-    value, low, high = fitted.values[f"{term.effect.key}.{quantity.name}"], quantity.low, quantity.high
-    if quantity.null is None:
-        return False
-    if quantity.log:
-        value, low, high = np.log([value, low, high])
-    near = _NEAR_BOUND * (high - low)
-    return bool(value >= high - near or (value <= low + near and quantity.low != quantity.null))
-
-
-def _unknown_ends(quantity: Quantity, ends: Sequence[float] | None) -> list[str]:
-    """Ends of an interval that are only the bound of what is tried; no effect, and nothing left, are ends."""
-    if not ends:
-        return []
-    names = ("lower", ends[0], quantity.low), ("upper", ends[1], quantity.high)
-    near = _NEAR_BOUND * (quantity.high - quantity.low)
-    return [
-        name
-        for name, end, bound in names
-        if bound not in (quantity.null, 0.0) and (end == bound or (name == "upper" and end >= bound - near))
-    ]
-
-
-def _episodes(term: Term, fitted: Model) -> list[list[float]]:
-    """From when to when an effect acts that comes and goes [s from the first sample]."""
-    clock = fitted.chain.clock
-    times = [*term.times, *([clock[-1]] if len(term.times) % 2 else [])]
-    return [[float(a - clock[0]), float(b - clock[0])] for a, b in zip(times[::2], times[1::2], strict=True)]
-
-
-def _sentence(
-    term: Term, values: dict[str, float], quantities: Sequence[Quantity], recording: Recording
-) -> str:
-    """The effect's own words; pressures in the recording's own unit."""
-    unit, shown = "Pa", dict(values)
-    if "p1" in recording:
-        unit, scale = recording.unit("p1"), abs(recording.per_si("p1"))
-        shown |= {q.name: scale * values[q.name] for q in quantities if q.unit == "Pa"}
-    text = re.sub(r"(?<=\d)%", " %", term.effect.phrase.format(pressure_unit=unit, **shown))
-    return text[0].upper() + text[1:] + "."
-
-
-def _in_units(
-    quantity: Quantity, value: float, interval: Sequence[float] | None, recording: Recording
-) -> dict[str, Any]:
-    """A parameter with its interval; a flow or a pressure in the recording's own unit."""
-    unit, numbers = quantity.unit, [value, *(interval or ())]
-    if unit == "Pa" and "p1" in recording:
-        numbers = [float(v * abs(recording.per_si("p1"))) for v in numbers]
-        unit = recording.unit("p1")
-    if unit.startswith(("m3/s", "kg/s")):
-        zero = recording.in_recorded_units("flow", np.zeros(1))[0]
-        numbers = [float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in numbers]
-        unit = recording.unit("flow") + ("/h" if unit.endswith("/s/h") else "")
-    value, *ends = numbers
-    return {"value": float(value), "unit": unit, "ci95": sorted(ends) if ends else None}

@@ -17,7 +17,7 @@ from scipy.stats import chi2
 
 from sklvalve.mismatch.constants import TIMES_ALLOWED
 from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN
-from sklvalve.mismatch.search.screening import screened
+from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.mismatch.signals.steady import LENGTH, drivers_of, steady_floor
 from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
@@ -40,8 +40,6 @@ _WANDER, _OF_ALPHA = 1.5, 0.1
 # a row in which the simulated flow moves by more than this share of its span is of no slow residual
 _MOVES = 0.004
 _FEWEST = 8
-# of the effects screened, so many are fitted
-_FITTED = 4
 # what is left over says nothing against a judgement, makes it doubtful, or refutes it
 FINE, DOUBTFUL, REFUTED = "fine", "doubtful", "refuted"
 # correlations below this are chance
@@ -162,7 +160,7 @@ def known_effect_explains(problem: Problem, nominal: Model, effects: Sequence[Ef
     best: dict[str, Model] = {}
     for m in screened(white, white.fit((), start=nominal, max_steps=6), able):
         best.setdefault(m.terms[-1].effect.key, m)
-    fits = [white.fit(m.terms, start=m, max_steps=10) for m in list(best.values())[:_FITTED]]
+    fits = [white.fit(m.terms, start=m, max_steps=10) for m in list(best.values())[:FITTED]]
     residuals = [left_over(problem, m, nominal) for m in fits]
     return any(left is not None and not left.too_much for left in residuals)
 

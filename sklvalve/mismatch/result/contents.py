@@ -16,11 +16,11 @@ from sklvalve.mismatch.decide.dated import change_entry
 from sklvalve.mismatch.decide.kinds import kind_of_class, with_kinds
 from sklvalve.mismatch.decide.reasons import reasons_of
 from sklvalve.mismatch.decide.records import plain_records
-from sklvalve.mismatch.decide.verdict import effect_entry
 from sklvalve.mismatch.describe.describing import described, scales_of
 from sklvalve.mismatch.describe.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test.suggestions import next_test
 from sklvalve.mismatch.proof.comparison import skills_ahead
+from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.referee_entry import referee_entry
 from sklvalve.mismatch.search.events import events_of, named_by_events
 from sklvalve.mismatch.search.rivals import class_of

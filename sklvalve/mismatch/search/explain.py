@@ -16,7 +16,7 @@ from sklvalve.mismatch.search.relevance import SPREADS, beyond_tolerance, is_rel
 from sklvalve.mismatch.search.restart import much_is_left, restarted
 from sklvalve.mismatch.search.rivals import find_rivals, without_rival
 from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, gain_in_spreads
-from sklvalve.mismatch.search.screening import screened
+from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
 
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     Report = Callable[[float], object]
     Tried = dict[str, tuple[float, dict[str, float]]]
 
-# of the effects screened, so many are fitted with the whole calibration free
-_FITTED = 4
 # and so many of those settled under their own noise
 _TRIED = 3
 # a rival so many times as probable takes the place of an effect
@@ -158,7 +156,7 @@ class _Search:
         """A hypothesis with one effect more that matters; else None."""
         done = len(model.terms) / (self.most + 1)
         candidates = _step(problem, model, self.effects, self.report, done)
-        for m in candidates[:_FITTED]:
+        for m in candidates[:FITTED]:
             self.seen.setdefault(m.terms[-1].effect.key, m)
         if first:
             # what a data sheet leaves open is no mismatch, however clear it is
@@ -243,11 +241,11 @@ def _step(
     rough = _best_of_each(problem, screened(problem, model, usable, also=also, report=shown))
     onset = rough[0].terms[-1].onset if rough else None
     refined: list[Model] = []
-    for m in parallel_map(lambda m: _refine(problem, model, m, onset), rough[:_FITTED]):
+    for m in parallel_map(lambda m: _refine(problem, model, m, onset), rough[:FITTED]):
         refined.append(m)
         if report:
-            report(done + 0.1 + 0.1 * len(refined) / _FITTED)
-    return sorted(refined + rough[_FITTED:], key=lambda m: penalised_likelihood(problem, m), reverse=True)
+            report(done + 0.1 + 0.1 * len(refined) / FITTED)
+    return sorted(refined + rough[FITTED:], key=lambda m: penalised_likelihood(problem, m), reverse=True)
 
 
 def _best_of_each(problem: Problem, tried: Iterable[Model]) -> list[Model]:

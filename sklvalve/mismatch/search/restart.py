@@ -19,16 +19,15 @@ from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, penalised_likelihood
 from sklvalve.mismatch.search.onset import fit_with_onset
 from sklvalve.mismatch.search.onset_sample import to_the_sample
-from sklvalve.mismatch.search.screening import screened
+from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
 
-# steps of a rough fit; so many effects are fitted to the end
+# steps of a rough fit
 _STEPS = 6
-_FITTED = 4
 # what explains a residual this large leaves this share of it at most, mean square
 _LEFT = 0.5
 
@@ -81,7 +80,7 @@ def restarted(problem: Problem, model: Model, effects: Sequence[Effect]) -> list
     best = sorted(
         met.values(), key=lambda each: max(penalised_likelihood(white, m) for m in each), reverse=True
     )
-    near = [m for each in best[:_FITTED] for m in each]
+    near = [m for each in best[:FITTED] for m in each]
     rough = list(parallel_map(lambda m: white.fit(m.terms, start=m, max_steps=_STEPS), near))
     chosen: dict[str, Model] = {}
     for m in sorted(rough, key=lambda m: penalised_likelihood(white, m), reverse=True):

@@ -14,15 +14,14 @@ from sklvalve.mismatch.inference.hypothesis import Model, Term, begun, is_in, pe
 from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class
 from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.mismatch.search.relevance import may_be_instead
-from sklvalve.mismatch.search.screening import screened
+from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
 
-# of the rivals screened, so many are fitted with the whole calibration free, and those that come this near
-_FITTED = 4
+# rivals that come this near are fitted as well
 _WITHIN_REACH = 100.0
 
 
@@ -147,7 +146,7 @@ def _others_in_place(
         # no race: a class is to hold all that cannot be told apart, not the best four alone
         rough = screened(problem, base, others, onset=term.times, always=others)
         promising = [
-            k < _FITTED
+            k < FITTED
             or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
             or _alike(m.terms[-1].effect, term.effect)
             for k, m in enumerate(rough)

@@ -27,8 +27,8 @@ if TYPE_CHECKING:
 
 # steps of an effect's own parameters; a fit of all that is promising follows
 _STEPS = 3
-# of so many effects that are fitted then none may be lost
-_BEST = 4
+#: Of the effects screened so many are fitted, by whoever asks: none of these may be lost.
+FITTED = 4
 # so many times what its start promises a trial comes to at most: 2.5 times in 98 % of those among the best
 _AT_MOST = 3.0
 
@@ -118,7 +118,7 @@ def _within_reach(trials: Sequence[Trial], staying: set[str]) -> list[Trial]:
     best: dict[str, float] = {}
     for t in trials:
         best[t.key] = max(t.penalised_likelihood, best.get(t.key, -np.inf))
-    last = min(sorted(best.values())[-_BEST:], default=-np.inf)
+    last = min(sorted(best.values())[-FITTED:], default=-np.inf)
     return [t for t in trials if t.reach >= last or t.key in staying]
 
 

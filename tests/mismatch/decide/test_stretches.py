@@ -13,11 +13,11 @@ from sklvalve.mismatch.decide import stretches
 from sklvalve.mismatch.decide.detect import Evidence, covariates_of
 from sklvalve.mismatch.decide.judgement import Judgement
 from sklvalve.mismatch.decide.stretches import STRETCH, over_the_whole, stretches_of
-from sklvalve.mismatch.decide.verdict import effect_entry
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.residual.pulses import Pulses
 from sklvalve.mismatch.residual.stem_residual import StemResidual
 from sklvalve.mismatch.result.contents import flagged_rows
+from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.search.rivals import Finding, Rival
 from sklvalve.recording import Recording, Valve
 

@@ -6,10 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sklvalve.mismatch.decide.verdict import _in_units, _sentence, _unknown_ends
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.effects.inlet_pressure_bias import InletPressureBias
 from sklvalve.mismatch.loop.verdict import effect_of, grade_of
+from sklvalve.mismatch.result.effect_entry import _in_units, _sentence, _unknown_ends
 from sklvalve.recording import Recording, Valve
 
 RECORDING = Recording.from_frame(
