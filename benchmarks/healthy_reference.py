@@ -277,7 +277,7 @@ def main(arguments=None):
         print("\n".join(check(rows)))
     elif options.what == "table":
         tables = {name: table_of(rows, name) for name in STRENGTHS}
-        made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table.name}"
+        made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table}"
         told = {"made_by": made_by, "recordings": recordings_of(rows), **tables}
         options.table.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     else:

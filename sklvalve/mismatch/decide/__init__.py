@@ -3,12 +3,13 @@
 
 In the order in which a diagnosis comes by them:
 
-`compare`
+`compare`, `records`
     The table of all hypotheses; their posterior is `mismatch.inference.posterior`.
 `detect`, `null_reference`
     The p-value: how strong a mismatch looks, among healthy recordings. `judging` holds it against alpha.
 `judging`, `verdict`, `rules`, `reasons`
-    What stands of the findings, rule after rule. Limits are in `mismatch.constants`, sentences in `reasons`.
+    What stands of the findings, rule after rule. Limits are in `mismatch.constants`, a rule's sentence is its
+    own, and those of a verdict without a name are in `reasons`.
 `judgement`
     The frozen result, which the steps below replace by another.
 `behind`, `late`, `stretches`

@@ -121,7 +121,17 @@ class Judgement:
 
 
 def with_learnt(judgement: Judgement) -> Judgement:
-    """A judgement with what is learnt of its unknown, and whether that holds out."""
+    """A judgement with what is learnt of its unknown, and whether that holds out.
+
+    Parameters
+    ----------
+    judgement : Judgement
+
+    Returns
+    -------
+    judgement : Judgement
+        With ``tried, kept, errors``; without them where there is no unknown.
+    """
     unknown = judgement.unknown
     if unknown is None:
         return replace(judgement, tried=None)

@@ -134,7 +134,8 @@ def _tables() -> dict[str, Table]:
     return {name: Table(**stored[name]) for name in ("effects", "rest")}
 
 
-EFFECTS, RESIDUAL = _tables()["effects"], _tables()["rest"]
+_TABLES = _tables()
+EFFECTS, RESIDUAL = _TABLES["effects"], _TABLES["rest"]
 
 
 def survival(table: Table, strength: float, covariates: Covariates) -> float:

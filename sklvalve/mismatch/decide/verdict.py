@@ -17,8 +17,8 @@ def verdict_of(
 ) -> tuple[str, list[Finding]]:
     """Verdict by the evidence alone, and the findings that stand.
 
-    Later steps may take a name back: `judging` by rows left out and by noise, `referee` by a black box,
-    `assessing` where every finding is weak, `suppression` by the data.
+    `judging` asks rows left out before, and noise after it. Later steps may take a name back as well:
+    `referee` by a black box, `assessing` where every finding is weak, `suppression` by the data.
 
     Parameters
     ----------

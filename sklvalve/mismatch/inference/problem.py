@@ -53,7 +53,8 @@ class _Memory:
 class Problem(Sharing, Sizes):
     """One recording, its calibration, and the noise that hypotheses are judged by; `Problem.of` makes one.
 
-    Nothing of it changes: another noise makes another problem, of the same recording.
+    What it is asked by does not change: another noise makes another problem, of the same recording. Problems
+    of one recording share what was fitted before, and the noise first learnt where no effect acts.
 
     Parameters
     ----------

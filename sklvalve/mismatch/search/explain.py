@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     Report = Callable[[float], object]
     Tried = dict[str, tuple[float, dict[str, float]]]
 
-# and so many of those settled under their own noise
+# of the effects fitted so many are settled under their own noise
 _TRIED = 3
 # a rival so many times as probable takes the place of an effect
 _CLEARLY = 30.0
@@ -293,6 +293,20 @@ def _intermittent_if_likelier(problem: Problem, model: Model) -> tuple[Problem, 
 
 
 def in_turn(problem: Problem, model: Model) -> tuple[Problem, Model]:
+    """Noise and hypothesis fitted in turn, twice.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : Model
+        Where the fits begin.
+
+    Returns
+    -------
+    problem : Problem
+        Judged by the noise that the hypothesis leaves.
+    model : Model
+    """
     for _ in range(2):
         problem = problem.with_noise_of(model)
         model = problem.fit(model.terms, start=model)
