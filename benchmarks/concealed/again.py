@@ -16,7 +16,6 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import binomtest
 
 from benchmarks.concealed.cases import plan
 from benchmarks.concealed.draw import ATTEMPTS, made_of, seed_of, write
@@ -25,7 +24,7 @@ from benchmarks.concealed.record import make
 from benchmarks.concealed.report.history import RESULTS, SCORES
 from benchmarks.concealed.report.markdown import table
 from benchmarks.concealed.run import code
-from benchmarks.concealed.scoring.agreement import paired
+from benchmarks.concealed.scoring.agreement import mcnemar, paired
 from benchmarks.concealed.scoring.lines import KINDS, distinguishable, kind_of, read_lines
 from benchmarks.concealed.scoring.outcome import judge
 from benchmarks.concealed.scoring.rates import rate_of
@@ -108,10 +107,8 @@ def compared(before, today):
     """Outcomes of both judgements on the same records, and how likely chance alone makes their difference."""
     pairs = paired(before, today)
     first, second = [judge(a) for a, _ in pairs], [judge(b) for _, b in pairs]
-    lost = sum(a == "right" != b for a, b in zip(first, second, strict=True))
-    won = sum(b == "right" != a for a, b in zip(first, second, strict=True))
+    lost, won, by_chance = mcnemar([(a == "right", b == "right") for a, b in zip(first, second, strict=True)])
     moved = Counter(zip(first, second, strict=True))
-    by_chance = binomtest(lost, lost + won).pvalue if lost + won else 1.0
     same = sum(same_record(a["truth"], b["truth"]) for a, b in pairs)
     rates = [str(rate_of(word == "right" for word in words)) for words in (first, second)]
     return "\n\n".join(

@@ -8,10 +8,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from scipy.stats import binomtest
-
 from benchmarks.concealed.report.markdown import table
-from benchmarks.concealed.scoring.agreement import paired
+from benchmarks.concealed.scoring.agreement import mcnemar, paired
 from benchmarks.concealed.scoring.lines import distinguishable, kind_of, read_lines
 from benchmarks.concealed.scoring.outcome import judge
 
@@ -62,8 +60,7 @@ def table_of(before, after):
         ]
         if not some:
             continue
-        lost, won = sum(a and not b for a, b in some), sum(b and not a for a, b in some)
-        by_chance = binomtest(lost, lost + won).pvalue if lost + won else 1.0
+        lost, won, by_chance = mcnemar(some)
         counts = [f"{sum(pair[k] for pair in some)} of {len(some)}" for k in (0, 1)]
         rows.append([what, *counts, lost, won, f"{by_chance:.2f}"])
     return table(["", "before", "after", "only before", "only after", "McNemar p"], rows)

@@ -18,7 +18,7 @@ from sklvalve.mismatch.decide.compare import HeldOut
 from sklvalve.mismatch.decide.detect import p_value_of_one
 from sklvalve.mismatch.inference.hypothesis import Term, is_in
 from sklvalve.mismatch.proof.held_out import cross_validated, holds_out
-from sklvalve.mismatch.search.explain import in_turn, penalised_across_noises
+from sklvalve.mismatch.search.explain import fitted_with_its_noise, penalised_across_noises
 from sklvalve.mismatch.search.relevance import may_explain
 from sklvalve.mismatch.search.rivals import Finding, class_of, find_rivals
 
@@ -119,7 +119,9 @@ def _likelier_alone(
 
 def _alone(explanation: Explanation, term: Term) -> tuple[Problem, Model]:
     """A property fitted without what else was found, that may have bent it, by the noise that it leaves."""
-    return in_turn(explanation.problem, explanation.problem.fit((term,), start=explanation.nominal))
+    return fitted_with_its_noise(
+        explanation.problem, explanation.problem.fit((term,), start=explanation.nominal)
+    )
 
 
 def _joined(judged: Judgement, judged_beside: Judgement, effects: Sequence[Effect]) -> Judgement:

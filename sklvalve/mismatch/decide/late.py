@@ -117,7 +117,7 @@ def with_late_event(
     """
     searched = judged.problem
     noise = {c: _throughout(searched.noise[c], event.within[0]) for c in problem.channels}
-    problem = problem.with_noise(noise).knowing_sound(searched.sound_values)
+    problem = problem.with_noise(noise).with_sound_values(searched.sound_values)
     nominal = problem.simulate((), judged.nominal.values)
     model = problem.simulate(judged.model.terms, judged.model.values)
     # of a simulation with all that was found before an event has its date and its size

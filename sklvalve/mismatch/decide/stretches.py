@@ -16,6 +16,7 @@ from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.residual.pulses import find_pulses
 from sklvalve.mismatch.residual.stem_residual import stem_residual
 from sklvalve.mismatch.search.events import simulated
+from sklvalve.mismatch.search.explain import fitted_with_its_noise
 from sklvalve.mismatch.search.onset import best_onset
 from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.recording import Recording
@@ -128,9 +129,7 @@ def _fitted(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """The problem with the noise that a hypothesis leaves in every row, and the hypothesis fitted to that."""
     # rows between a stretch and the onset that it suggested must not pass for noise
     fitted = _dated(problem, problem.simulate(model.terms, model.values))
-    for _ in range(2):
-        problem = problem.with_noise_of(fitted)
-        fitted = problem.fit(fitted.terms, start=fitted)
+    problem, fitted = fitted_with_its_noise(problem, fitted)
     for term in fitted.terms:
         if term.onset is not None and not term.effect.grows:
             others = tuple(m for m in fitted.terms if m is not term)

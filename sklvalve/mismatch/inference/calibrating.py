@@ -26,7 +26,7 @@ def calibrated(problem: Problem) -> tuple[Problem, Model]:
     nominal : Model
     """
     guess, sound = first_guess(problem)
-    problem = problem.knowing_sound(sound)
+    problem = problem.with_sound_values(sound)
     hold = "actuator_" if guess.values and not problem.coupled else None
     model = problem.fit((), start=guess, hold=hold)
     for _ in range(2):

@@ -164,15 +164,11 @@ class Problem(Sharing, Sizes):
         """
         keys = tuple(f"{m.effect.key}." for m in terms)
         begun = {name: value for name, value in model.values.items() if name.startswith(keys)}
-        held = (*self.held, *terms)
-        effects, onsets = _physics_of(held)
         return replace(
             self,
-            plain=chain_for(
-                self.recording, self.valve, self.trim, effects=effects, onsets=onsets, choking=self.choking
-            ),
+            plain=self.chain(terms, self.recording),
             noise=_first_noise(self.spans),
-            held=held,
+            held=(*self.held, *terms),
             held_values=self.held_values | begun,
             sound_values={},
             _memory=_Memory(),
@@ -182,7 +178,7 @@ class Problem(Sharing, Sizes):
         """The problem judged by this noise."""
         return replace(self, noise=noise)
 
-    def knowing_sound(self, values: dict[str, float]) -> Problem:
+    def with_sound_values(self, values: dict[str, float]) -> Problem:
         """The problem with the parameters of an actuator that most rows bear out."""
         return replace(self, sound_values=values)
 

@@ -270,7 +270,7 @@ def _refine(problem: Problem, before: Model, model: Model, other_onset: float | 
 
 def _settle(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
-    problem, model = in_turn(problem, model)
+    problem, model = fitted_with_its_noise(problem, model)
     last = model.terms[-1]
     if last.onset is not None:
         # begun where the hypothesis stands: without the effect the calibration may lie in another valley
@@ -286,13 +286,13 @@ def _intermittent_if_likelier(problem: Problem, model: Model) -> tuple[Problem, 
     spelled = intermittent(problem, model)
     if spelled is model:
         return problem, model
-    by_its_noise, spelled = in_turn(problem, spelled)
+    by_its_noise, spelled = fitted_with_its_noise(problem, spelled)
     if penalised_across_noises(by_its_noise, spelled) > penalised_across_noises(problem, model):
         return by_its_noise, spelled
     return problem, model
 
 
-def in_turn(problem: Problem, model: Model) -> tuple[Problem, Model]:
+def fitted_with_its_noise(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """Noise and hypothesis fitted in turn, twice.
 
     Parameters
@@ -321,7 +321,9 @@ def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Mo
     little beside the effect itself must gain in more than one or two events.
     """
     *others, last = model.terms
-    by_its_noise, throughout = in_turn(problem, problem.fit((*others, Term(last.effect)), start=model))
+    by_its_noise, throughout = fitted_with_its_noise(
+        problem, problem.fit((*others, Term(last.effect)), start=model)
+    )
     gained = penalised_across_noises(problem, model) - penalised_across_noises(by_its_noise, throughout)
     if gained < 0.0:
         return by_its_noise, throughout

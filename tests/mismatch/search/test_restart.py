@@ -87,7 +87,7 @@ def test_a_hypothesis_is_not_settled_for_a_less_likely_one(monkeypatch):
     worse = SimpleNamespace(terms=(Term(SUPPLY, 70.0),), values={}, log_likelihood=-50.0)
     begun = []
     bench = SimpleNamespace(fit=lambda members, start: explain.Model(members, None, {"a": 9.0}, {}, 0.0, {}))
-    monkeypatch.setattr(explain, "in_turn", lambda problem, model: (problem, model))
+    monkeypatch.setattr(explain, "fitted_with_its_noise", lambda problem, model: (problem, model))
     monkeypatch.setattr(explain, "_throughout_if_likelier", lambda problem, model: (problem, model))
     monkeypatch.setattr(
         explain, "fit_with_onset", lambda bench, rest, *args, **options: begun.append(rest) or worse
