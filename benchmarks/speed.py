@@ -30,7 +30,7 @@ ROOT = Path(__file__).resolve().parents[1]
 AGAINST = "f2c266f"
 #: Where the time goes: file and function, and what it does. The first guess holds runs of the stem.
 PARTS = {
-    ("first_guess.py", "first_guess"): "first guess of the actuator",
+    ("first_values.py", "first_values"): "first guess of the actuator",
     ("stem.py", "positioner_and_actuator"): "stem",
     ("chain.py", "flow"): "flow",
     ("robust.py", "least_within"): "bounded least squares",

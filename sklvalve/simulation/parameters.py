@@ -6,6 +6,42 @@ from dataclasses import dataclass
 import numpy as np
 
 
+@dataclass(frozen=True, eq=False)
+class JointPrior:
+    """What is expected of several parameters together before a recording is seen: a Gaussian.
+
+    Parameters
+    ----------
+    names : tuple of str
+    mean : ndarray of shape (m,)
+        In the numbers that an optimiser moves: of rates, times and gains the logarithm.
+    covariance : ndarray of shape (m, m)
+    """
+
+    names: tuple[str, ...]
+    mean: np.ndarray
+    covariance: np.ndarray
+
+    def of(self, names):
+        """Mean of some parameters, and the root of the inverse of their covariance, the others unknown.
+
+        Parameters
+        ----------
+        names : sequence of str
+
+        Returns
+        -------
+        mean : ndarray of shape (k,)
+        root : ndarray of shape (k, k)
+            ``root @ (z - mean)`` has unit variance.
+        """
+        at = [self.names.index(name) for name in names]
+        covariance = self.covariance[np.ix_(at, at)]
+        size = np.sqrt(np.diag(covariance))
+        lower = np.linalg.cholesky(covariance / np.outer(size, size))
+        return self.mean[at], np.linalg.solve(lower, np.diag(1.0 / size))
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One number of the simulation that the data sheet leaves open, or that an effect brings.
@@ -24,6 +60,8 @@ class Parameter:
         Standard deviation of what is expected around `start` before any data; None where nothing is.
     log : bool
         Whether the optimiser moves its logarithm (rates, times, gains).
+    joint : JointPrior or None
+        What is expected of it together with others; it goes before `spread`, which then only scales.
     """
 
     name: str
@@ -33,6 +71,7 @@ class Parameter:
     start: float
     spread: float | None = None
     log: bool = False
+    joint: JointPrior | None = None
 
 
 class ParameterVector:
@@ -59,12 +98,21 @@ class ParameterVector:
         self.low, self.high = bounds[:, 0], bounds[:, 1]
         self.scale = np.array([self._scale(p) for p in self.parameters])
         self._begin = tuple((p.name, p.start) for p in self.parameters)
-        self._known = [i for i, p in enumerate(self.parameters) if p.spread is not None]
-        self._expected = self.pack({})[self._known]
-        self._spread = np.array([self.parameters[i].spread for i in self._known])
+        alone = [i for i, p in enumerate(self.parameters) if p.spread is not None and p.joint is None]
+        self._known, self._expected = alone, self.pack({})[alone]
+        self._spread = np.array([self.parameters[i].spread for i in alone])
+        self._jointly = self._joint_priors()
 
     def __len__(self):
         return len(self.parameters)
+
+    def _joint_priors(self):
+        """Of every joint prior where its parameters stand, their mean, and the root that whitens them."""
+        members = {}
+        for i, p in enumerate(self.parameters):
+            if p.joint is not None:
+                members.setdefault(id(p.joint), (p.joint, []))[1].append(i)
+        return [(at, *joint.of([self.names[i] for i in at])) for joint, at in members.values()]
 
     @staticmethod
     def _scale(parameter):
@@ -88,5 +136,8 @@ class ParameterVector:
         return dict(zip(self.names, raw.tolist(), strict=True))
 
     def prior_residuals(self, vector):
-        """Distances from the starts in prior standard deviations, for the parameters that have a prior."""
-        return (np.asarray(vector)[self._known] - self._expected) / self._spread
+        """Distances from what is expected in prior standard deviations, for parameters that have a prior."""
+        vector = np.asarray(vector)
+        alone = (vector[self._known] - self._expected) / self._spread
+        jointly = [root @ (vector[at] - mean) for at, mean, root in self._jointly]
+        return np.concatenate([alone, *jointly])

@@ -9,10 +9,10 @@ import pytest
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.data.gathering import settled
-from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces, noise_of
 from sklvalve.recording import InputError, Recording, Valve, join_recordings
 from sklvalve.report import summary_sentence
 from sklvalve.report.html import render
+from sklvalve.simulation.noise_of_pieces import NoiseOfPieces, noise_of
 
 EFFECTS = ["clogging", "seat_leakage", "piping_reducers", "flow_meter_gain"]
 

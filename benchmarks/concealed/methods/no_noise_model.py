@@ -10,7 +10,7 @@ from unittest.mock import patch
 import numpy as np
 
 from benchmarks.concealed.methods import ours
-from sklvalve.mismatch.inference.noise import NoiseModel
+from sklvalve.simulation.noise import NoiseModel
 
 
 def white_noise(residuals, simulated, step, *, quantum=0.0, **settings):
@@ -24,7 +24,7 @@ def white_noise(residuals, simulated, step, *, quantum=0.0, **settings):
     quantum : float, default=0.0
         Resolution of the recorded signal; its variance is a floor.
     **settings
-        Of `sklvalve.mismatch.inference.noise.fit_noise`; not used.
+        Of `sklvalve.simulation.noise.fit_noise`; not used.
 
     Returns
     -------
@@ -43,5 +43,5 @@ def diagnose(recording, *, folder=None, **settings):
 
     The noise model is replaced while the finder works, for the whole process: run no other diagnosis beside.
     """
-    with patch("sklvalve.mismatch.inference.noise_of_pieces.fit_noise", white_noise):
+    with patch("sklvalve.simulation.noise_of_pieces.fit_noise", white_noise):
         return ours.diagnose(recording, folder=folder, **settings)

@@ -8,7 +8,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from sklvalve.mismatch.data.preparation import prepared_problem
-from sklvalve.mismatch.inference.first_guess import first_guess
+from sklvalve.mismatch.inference.calibrating import first_guess
 from sklvalve.recording import require_diagnosable
 from sklvalve.simulation import ValveSimulation
 from sklvalve.simulation.fitting import PlainNoise

@@ -20,12 +20,12 @@ from sklvalve.mismatch.decide.stretches import with_every_row
 from sklvalve.mismatch.effects import CATALOGUE, LATE
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in, penalised_likelihood
-from sklvalve.mismatch.inference.noise import NoiseModel
 from sklvalve.mismatch.residual.change import find_change
 from sklvalve.mismatch.search.relevance import may_be_instead
 from sklvalve.mismatch.search.rivals import Finding, weighed
 from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.recording import Recording
+from sklvalve.simulation.noise import NoiseModel
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem

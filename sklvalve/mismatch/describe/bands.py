@@ -14,8 +14,8 @@ from scipy.stats import t as student
 from sklvalve.mismatch.describe.cells import Cells
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.inference.noise import NoiseModel
-    from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
+    from sklvalve.simulation.noise import NoiseModel
+    from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
     Noise = NoiseModel | NoiseOfPieces
     Part = tuple[Noise, np.ndarray, Sequence[np.ndarray], Sequence[Cells]]

@@ -15,9 +15,9 @@ from sklvalve.mismatch.inference.posterior import temperature
 from sklvalve.simulation.robust import robust_cost, robust_weights
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.inference.noise import NoiseModel
-    from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
     from sklvalve.simulation.fitting import PlainNoise
+    from sklvalve.simulation.noise import NoiseModel
+    from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
     Noise = NoiseModel | NoiseOfPieces | PlainNoise
     Range = tuple[int, int] | None

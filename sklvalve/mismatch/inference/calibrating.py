@@ -5,10 +5,12 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.inference.first_guess import first_guess
+import numpy as np
+
+from sklvalve.mismatch.inference.hypothesis import Model
+from sklvalve.simulation.first_values import first_values
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
 
 
@@ -36,6 +38,24 @@ def calibrated(problem: Problem) -> tuple[Problem, Model]:
         if other is not None and other.log_likelihood > model.log_likelihood:
             model = other
     return problem, model
+
+
+def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:
+    """Values to begin with, as a model of values alone, and those of a sound actuator.
+
+    Parameters
+    ----------
+    problem : Problem
+    """
+    moves = "command" in problem.recording and not problem.coupled
+    values, sound = first_values(
+        problem.plain,
+        problem.calibration(("opening",)) if moves else (),
+        flow="flow" in problem.channels,
+        begin=problem.held_values,
+        rows=problem.rows,
+    )
+    return Model((), problem.plain, values, {}, np.nan, {}), sound
 
 
 def _from_sound(problem: Problem, model: Model) -> Model | None:

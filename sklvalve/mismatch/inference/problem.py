@@ -11,7 +11,6 @@ import numpy as np
 
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, Term
-from sklvalve.mismatch.inference.noise_of_pieces import noise_of
 from sklvalve.mismatch.inference.sharing import Sharing
 from sklvalve.mismatch.inference.sizes import Sizes
 from sklvalve.recording import Recording, Valve
@@ -31,6 +30,7 @@ from sklvalve.simulation.fitting import (
     simulate_channels,
 )
 from sklvalve.simulation.given import chain_for
+from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.robust import robust_cost
 
 # a healthy simulation is wrong by about this share of what counts as an effect

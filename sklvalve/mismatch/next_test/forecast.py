@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import nnls
 
-from sklvalve.mismatch.inference.noise import NoiseModel, movement
-from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
 from sklvalve.simulation.calibration import span_of
 from sklvalve.simulation.chain import ATMOSPHERE
+from sklvalve.simulation.noise import NoiseModel, movement
+from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.hypothesis import Model

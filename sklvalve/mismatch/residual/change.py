@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.inference.noise_of_pieces import noise_of
 from sklvalve.mismatch.signals.step_search import StepSearch
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.noise_of_pieces import noise_of
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.hypothesis import Model

@@ -14,14 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sklvalve.mismatch.inference.noise_of_pieces import noise_of
+from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.robust import robust_cost, robust_weights
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.hypothesis import Model
-    from sklvalve.mismatch.inference.noise import NoiseModel
-    from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
     from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.simulation.noise import NoiseModel
+    from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
     Noise = NoiseModel | NoiseOfPieces
 

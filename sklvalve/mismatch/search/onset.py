@@ -14,9 +14,9 @@ from sklvalve.mismatch.search.growing import fit_growing
 from sklvalve.simulation.robust import ROBUST_FROM
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.inference.noise import NoiseModel
-    from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
     from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.simulation.noise import NoiseModel
+    from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
 
 def row_losses(problem: Problem, model: Model, channels: Iterable[str]) -> np.ndarray:

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.linalg import qr
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.inference.noise import NoiseModel
-    from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
+    from sklvalve.simulation.noise import NoiseModel
+    from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
 # deviations from which on a row counts less
 _ROBUST = 3.0

@@ -9,10 +9,10 @@ import pytest
 
 from sklvalve.mismatch.data.gate import blocking, effects_switched_off, without_findings
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.inference.noise_of_pieces import noise_of
 from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import DeadBand, band_of, step_of
 from sklvalve.simulation.fitting import residual_of
+from sklvalve.simulation.noise_of_pieces import noise_of
 
 NAMES = {effect.name for effect in CATALOGUE}
 

@@ -12,8 +12,8 @@ from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.mismatch.decide import late as module
 from sklvalve.mismatch.decide.late import before, stands_out
 from sklvalve.mismatch.effects import CATALOGUE, LATE
-from sklvalve.mismatch.inference.noise import NoiseModel
 from sklvalve.mismatch.residual.change import Change
+from sklvalve.simulation.noise import NoiseModel
 
 ROWS = 1500
 BLOCKED, FAILED = LATE

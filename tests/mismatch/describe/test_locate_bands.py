@@ -9,7 +9,7 @@ from sklvalve.mismatch.describe.bands import simultaneous_bands
 from sklvalve.mismatch.describe.boxes import boxes_of, covered, rows_in
 from sklvalve.mismatch.describe.cells import cells_of_signals, direction_of_travel, rate_of_travel
 from sklvalve.mismatch.describe.locate import boxes_in
-from sklvalve.mismatch.inference.noise import NoiseModel
+from sklvalve.simulation.noise import NoiseModel
 
 ROWS = 3000
 SIZE = 0.01

@@ -6,7 +6,7 @@ import pytest
 
 from sklvalve.mismatch.describe import episodes
 from sklvalve.mismatch.describe.episodes import Evidence, course_of, growing_course
-from sklvalve.mismatch.inference.noise import NoiseModel
+from sklvalve.simulation.noise import NoiseModel
 
 ROWS = 1500
 NOISE = NoiseModel(np.full(ROWS, 1.0), np.ones(ROWS), 5.0, 0.2, 300.0, 0.2)

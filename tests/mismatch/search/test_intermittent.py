@@ -8,11 +8,11 @@ from sklvalve.cli import main
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.inference.hypothesis import begun, may_come_and_go
-from sklvalve.mismatch.inference.noise import NoiseModel
-from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
 from sklvalve.mismatch.search.intermittent import _SwitchSearch
 from sklvalve.mismatch.search.onset import losses_of
 from sklvalve.recording import Recording, Valve
+from sklvalve.simulation.noise import NoiseModel
+from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
 EFFECTS = ("flow_meter_gain", "flow_meter_bias", "clogging", "choked_flow")
 SPELLS = ((500, 800), (1100, 1450))

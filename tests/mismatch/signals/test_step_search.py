@@ -4,9 +4,9 @@
 import numpy as np
 import pytest
 
-from sklvalve.mismatch.inference.noise import NoiseModel
-from sklvalve.mismatch.inference.noise_of_pieces import NoiseOfPieces
 from sklvalve.mismatch.signals.step_search import StepSearch
+from sklvalve.simulation.noise import NoiseModel
+from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
 ROWS = 90
 GAPS = [0, 1, 17, 18, 19, 44, 45, 46, 47, 60, 88, 89]

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from sklvalve.mismatch.inference.noise import NoiseModel, fit_noise, movement
+from sklvalve.simulation.noise import NoiseModel, fit_noise, movement
 from sklvalve.simulation.robust import robust_cost
 
 ROWS = 2000

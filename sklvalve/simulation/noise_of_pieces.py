@@ -9,10 +9,10 @@ from typing import Any
 
 import numpy as np
 
-from sklvalve.mismatch.inference.noise import NoiseModel, fit_noise
 from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.noise import NoiseModel, fit_noise
 
 
 @dataclass(frozen=True, eq=False)
