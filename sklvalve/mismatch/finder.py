@@ -15,6 +15,7 @@ from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
 from sklvalve._refits import whole_or_nothing
+from sklvalve.history import ValveHistory
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
@@ -37,7 +38,7 @@ from sklvalve.mismatch.result.diagnosis import Diagnosis
 from sklvalve.mismatch.result.fit_entries import fit_entries
 from sklvalve.mismatch.search.events import effects_to_search, evident_events
 from sklvalve.mismatch.search.explain import explain
-from sklvalve.recording import InputError, require_diagnosable, screen_recording
+from sklvalve.recording import InputError, Recording, require_diagnosable, screen_recording
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.parallel_map import with_threads
 
@@ -51,7 +52,6 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.events import Events
     from sklvalve.mismatch.search.explain import Explanation
-    from sklvalve.recording import Recording
 
 
 class MissingPhysicsFinder(BaseEstimator):
@@ -127,6 +127,7 @@ class MissingPhysicsFinder(BaseEstimator):
         "n_jobs": [Integral, None],
         "random_state": ["random_state"],
         "callback": [callable, None],
+        "history": [ValveHistory, Recording, list, tuple, None],
     }
 
     def __init__(
@@ -142,6 +143,7 @@ class MissingPhysicsFinder(BaseEstimator):
         n_jobs: int | None = None,
         random_state: Any = 0,
         callback: Callable[[str, float], object] | None = None,
+        history: Any = None,
     ) -> None:
         self.simulation = simulation
         self.effects = effects
@@ -153,6 +155,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self.n_jobs = n_jobs
         self.random_state = random_state
         self.callback = callback
+        self.history = history
 
     @_fit_context(prefer_skip_nested_validation=True)
     @whole_or_nothing
@@ -237,8 +240,14 @@ class MissingPhysicsFinder(BaseEstimator):
         require_diagnosable(recording)
         data = with_seized_stems(screen_recording(recording), recording)
         whole, recording = masked(whole, recording, data)
-        problem = prepared_problem(recording, ours, self.tolerance)
+        problem = prepared_problem(recording, ours, self.tolerance, history=self._history())
         return self._fit_valve(whole, problem, ours, external, data)
+
+    def _history(self) -> ValveHistory | None:
+        """What is known of the valve; learnt here where recordings are given."""
+        if self.history is None or isinstance(self.history, ValveHistory):
+            return self.history
+        return ValveHistory(tolerance=self.tolerance).fit(self.history)
 
     def _fit_valve(
         self,
@@ -311,7 +320,7 @@ class MissingPhysicsFinder(BaseEstimator):
         stretches = stretches_of(problem.recording, self.search_rows)
         if stretches is problem.recording:
             return self._judge_with_its_end(problem, ours, effects, events, data, seed)
-        bench = prepared_problem(stretches, ours, self.tolerance, trim=problem.trim)
+        bench = prepared_problem(stretches, ours, self.tolerance, trim=problem.trim, history=problem.history)
         judged = self._judge(bench, effects, events, data, seed)
         return over_the_whole(problem, judged, float(self.alpha))
 
@@ -330,7 +339,7 @@ class MissingPhysicsFinder(BaseEstimator):
         if event is None:
             return self._judge(start, effects, events, data, seed, nominal)
         rows = before(problem.recording, event)
-        bench = prepared_problem(rows, ours, self.tolerance, trim=problem.trim)
+        bench = prepared_problem(rows, ours, self.tolerance, trim=problem.trim, history=problem.history)
         judged = self._judge(bench, effects, events, data, seed)
         with_event = with_late_event(start, judged, event, effects, float(self.alpha))
         return with_event or self._judge(problem, effects, events, data, seed)

@@ -92,6 +92,29 @@ def span_of(values):
     return float(np.quantile(np.abs(seen), 0.995)) if len(seen) else 1.0
 
 
+def calibration_parameters(chain, tolerance, channels):
+    """Parameters that the data sheet leaves open for some channels.
+
+    Parameters
+    ----------
+    chain : Chain
+        The simulation without what is judged.
+    tolerance : Tolerance
+    channels : sequence of {"opening", "flow"}
+
+    Returns
+    -------
+    parameters : list of Parameter
+    """
+    recording, valve, parameters = chain.recording, chain.valve, []
+    if "opening" in channels or "opening" not in recording:
+        parameters += opening_parameters(recording, valve, tolerance)
+    if "flow" in channels:
+        choking = chain.choking and chain.margin is not None
+        parameters += flow_parameters(recording, valve, tolerance, chain.trim, choking=choking)
+    return parameters
+
+
 def opening_parameters(recording, valve, tolerance):
     """Parameters of positioner, actuator and position sensor that stay open."""
     if "simulated_opening" in recording:

@@ -8,7 +8,7 @@ model, and the time constant of its wander comes from the data.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numba as nb
 import numpy as np
@@ -194,6 +194,8 @@ class NoiseModel:
         Their variances.
     sensor : float, default=None
         Variance of the sensor's own part of `white`, mean over the rows; all of it unless given.
+    parts : NoiseParts, default=None
+        What it was made of, where it was fitted.
     """
 
     white: np.ndarray
@@ -203,6 +205,7 @@ class NoiseModel:
     slow_time: float
     slow_size: float
     sensor: float | None = None
+    parts: NoiseParts | None = None
     _filters: tuple[np.ndarray, np.ndarray, np.ndarray] = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -311,15 +314,9 @@ def fit_noise(
     noise : NoiseModel
     """
     residuals = np.asarray(residuals, dtype=float)
-    seen = np.isfinite(residuals)
-    # from differences, so that missing physics, which is mostly slow, does not pass for noise
-    quick = np.diff(residuals)
-    quick = quick[np.isfinite(quick)]
-    size = 1.4826 * float(np.median(np.abs(quick))) / np.sqrt(2.0) if len(quick) else 0.0
-    size = max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
+    size = quick_size(residuals, simulated, quantum)
     largest_share = (largest / size) ** 2
-    moving = movement(simulated, step) ** 2
-    level = np.nan_to_num(np.asarray(simulated, dtype=float) / max(np.nanmax(np.abs(simulated)), 1e-12)) ** 2
+    moving, level = movement(simulated, step) ** 2, _level(simulated)
     length = float(np.sum(step))
     dt = float(np.median(step))
     bounds = float(size**2), float(quantum**2 / 12.0), float(largest_share), bool(cautious), dt, length
@@ -334,7 +331,87 @@ def fit_noise(
         method="Nelder-Mead",
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
-    base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(solution.x), *bounds)
-    sensor = base + share * level
-    white = np.where(seen, sensor + inadequacy**2 + timing * moving, np.inf)
-    return NoiseModel(white, step, fast_time, fast, slow_time, slow, float(np.mean(sensor[seen])))
+    parts = NoiseParts(*_parts(np.exp(solution.x), *bounds), size=size)
+    return parts.model(np.isfinite(residuals), simulated, step, inadequacy=inadequacy)
+
+
+def quick_size(residuals: np.ndarray, simulated: np.ndarray, quantum: float) -> float:
+    """Standard deviation of the quick noise.
+
+    From differences, so that missing physics, which is mostly slow, does not pass for noise.
+
+    Parameters
+    ----------
+    residuals, simulated, quantum
+        As `fit_noise` takes them.
+    """
+    quick = np.diff(residuals)
+    quick = quick[np.isfinite(quick)]
+    size = 1.4826 * float(np.median(np.abs(quick))) / np.sqrt(2.0) if len(quick) else 0.0
+    return max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
+
+
+def _level(simulated: np.ndarray) -> np.ndarray:
+    """Square of a signal, as share of its largest."""
+    signal = np.asarray(simulated, dtype=float)
+    return np.nan_to_num(signal / max(np.nanmax(np.abs(signal)), 1e-12)) ** 2
+
+
+@dataclass(frozen=True)
+class NoiseParts:
+    """What a noise is made of, whichever rows it is in.
+
+    Parameters
+    ----------
+    base, share : float
+        Variances of the sensor's white part: everywhere, and in proportion to the square of the signal.
+    timing : float
+        Variance of errors of timing, share of the square of the movement from row to row [1].
+    fast_time, fast : float
+        Correlation time [s] and variance of the quick part.
+    slow_time, slow : float
+        Those of the wander.
+    size : float
+        Standard deviation of the quick noise, by differences from row to row.
+    """
+
+    base: float
+    share: float
+    timing: float
+    fast_time: float
+    fast: float
+    slow_time: float
+    slow: float
+    size: float
+
+    def louder(self, times: float) -> NoiseParts:
+        """The same noise at so many times the amplitude; errors of timing stay as they are."""
+        square = times**2
+        return replace(
+            self,
+            base=self.base * square,
+            share=self.share * square,
+            fast=self.fast * square,
+            slow=self.slow * square,
+            size=self.size * times,
+        )
+
+    def model(
+        self, seen: np.ndarray, simulated: np.ndarray, step: np.ndarray, *, inadequacy: float = 0.0
+    ) -> NoiseModel:
+        """Noise of these parts in some rows.
+
+        Parameters
+        ----------
+        seen : ndarray of bool, shape (n,)
+            Rows that are no gaps.
+        simulated, step, inadequacy
+            As `fit_noise` takes them.
+        """
+        sensor = self.base + self.share * _level(simulated)
+        moving = movement(simulated, step) ** 2
+        white = np.where(seen, sensor + inadequacy**2 + self.timing * moving, np.inf)
+        known = float(np.mean(sensor[seen])) if seen.any() else 0.0
+        return NoiseModel(
+            white, step, self.fast_time, self.fast, self.slow_time, self.slow, known, parts=self
+        )

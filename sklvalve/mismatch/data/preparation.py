@@ -9,6 +9,7 @@ from dataclasses import replace
 from numbers import Integral
 from typing import Any
 
+from sklvalve.history import ValveHistory
 from sklvalve.mismatch.data.gate import effects_switched_off, redraws_the_flow
 from sklvalve.mismatch.effects import CATALOGUE, Effect
 from sklvalve.mismatch.effects.gas_expansion import GasExpansion
@@ -49,6 +50,7 @@ def prepared_problem(
     simulation: ValveSimulation | None = None,
     tolerance: Tolerance | None = None,
     trim: Any = None,
+    history: ValveHistory | None = None,
 ) -> Problem:
     """Problem for a recording and, where one is given, the simulation that it is to be held against.
 
@@ -63,6 +65,8 @@ def prepared_problem(
         Goes before that of the simulation.
     trim : Trim, default=None
         The one that the recording calls for unless given.
+    history : ValveHistory, default=None
+        Fitted, of the same valve: its trim and its effects go before those of sheet and simulation.
 
     Returns
     -------
@@ -91,9 +95,9 @@ def prepared_problem(
             f"the effects are {', '.join(_NAMES)}"
         )
     tolerance = tolerance or Tolerance()
-    return Problem.of(
-        recording, tolerance, valve.physics, valve=valve, held=held, held_values=values, trim=trim
-    )
+    trim = history.trim_ if history is not None else trim
+    known = {"held": held, "held_values": values, "history": history}
+    return Problem.of(recording, tolerance, valve.physics, valve=valve, trim=trim, **known)
 
 
 def _held(simulation: ValveSimulation, recording: Recording) -> tuple[Term, ...]:

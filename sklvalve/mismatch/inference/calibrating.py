@@ -47,6 +47,9 @@ def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:
     ----------
     problem : Problem
     """
+    if problem.history is not None:
+        known = {p.name: p.start for p in problem.calibration(problem.channels)}
+        return Model((), problem.plain, known | problem.held_values, {}, np.nan, {}), {}
     moves = "command" in problem.recording and not problem.coupled
     values, sound = first_values(
         problem.plain,

@@ -9,6 +9,8 @@ from typing import Any
 
 import numpy as np
 
+from sklvalve.history import ValveHistory
+from sklvalve.history.noise_of_history import as_before
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.inference.sharing import Sharing
@@ -80,6 +82,8 @@ class Problem(Sharing, Sizes):
         Values of their parameters to begin with.
     sound_values : dict
         Parameters of an actuator that most rows bear out; `calibrated` finds them.
+    history : ValveHistory or None
+        What is known of the valve from earlier recordings: it takes the sheet's place as what is expected.
     """
 
     recording: Recording
@@ -94,6 +98,7 @@ class Problem(Sharing, Sizes):
     held: tuple[Term, ...] = ()
     held_values: dict[str, float] = field(default_factory=dict)
     sound_values: dict[str, float] = field(default_factory=dict)
+    history: ValveHistory | None = None
     _memory: _Memory = field(default_factory=_Memory, repr=False)
 
     @classmethod
@@ -320,6 +325,9 @@ class Problem(Sharing, Sizes):
         """
         left, noise, learnt = self.residuals(model), {}, self._memory.noises
         for c in self.channels:
+            if cautious and self.history is not None:
+                noise[c] = self._noise_before(c, left[c], model)
+                continue
             untouched = not self._touching(model.terms, (c,))
             if untouched and not anew and (c, cautious) in learnt:
                 noise[c] = learnt[c, cautious]
@@ -336,6 +344,18 @@ class Problem(Sharing, Sizes):
             if untouched:
                 learnt[c, cautious] = noise[c]
         return self.with_noise(noise)
+
+    def _noise_before(self, channel: str, left: np.ndarray, model: Model) -> Any:
+        """Noise of a channel as its history has it: learnt where nothing was missing."""
+        return as_before(
+            self.history.noise_parts(channel),
+            self.recording,
+            left,
+            model.predictions[channel],
+            model.chain.step,
+            channel,
+            self.noise_settings(channel)["inadequacy"],
+        )
 
     def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""

@@ -6,18 +6,19 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import Any
 
+from sklvalve.history import ValveHistory
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation import Tolerance
-from sklvalve.simulation.calibration import flow_parameters, opening_parameters
+from sklvalve.simulation.calibration import calibration_parameters
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parameters import Parameter
 
 
 class Sharing:
-    """Part of a problem: it has ``recording, valve, tolerance, trim, plain, channels, held``."""
+    """Part of a problem: it has ``recording, valve, tolerance, trim, plain, channels, held, history``."""
 
     recording: Recording
     valve: Valve
@@ -26,6 +27,7 @@ class Sharing:
     plain: Chain
     channels: tuple[str, ...]
     held: tuple[Term, ...]
+    history: ValveHistory | None
 
     @property
     def coupled(self) -> bool:
@@ -48,18 +50,11 @@ class Sharing:
         return (self.channels,) if joined else tuple((c,) for c in sorted(self.channels))
 
     def calibration(self, channels: Sequence[str]) -> list[Parameter]:
-        """Parameters that the data sheet leaves open for some channels."""
-        parameters: list[Parameter] = []
-        if "opening" in channels or self.coupled:
-            parameters += opening_parameters(self.recording, self.valve, self.tolerance)
-        if "flow" in channels:
-            choking = self.plain.choking and self.plain.margin is not None
-            parameters += flow_parameters(
-                self.recording, self.valve, self.tolerance, self.trim, choking=choking
-            )
+        """Parameters that the data sheet, or the valve's history, leaves open for some channels."""
+        parameters: list[Parameter] = calibration_parameters(self.plain, self.tolerance, channels)
         for term in self._telling(self.held, channels):
             parameters += [q.parameter_of(term.effect.key) for q in term.effect.quantities(self.plain)]
-        return parameters
+        return parameters if self.history is None else self.history.prior_of(parameters)
 
     def parameters(
         self, chain: Chain, channels: Sequence[str], terms: Iterable[Term], attempt: int = 0

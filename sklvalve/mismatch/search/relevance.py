@@ -104,7 +104,8 @@ def beyond_tolerance(problem: Problem, model: Model, term: Term) -> bool:
 
     Beyond by more than a simulation gets wrong of its size: a sound valve may stand at the edge.
     """
-    late = term.onset is not None
+    # what is there throughout a recording, and was not in the valve's history, began between them
+    late = term.onset is not None or problem.history is not None
     edge = {f.name: (1.0 + SHARE_MISTAKEN) * getattr(problem.tolerance, f.name) for f in fields(Tolerance)}
     return term.effect.beyond_tolerance(own_values(term, model), model.chain, Tolerance(**edge), late)
 

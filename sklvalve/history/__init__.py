@@ -1,0 +1,13 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is known of one valve from recordings in which nothing was missing: the prior of a diagnosis.
+
+In the order of the data: `learning` calibrates the simulation on the recordings and keeps, of every window of
+rows, what it says of the calibration; `posterior` makes of these what is expected of the next recording;
+`allowance` is what may change without a fault, `operating_range` where the valve has been. `ValveHistory`
+holds all of it.
+"""
+
+from sklvalve.history.allowance import Allowance
+from sklvalve.history.valve_history import ValveHistory
+
+__all__ = ["Allowance", "ValveHistory"]

@@ -1,0 +1,230 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The simulation of a valve calibrated on its history, and what each window of it says of that."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from sklvalve.history.posterior import Information
+from sklvalve.recording import Recording, join_recordings
+from sklvalve.simulation.calibration import calibration_parameters, channels_of, span_of
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.first_values import first_values
+from sklvalve.simulation.fitting import Misfit, PlainNoise, fit_chain, residual_of, simulate_channels
+from sklvalve.simulation.noise import NoiseParts
+from sklvalve.simulation.noise_of_pieces import noise_of
+from sklvalve.simulation.parameters import Parameter
+from sklvalve.simulation.robust import normal_equations, robust_weights
+from sklvalve.simulation.tolerance import Tolerance
+
+#: A window of a history has about so many rows, and a calibration is made on at most so many.
+WINDOW, CALIBRATED_ON = 1_800, 14_400
+# rows whose derivatives are held at a time
+_AT_ONCE = 86_400
+# a healthy simulation is wrong by about this share of what counts as an effect
+_INADEQUACY = 0.2
+# of a noise not yet learnt, share of the span
+_UNKNOWN = 0.003
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """What some rows of a history say.
+
+    Parameters
+    ----------
+    begins : float or str
+        Time of the first row as it was recorded.
+    rows : int
+    seconds : float
+    information : tuple of Information
+        Of each group of channels that share parameters.
+    left : dict of str to float
+        Channel -> rms of what the calibrated simulation leaves over [SI].
+    noise : dict of str to NoiseParts
+        Channel -> noise of the recording that the window is of.
+    """
+
+    begins: Any
+    rows: int
+    seconds: float
+    information: tuple[Information, ...]
+    left: dict[str, float]
+    noise: dict[str, NoiseParts]
+
+
+@dataclass(frozen=True, eq=False)
+class Group:
+    """Channels that share parameters, and these.
+
+    Parameters
+    ----------
+    channels : tuple of str
+    parameters : tuple of Parameter
+    """
+
+    channels: tuple[str, ...]
+    parameters: tuple[Parameter, ...]
+
+
+def groups_of(chain: Chain, tolerance: Tolerance) -> tuple[Group, ...]:
+    """Channels of a recording in groups that share no parameter.
+
+    Parameters
+    ----------
+    chain : Chain
+        With the effects that the valve is known to have.
+    tolerance : Tolerance
+    """
+    channels = channels_of(chain.recording)
+    brought = [q.parameter_of(e.key) for e in chain.effects for q in e.quantities(chain)]
+    joined = "opening" not in chain.recording or bool(brought)
+    each = [channels] if joined else [(c,) for c in sorted(channels)]
+    return tuple(Group(c, (*calibration_parameters(chain, tolerance, c), *brought)) for c in each)
+
+
+def sampled(recordings: Sequence[Recording]) -> Recording:
+    """Recordings in one, of many rows windows spread evenly over them."""
+    many = sum(len(r) for r in recordings)
+    if many <= CALIBRATED_ON:
+        return join_recordings(recordings)
+    keep = CALIBRATED_ON // WINDOW
+    spans = [(r, low, low + WINDOW) for r in recordings for low in range(0, len(r) - WINDOW + 1, WINDOW)]
+    spans = spans or [(r, 0, len(r)) for r in recordings]
+    chosen = np.unique(np.linspace(0, len(spans) - 1, keep).round().astype(int))
+    return join_recordings([spans[i][0].slice(spans[i][1], spans[i][2]) for i in chosen])
+
+
+def calibrated_on(
+    chain: Chain, groups: Sequence[Group], tolerance: Tolerance
+) -> tuple[dict[str, float], dict[str, Any]]:
+    """Values of a simulation that has nothing missing, and the noise that it leaves.
+
+    Parameters
+    ----------
+    chain : Chain
+    groups : sequence of Group
+    tolerance : Tolerance
+
+    Returns
+    -------
+    values : dict
+    noise : dict
+        Channel -> noise model.
+    """
+    recording = chain.recording
+    channels = [c for g in groups for c in g.channels]
+    stem = next((g.parameters for g in groups if g.channels == ("opening",)), ())
+    values, _ = first_values(chain, stem, flow="flow" in channels)
+    noise = {c: PlainNoise(_UNKNOWN * spans_of(recording)[c]) for c in channels}
+    for _ in range(3):
+        for group in groups:
+            values |= fit_chain(chain, group.parameters, group.channels, noise, start=values).values
+        noise = noise_left(chain, simulate_channels(chain, values, channels), tolerance)
+    return values, noise
+
+
+def noise_left(chain: Chain, predictions: dict[str, np.ndarray], tolerance: Tolerance) -> dict[str, Any]:
+    """Noise that a simulation leaves over of a recording, channel by channel."""
+    spans = spans_of(chain.recording)
+    counts = {"opening": tolerance.opening_effect, "flow": tolerance.flow_effect}
+    return {
+        c: noise_of(
+            chain.recording,
+            residual_of(chain, predictions, c, None),
+            predictions[c],
+            chain.step,
+            c,
+            inadequacy=_INADEQUACY * counts[c] * spans[c],
+        )
+        for c in predictions
+    }
+
+
+def spans_of(recording: Recording) -> dict[str, float]:
+    """Role -> span of its signal [SI]; of an opening the travel."""
+    return {role: 1.0 if role == "opening" else span_of(recording[role]) for role in recording}
+
+
+def windows_of(
+    chain: Chain, groups: Sequence[Group], values: dict[str, float], tolerance: Tolerance
+) -> Iterator[Window]:
+    """What every window of one recording says of a calibration.
+
+    Parameters
+    ----------
+    chain : Chain
+        Bound to the recording.
+    groups : sequence of Group
+    values : dict
+        The calibration about which is asked.
+    tolerance : Tolerance
+
+    Yields
+    ------
+    window : Window
+    """
+    n = len(chain.time)
+    predictions = simulate_channels(chain, values, [c for g in groups for c in g.channels])
+    noise = noise_left(chain, predictions, tolerance)
+    errors, slopes = zip(*(_linearised(chain, g, values, noise) for g in groups), strict=True)
+    many = max(1, round(n / WINDOW))
+    edges = np.linspace(0, n, many + 1).astype(int)
+    for low, high in pairwise(edges):
+        rows = slice(low, high)
+        yield Window(
+            begins=chain.recording.stamps[low],
+            rows=int(high - low),
+            seconds=float(chain.time[high - 1] - chain.time[low]),
+            information=tuple(
+                _information(e, s, g, n, rows) for e, s, g in zip(errors, slopes, groups, strict=True)
+            ),
+            left={c: _rms(residual_of(chain, predictions, c, None)[rows]) for c in predictions},
+            noise={c: parts_of(noise[c]) for c in predictions},
+        )
+
+
+def pieces_of(recording: Recording) -> Iterator[Recording]:
+    """A recording in parts of which one at a time is held in memory with all its derivatives."""
+    many = max(1, int(np.ceil(len(recording) / _AT_ONCE)))
+    edges = np.linspace(0, len(recording), many + 1).astype(int)
+    for low, high in pairwise(edges):
+        yield recording.slice(int(low), int(high))
+
+
+def parts_of(noise: Any) -> NoiseParts:
+    """What the noise of a recording is made of; of several the longest one's."""
+    model = noise.longest[1] if hasattr(noise, "longest") else noise
+    return model.parts
+
+
+def _linearised(
+    chain: Chain, group: Group, values: dict[str, float], noise: dict[str, Any]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Whitened errors of a group, channel after channel, and their derivatives by scaled parameters."""
+    misfit = Misfit(chain, group.parameters, group.channels, noise, fixed=values)
+    z = misfit.vector.pack(values)
+    errors = misfit.whitened(misfit.predictions(z))
+    moved, reach = misfit.neighbours(z)
+    slopes = np.empty((len(z), len(errors)))
+    for j, (m, r) in enumerate(zip(moved, reach, strict=True)):
+        slopes[j] = (misfit.whitened(misfit.predictions(m)) - errors) / (r / misfit.vector.scale[j])
+    return errors, slopes
+
+
+def _information(errors: np.ndarray, slopes: np.ndarray, group: Group, n: int, rows: slice) -> Information:
+    """Normal equations of the rows of one window."""
+    at = np.concatenate([np.arange(rows.start, rows.stop) + k * n for k in range(len(group.channels))])
+    part = np.ascontiguousarray(slopes[:, at])
+    gradient, hessian = normal_equations(part, robust_weights(errors[at]), errors[at])
+    return Information(hessian, -gradient)
+
+
+def _rms(left: np.ndarray) -> float:
+    seen = left[np.isfinite(left)]
+    return float(np.sqrt(np.mean(seen**2))) if len(seen) else 0.0

@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What windows of a history, each with its own chance of change, let expect of the next one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+# a scatter is believed over the allowance when windows outweigh so many that are as the allowance says
+_WINDOWS_OF_ALLOWANCE = 4.0
+_ROUNDS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class Information:
+    """What the rows of one window say of a calibration, to second order about a common point.
+
+    Parameters
+    ----------
+    hessian : ndarray of shape (m, m)
+        Of half the weighed squares of whitened errors, in scaled parameters.
+    pull : ndarray of shape (m,)
+        Where the window's own best lies: ``hessian @ best``, counted from the point.
+    """
+
+    hessian: np.ndarray
+    pull: np.ndarray
+
+
+def expected(
+    windows: Sequence[Information], precision: np.ndarray, begin: np.ndarray, allowance: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    r"""Mean and covariance of the calibration of a window that is yet to come.
+
+    The calibration of window w is :math:`\theta_w = \theta + u_w`, with :math:`u_w \sim N(0, Q)`, Q diagonal
+    and nowhere below the allowance. Q is found by expectation and maximisation; the next window's calibration
+    has the posterior of :math:`\theta` and another :math:`u` upon it.
+
+    Parameters
+    ----------
+    windows : sequence of Information
+    precision : ndarray of shape (m,)
+        Of the data sheet's prior.
+    begin : ndarray of shape (m,)
+        Mean of the data sheet's prior, counted from the common point.
+    allowance : ndarray of shape (m,)
+        Variance that is allowed without a fault.
+
+    Returns
+    -------
+    mean : ndarray of shape (m,)
+        Counted from the common point.
+    covariance : ndarray of shape (m, m)
+    """
+    changes = allowance.copy()
+    for _ in range(_ROUNDS):
+        mean, covariance = _of_the_valve(windows, precision, begin, changes)
+        seen = np.zeros(len(changes))
+        for window in windows:
+            # what this window's own change is, given what is known of the valve
+            own = np.linalg.inv(window.hessian + np.diag(1.0 / changes))
+            step = own @ (window.pull - window.hessian @ mean)
+            through = own @ window.hessian
+            seen += step**2 + np.diag(own) + np.einsum("ij,jk,ik->i", through, covariance, through)
+        total = seen + _WINDOWS_OF_ALLOWANCE * allowance
+        changes = np.maximum(total / (len(windows) + _WINDOWS_OF_ALLOWANCE), allowance)
+    mean, covariance = _of_the_valve(windows, precision, begin, changes)
+    return mean, covariance + np.diag(changes)
+
+
+def _of_the_valve(
+    windows: Sequence[Information], precision: np.ndarray, begin: np.ndarray, changes: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean and covariance of what windows have in common."""
+    total, pull = np.diag(precision), precision * begin
+    for window in windows:
+        spread = np.linalg.inv(np.eye(len(changes)) + window.hessian * changes)
+        total = total + spread @ window.hessian
+        pull = pull + spread @ window.pull
+    covariance = np.linalg.inv(0.5 * (total + total.T))
+    return covariance @ pull, covariance

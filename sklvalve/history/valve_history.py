@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is known of one valve from its own recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from sklearn.base import BaseEstimator
+from sklearn.utils.validation import check_is_fitted
+
+from sklvalve.history.allowance import Allowance
+from sklvalve.history.learning import (
+    Window,
+    calibrated_on,
+    groups_of,
+    pieces_of,
+    sampled,
+    spans_of,
+    windows_of,
+)
+from sklvalve.history.posterior import expected
+from sklvalve.recording import Recording, Valve
+from sklvalve.simulation.calibration import choose_trim
+from sklvalve.simulation.chain import Chain
+from sklvalve.simulation.given import chain_for
+from sklvalve.simulation.noise import NoiseParts
+from sklvalve.simulation.parameters import JointPrior, Parameter, ParameterVector
+from sklvalve.simulation.tolerance import Tolerance
+
+# parameters that a meter or a sensor set to zero again may take beyond what its sheet allows
+_ZEROS = ("position_zero", "stem_zero", "flow_zero", "dp_zero")
+
+
+class ValveHistory(BaseEstimator):
+    """History of one valve: what later recordings of it are held against.
+
+    Parameters
+    ----------
+    valve : Valve, default=None
+        Data sheet; that of the recordings unless given.
+    tolerance : Tolerance, default=None
+        What the data sheet leaves open.
+    allowance : Allowance, default=None
+        What may change without a fault between the history and a later recording.
+    effects : sequence of Effect, default=()
+        Physics beyond the sheet that the valve is known to have had in the history.
+    onsets : dict, default=None
+        Effect key -> absolute time [s] from which on it acts.
+
+    Attributes
+    ----------
+    values_ : dict
+        Every parameter's value in the history, in SI.
+    prior_ : JointPrior
+        What is expected of the calibration in the next recording.
+    windows_ : list of Window
+        What each part of the recordings says.
+    spans_ : dict
+        Role -> span of its signal [SI].
+    trim_ : Trim
+    valve_ : Valve
+    """
+
+    def __init__(
+        self,
+        valve: Valve | None = None,
+        *,
+        tolerance: Tolerance | None = None,
+        allowance: Allowance | None = None,
+        effects: Sequence[Any] = (),
+        onsets: dict[str, Any] | None = None,
+    ) -> None:
+        self.valve = valve
+        self.tolerance = tolerance
+        self.allowance = allowance
+        self.effects = effects
+        self.onsets = onsets
+
+    def fit(self, X: Recording | Iterable[Recording], y: Any = None) -> ValveHistory:
+        """Learn the valve from its recordings.
+
+        Parameters
+        ----------
+        X : Recording, or iterable of Recording
+            Of the same signals and the same data sheet.
+        y : ignored
+
+        Returns
+        -------
+        self : ValveHistory
+        """
+        recordings = [X] if isinstance(X, Recording) else list(X)
+        joined = sampled(recordings)
+        self.valve_ = self.valve or joined.valve
+        tolerance = self.tolerance or Tolerance()
+        self.trim_ = choose_trim(joined, self.valve_, tolerance)
+        self.roles_ = tuple(joined)
+        self.spans_ = spans_of(joined)
+        chain = self._chain(joined)
+        self._groups_ = groups_of(chain, tolerance)
+        self.values_, _ = calibrated_on(chain, self._groups_, tolerance)
+        self.windows_: list[Window] = []
+        return self.update(recordings)
+
+    def update(self, X: Recording | Iterable[Recording]) -> ValveHistory:
+        """Learn from further recordings; what was learnt before is not fitted again.
+
+        Parameters
+        ----------
+        X : Recording, or iterable of Recording
+
+        Returns
+        -------
+        self : ValveHistory
+        """
+        check_is_fitted(self, "values_")
+        tolerance = self.tolerance or Tolerance()
+        for recording in [X] if isinstance(X, Recording) else X:
+            for piece in pieces_of(recording):
+                self.windows_ += windows_of(self._chain(piece), self._groups_, self.values_, tolerance)
+        self.prior_ = self._expected()
+        return self
+
+    @property
+    def rows(self) -> int:
+        """Number of rows learnt from."""
+        return sum(window.rows for window in self.windows_)
+
+    @property
+    def days(self) -> float:
+        """Time that was recorded [d]."""
+        return sum(window.seconds for window in self.windows_) / 86_400.0
+
+    def prior_of(self, parameters: Iterable[Parameter]) -> list[Parameter]:
+        """Parameters of a calibration with what the history lets expect of them.
+
+        Parameters
+        ----------
+        parameters : iterable of Parameter
+            As the sheet has them; those that the history does not know stay as they are.
+
+        Returns
+        -------
+        parameters : list of Parameter
+        """
+        return [self._known.get(p.name, p) for p in parameters]
+
+    @cached_property
+    def _known(self) -> dict[str, Parameter]:
+        size = np.sqrt(np.diag(self.prior_.covariance))
+        known = {}
+        for p in (p for group in self._groups_ for p in group.parameters):
+            at = self.prior_.names.index(p.name)
+            mean = float(self.prior_.mean[at])
+            start = float(np.exp(mean)) if p.log else mean
+            low, high = p.low, p.high
+            if p.name in _ZEROS:
+                low, high = min(low, mean - 4.0 * size[at]), max(high, mean + 4.0 * size[at])
+            known[p.name] = replace(
+                p, low=low, high=high, start=float(np.clip(start, low, high)), joint=self.prior_
+            )
+        return known
+
+    def noise_parts(self, channel: str) -> NoiseParts:
+        """Noise of a channel in the history: that of its median window.
+
+        Parameters
+        ----------
+        channel : {"opening", "flow"}
+        """
+        each = sorted((w.noise[channel] for w in self.windows_), key=lambda parts: parts.size)
+        return each[len(each) // 2]
+
+    def _expected(self) -> JointPrior:
+        """The prior of the next recording, of all groups of channels in one."""
+        self.__dict__.pop("_known", None)
+        allowance = self.allowance or Allowance()
+        names, means, covariances = [], [], []
+        for k, group in enumerate(self._groups_):
+            vector = ParameterVector(group.parameters)
+            here, scale = vector.pack(self.values_), vector.scale
+            sheet = np.array([p.spread or np.inf for p in group.parameters]) / scale
+            begin = (vector.pack({}) - here) / scale
+            allowed = np.array([allowance.of(p, self.spans_) for p in group.parameters]) / scale
+            windows = [w.information[k] for w in self.windows_]
+            mean, covariance = expected(windows, np.maximum(sheet**-2.0, 1e-9), begin, allowed**2)
+            means.append(np.clip(here + scale * mean, vector.low, vector.high))
+            covariances.append(covariance * np.outer(scale, scale))
+            names += vector.names
+        size = np.cumsum([0, *map(len, means)])
+        covariance = np.zeros((size[-1], size[-1]))
+        for k, part in enumerate(covariances):
+            covariance[size[k] : size[k + 1], size[k] : size[k + 1]] = part
+        return JointPrior(tuple(names), np.concatenate(means), covariance)
+
+    def _chain(self, recording: Recording) -> Chain:
+        choking = "choked_flow" in self.valve_.physics and {"p1", "p2"} <= set(recording)
+        return chain_for(
+            recording,
+            self.valve_,
+            self.trim_,
+            effects=tuple(self.effects),
+            onsets=dict(self.onsets or {}),
+            choking=choking,
+        )
