@@ -18,26 +18,29 @@ class Allowance:
 
     Parameters
     ----------
-    capacity : float, default=0.003
-        Capacity together with the meter's gain, and every part of the trim, relative [1].
-    recovery : float, default=0.01
+    capacity : float, default=0.002
+        Capacity together with the meter's gain, relative [1].
+    trim : float, default=0.001
+        Capacity at each opening beside that at full travel, relative [1].
+    recovery : float, default=0.005
         F_L, relative [1].
-    response : float, default=0.1
+    response : float, default=0.05
         Time constants, speeds and gains of positioner, actuator and meter, relative [1].
-    position_zero : float, default=0.001
+    position_zero : float, default=0.0005
         Zero of the position sensor, and of the stem under it [1 = travel].
-    flow_zero : float, default=0.0015
+    flow_zero : float, default=0.001
         Zero of the flow meter, share of its span [1].
-    pressure_zero : float, default=0.001
+    pressure_zero : float, default=0.0005
         Zero of a pressure sensor, share of its span [1].
     """
 
-    capacity: float = 0.003
-    recovery: float = 0.01
-    response: float = 0.1
-    position_zero: float = 0.001
-    flow_zero: float = 0.0015
-    pressure_zero: float = 0.001
+    capacity: float = 0.002
+    trim: float = 0.001
+    recovery: float = 0.005
+    response: float = 0.05
+    position_zero: float = 0.0005
+    flow_zero: float = 0.001
+    pressure_zero: float = 0.0005
 
     def of(self, parameter: Parameter, spans: Mapping[str, float]) -> float:
         """Allowance of one parameter of a calibration, in the numbers that an optimiser moves.
@@ -64,9 +67,9 @@ class Allowance:
             "capacity": self.capacity * parameter.start,
         }.get(name)
         if share is None and name.startswith("trim_"):
-            share = self.capacity
+            share = self.trim
         if share is None and name.startswith("rise_"):
-            share = self.capacity * _RISE * max(parameter.spread or 0.0, parameter.start)
+            share = self.trim * _RISE * max(parameter.spread or 0.0, parameter.start)
         if share is None and parameter.log:
             share = self.response
         # what else there is may change by a tenth of what the sheet leaves open

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# a scatter is believed over the allowance when windows outweigh so many that are as the allowance says
-_WINDOWS_OF_ALLOWANCE = 4.0
+# within a history a sound valve changes by this share of what is allowed until the next recording, and the
+# scatter of its windows is believed over that as they outweigh so many that are as it says
+_SHARE_WITHIN, _WINDOWS_AS_EXPECTED = 0.3, 4.0
 _ROUNDS = 40
 
 
@@ -34,9 +35,9 @@ def expected(
 ) -> tuple[np.ndarray, np.ndarray]:
     r"""Mean and covariance of the calibration of a window that is yet to come.
 
-    The calibration of window w is :math:`\theta_w = \theta + u_w`, with :math:`u_w \sim N(0, Q)`, Q diagonal
-    and nowhere below the allowance. Q is found by expectation and maximisation; the next window's calibration
-    has the posterior of :math:`\theta` and another :math:`u` upon it.
+    The calibration of window w is :math:`\theta_w = \theta + u_w`, with :math:`u_w \sim N(0, Q)`, Q diagonal,
+    found by expectation and maximisation. The next recording's calibration has the posterior of
+    :math:`\theta`, another :math:`u`, and the allowance upon it.
 
     Parameters
     ----------
@@ -54,7 +55,8 @@ def expected(
         Counted from the common point.
     covariance : ndarray of shape (m, m)
     """
-    changes = allowance.copy()
+    usual = _SHARE_WITHIN**2 * allowance
+    changes = usual.copy()
     for _ in range(_ROUNDS):
         mean, covariance = _of_the_valve(windows, precision, begin, changes)
         seen = np.zeros(len(changes))
@@ -64,10 +66,9 @@ def expected(
             step = own @ (window.pull - window.hessian @ mean)
             through = own @ window.hessian
             seen += step**2 + np.diag(own) + np.einsum("ij,jk,ik->i", through, covariance, through)
-        total = seen + _WINDOWS_OF_ALLOWANCE * allowance
-        changes = np.maximum(total / (len(windows) + _WINDOWS_OF_ALLOWANCE), allowance)
+        changes = (seen + _WINDOWS_AS_EXPECTED * usual) / (len(windows) + _WINDOWS_AS_EXPECTED)
     mean, covariance = _of_the_valve(windows, precision, begin, changes)
-    return mean, covariance + np.diag(changes)
+    return mean, covariance + np.diag(changes + allowance)
 
 
 def _of_the_valve(

@@ -6,6 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 
+# a distance from a joint prior is counted in so many equal parts
+_PARTS = 16
+
+
 @dataclass(frozen=True, eq=False)
 class JointPrior:
     """What is expected of several parameters together before a recording is seen: a Gaussian.
@@ -139,5 +143,8 @@ class ParameterVector:
         """Distances from what is expected in prior standard deviations, for parameters that have a prior."""
         vector = np.asarray(vector)
         alone = (vector[self._known] - self._expected) / self._spread
-        jointly = [root @ (vector[at] - mean) for at, mean, root in self._jointly]
+        # in parts, so that the robust cost of errors, linear beyond three, is a Gaussian's up to twelve
+        jointly = [
+            np.tile(root @ (vector[at] - mean) / np.sqrt(_PARTS), _PARTS) for at, mean, root in self._jointly
+        ]
         return np.concatenate([alone, *jointly])

@@ -357,6 +357,21 @@ class Problem(Sharing, Sizes):
             self.noise_settings(channel)["inadequacy"],
         )
 
+    def change_by_last(self, model: Model, without: Model) -> dict[str, float]:
+        """How much the last effect of a hypothesis changes, as `change` has it.
+
+        Against a data sheet that is what no other calibration does as well: the difference to the fit
+        without the effect. Where a history knows the calibration it is all that the effect does.
+
+        Parameters
+        ----------
+        model, without : Model
+            Fitted with the effect and without it.
+        """
+        if self.history is not None:
+            without = self.simulate(model.terms[:-1], model.values)
+        return self.change(model, without)
+
     def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
         counts = self.tolerated(channel) * self.spans[channel]

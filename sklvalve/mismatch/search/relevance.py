@@ -44,7 +44,7 @@ def is_relevant(problem: Problem, model: Model, without: Model, threshold: float
     matters : bool
     """
     gain = penalised_likelihood(problem, model) - penalised_likelihood(problem, without)
-    sizes = problem.change(model, without)
+    sizes = problem.change_by_last(model, without)
     if not (gain > threshold and may_explain(problem, model, without)):
         return False
     if not without.terms:
@@ -68,7 +68,7 @@ def may_explain(problem: Problem, model: Model, without: Model) -> bool:
     physically possible speaks against itself.
     """
     term = model.terms[-1]
-    counts = beyond_tolerance(problem, model, term) and problem.counts(problem.change(model, without))
+    counts = beyond_tolerance(problem, model, term) and problem.counts(problem.change_by_last(model, without))
     return counts and not _absurd(model, term)
 
 
@@ -80,7 +80,7 @@ def may_be_instead(problem: Problem, model: Model, without: Model) -> bool:
     """
     term = model.terms[-1]
     open_to_it = term.onset is not None or beyond_tolerance(problem, model, term)
-    sizes = {channel: size / _OF_A_RIVAL for channel, size in problem.change(model, without).items()}
+    sizes = {channel: size / _OF_A_RIVAL for channel, size in problem.change_by_last(model, without).items()}
     return open_to_it and problem.counts(sizes) and not _absurd(model, term)
 
 
