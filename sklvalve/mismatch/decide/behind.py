@@ -109,7 +109,9 @@ def _likelier_alone(
         by_its_noise, model = _alone(explanation, Term(effect))
         without = by_its_noise.fit((), start=explanation.nominal)
         gain = model.log_likelihood - without.log_likelihood
-        finding = Finding(model.terms[0], [], gain, problem.change(model, without))
+        finding = Finding(
+            model.terms[0], [], gain, problem.change(model, by_its_noise.without(model, (), without))
+        )
         rare = p_value_of_one(finding, by_its_noise, covariates) <= alpha
         likely = penalised_across_noises(by_its_noise, model)
         if rare and likely > likeliest and may_explain(by_its_noise, model, without):

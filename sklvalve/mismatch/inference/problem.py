@@ -357,20 +357,21 @@ class Problem(Sharing, Sizes):
             self.noise_settings(channel)["inadequacy"],
         )
 
-    def change_by_last(self, model: Model, without: Model) -> dict[str, float]:
-        """How much the last effect of a hypothesis changes, as `change` has it.
+    def without(self, model: Model, terms: Sequence[Term], fitted: Model) -> Model:
+        """What a hypothesis is held against to see how much some of its effects change.
 
-        Against a data sheet that is what no other calibration does as well: the difference to the fit
-        without the effect. Where a history knows the calibration it is all that the effect does.
+        Against a data sheet that is what no other calibration does as well: the fit without them. Where a
+        history knows the calibration it is all that they do: the same calibration without them.
 
         Parameters
         ----------
-        model, without : Model
-            Fitted with the effect and without it.
+        model : Model
+        terms : sequence of Term
+            Those that stay.
+        fitted : Model
+            Fitted with these alone.
         """
-        if self.history is not None:
-            without = self.simulate(model.terms[:-1], model.values)
-        return self.change(model, without)
+        return fitted if self.history is None else self.simulate(terms, model.values)
 
     def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""

@@ -163,7 +163,10 @@ class _Search:
             beyond = [m for m in candidates if beyond_tolerance(problem, m, m.terms[-1])]
             for m in beyond:
                 gain = m.log_likelihood - model.log_likelihood
-                self.tried[m.terms[-1].effect.key] = gain, problem.change_by_last(m, model)
+                self.tried[m.terms[-1].effect.key] = (
+                    gain,
+                    problem.change(m, problem.without(m, model.terms, model)),
+                )
         promising = [m for m in candidates if is_relevant(problem, m, model, self.threshold)]
         problem, settled = self._first_that_counts(problem, model, promising)
         if settled is None and much_is_left(problem, model):
@@ -184,7 +187,10 @@ class _Search:
             # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
             if not model.terms and may_explain(by_its_noise, settled, without):
                 gain = settled.log_likelihood - without.log_likelihood
-                self.tried[chosen.terms[-1].effect.key] = gain, problem.change_by_last(settled, without)
+                self.tried[chosen.terms[-1].effect.key] = (
+                    gain,
+                    problem.change(settled, problem.without(settled, without.terms, without)),
+                )
             problem = problem.with_noise_of(model, cautious=True)
         return problem, None
 

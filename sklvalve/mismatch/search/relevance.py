@@ -44,7 +44,7 @@ def is_relevant(problem: Problem, model: Model, without: Model, threshold: float
     matters : bool
     """
     gain = penalised_likelihood(problem, model) - penalised_likelihood(problem, without)
-    sizes = problem.change_by_last(model, without)
+    sizes = _change_by_last(problem, model, without)
     if not (gain > threshold and may_explain(problem, model, without)):
         return False
     if not without.terms:
@@ -53,7 +53,7 @@ def is_relevant(problem: Problem, model: Model, without: Model, threshold: float
     if any(_leaves_most(problem, model, without, c) for c in large):
         return True
     bare = problem.fit((), start=without)
-    strongest = problem.change(without, bare)
+    strongest = problem.change(without, problem.without(without, (), bare))
     fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
     if large != ["opening"]:
         # or in gain, which counts how long it acts as well; where a stroke is missed, its rest repeats it
@@ -68,7 +68,9 @@ def may_explain(problem: Problem, model: Model, without: Model) -> bool:
     physically possible speaks against itself.
     """
     term = model.terms[-1]
-    counts = beyond_tolerance(problem, model, term) and problem.counts(problem.change_by_last(model, without))
+    counts = beyond_tolerance(problem, model, term) and problem.counts(
+        _change_by_last(problem, model, without)
+    )
     return counts and not _absurd(model, term)
 
 
@@ -80,8 +82,14 @@ def may_be_instead(problem: Problem, model: Model, without: Model) -> bool:
     """
     term = model.terms[-1]
     open_to_it = term.onset is not None or beyond_tolerance(problem, model, term)
-    sizes = {channel: size / _OF_A_RIVAL for channel, size in problem.change_by_last(model, without).items()}
+    changed = _change_by_last(problem, model, without)
+    sizes = {channel: size / _OF_A_RIVAL for channel, size in changed.items()}
     return open_to_it and problem.counts(sizes) and not _absurd(model, term)
+
+
+def _change_by_last(problem: Problem, model: Model, without: Model) -> dict[str, float]:
+    """How much the last effect of a hypothesis changes."""
+    return problem.change(model, problem.without(model, model.terms[:-1], without))
 
 
 def _absurd(model: Model, term: Term) -> bool:
