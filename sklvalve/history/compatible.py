@@ -49,9 +49,7 @@ def require_compatible(history: ValveHistory, recording: Recording, valve: Valve
     require_no_loop(recording)
     require_same_valve(history, valve or recording.valve, recording.source)
     require_same_signals(history, recording)
-    mine = list(sources_of(recording))
-    _require_other_rows(history.recordings_, mine, recording.source)
-    _require_earlier(history.recordings_, mine, recording.source)
+    require_apart(history.recordings_, recording)
     _require_met(history, recording)
 
 
@@ -116,7 +114,21 @@ def require_same_signals(history: ValveHistory, recording: Recording) -> None:
         )
 
 
-def _require_other_rows(known: Sequence[Source], mine: Sequence[Source], source: str) -> None:
+def require_apart(known: Sequence[Source], recording: Recording) -> None:
+    """Refuse a recording whose rows a history holds, or before or amid which it was recorded.
+
+    Parameters
+    ----------
+    known : sequence of Source
+        Recordings of the history.
+    recording : Recording
+
+    Raises
+    ------
+    InputError
+        Naming both.
+    """
+    mine, source = list(sources_of(recording)), recording.source
     again = shared(mine, known)
     if again is not None:
         raise InputError(
@@ -124,9 +136,7 @@ def _require_other_rows(known: Sequence[Source], mine: Sequence[Source], source:
             "must not be in the history: learn it from other recordings"
         )
 
-
-def _require_earlier(known: Sequence[Source], mine: Sequence[Source], source: str) -> None:
-    """Where dates are known, nothing of a history lies in the time of the recording or behind it."""
+    # where dates are known, nothing of a history lies in the time of the recording or behind it
     for each in known:
         for own in mine:
             if each.comparable(own) and not own.follows(each):
