@@ -151,7 +151,7 @@ def require_sound_settings(tolerance: Any, allowance: Any) -> None:
             continue
         if not isinstance(given, kind):
             raise InputError(
-                f"the {name} of a history must be a {kind.__name__}, got {shown(given)}; write "
+                f"the {name} of a history must be of type {kind.__name__}, got {shown(given)}; write "
                 f"{kind.__name__}(...) with the numbers that differ"
             )
         for key, value in asdict(given).items():

@@ -62,5 +62,10 @@ def _require_sound_source(each: Any) -> None:
     for key in ("first", "last"):
         if not isinstance(each[key], str):
             number(each[key], "the time of a recording", -1e300, 1e300)
-    # refuses texts that are no times
-    _ = Source(**each, marks=np.empty(0, np.uint64)).spans
+    dates = [isinstance(each[key], str) for key in ("first", "last")]
+    try:
+        read = Source(**each, marks=np.empty(0, np.uint64)).spans
+    except ValueError:
+        raise ValueError("the time of a recording is none") from None
+    if any(dates) != all(dates) or (read and (read[0].tzinfo is None) != (read[1].tzinfo is None)):
+        raise ValueError("the times of a recording are of two kinds")
