@@ -208,7 +208,8 @@ class ValveHistory(BaseEstimator):
     @classmethod
     def from_state(cls, valve: Valve, state: dict[str, Any], effects: Sequence[Any] = ()) -> ValveHistory:
         """History from `to_state`; `effects` are the ones that its keys name."""
-        made = cls(valve, effects=tuple(effects), **settings_of(state["settings"]))
+        # without a sheet of its own, so that recordings to come are asked for theirs
+        made = cls(effects=tuple(effects), **settings_of(state["settings"]))
         made.valve_ = valve
         plain.put_back(made, state)
         made.prior_ = made._expected()
