@@ -19,6 +19,7 @@ _WHERE = {
     "Recording": "sklvalve.recording",
     "Valve": "sklvalve.recording",
     "ValveSimulation": "sklvalve.simulation",
+    "ValveHistory": "sklvalve.history",
     "MissingPhysicsFinder": "sklvalve.mismatch",
     "Diagnosis": "sklvalve.mismatch",
 }

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 import sklvalve
+from sklvalve.history import ValveHistory
 from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
 from sklvalve.lssvm import LSSVMRegressor, LSSVMRegressorCV
 from sklvalve.mechanism import ValveMechanismTransformer
@@ -84,6 +85,7 @@ ESTIMATORS = [
     SeriesHybridRegressor(regressor_columns=[EVIL]),
     ParallelHybridRegressor(regressor_columns=[EVIL]),
     ValveSimulation(Valve(tag=EVIL)),
+    ValveHistory(Valve(tag=EVIL)),
     MissingPhysicsFinder(ValveSimulation(Valve(tag=EVIL)), effects=EVIL),
 ]
 

@@ -16,6 +16,7 @@ from sklearn.linear_model import LinearRegression
 
 import sklvalve
 from sklvalve.datasets import make_valve_recording
+from sklvalve.history import Allowance, ValveHistory
 from sklvalve.hybrid import ParallelHybridRegressor, SeriesHybridRegressor
 from sklvalve.lssvm import LSSVMRegressor, LSSVMRegressorCV
 from sklvalve.lssvm.choice import SOLVERS
@@ -232,6 +233,26 @@ def _simulation_case():
     )
 
 
+def _history_case():
+    recording, other = _recording(), _recording(rows=900, seed=1)
+    apart = ValveHistory().fit(other)
+    return Case(
+        lambda: ValveHistory().fit(recording),
+        lambda model: np.concatenate([model.prior_.mean, model.prior_.covariance.ravel()]),
+        (
+            lambda model: model.fit([]),
+            lambda model: model.fit(other.slice(0, 100)),
+            lambda model: model.set_params(allowance=Allowance(capacity=-1.0)).fit(other),
+            lambda model: model.set_params(effects=("no effect",)).fit(other),
+            lambda model: model.update(recording),
+            lambda model: model.update([other, _without(other, "opening")]),
+            lambda model: model.merge(model),
+            lambda model: model.merge(apart.merge(ValveHistory().fit(recording))),
+        ),
+        None,
+    )
+
+
 def _finder_case():
     recording, other = _recording(rows=900), _recording("clogging", rows=900, seed=3)
 
@@ -285,6 +306,7 @@ def _cases():
     yield from _hybrid_cases()
     yield ValveMechanismTransformer, "liquid", _transformer_case()
     yield ValveSimulation, "recording", _simulation_case()
+    yield ValveHistory, "recording", _history_case()
     yield MissingPhysicsFinder, "recording", _finder_case()
 
 

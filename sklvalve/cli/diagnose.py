@@ -8,12 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.history_files import add_history_argument, read_history, require_history
 from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell, to_fill_in
 from sklvalve.cli.parser import folder, seed
 from sklvalve.cli.terminal import show, text_width
 
 if TYPE_CHECKING:
     from sklvalve.cli.staging import Staging
+    from sklvalve.history import ValveHistory
     from sklvalve.mismatch import Diagnosis, MissingPhysicsFinder
     from sklvalve.recording import Recording
 
@@ -27,6 +29,7 @@ _EXAMPLES = """examples:
   sklvalve diagnose recording.csv
   sklvalve diagnose recording.csv --valve fv101.toml --out results
   sklvalve diagnose recording.csv --until 2024-06-28T12:00:00
+  sklvalve diagnose march.csv --valve fv101.toml --history january.csv february.csv
   sklvalve diagnose monday.csv tuesday.csv --valve fv101.toml --json > found.json
 """
 
@@ -48,6 +51,7 @@ def add_parser(commands) -> None:
         help="a .csv, .csv.gz or .parquet file; several of one valve are diagnosed together",
     )
     add_valve_argument(parser)
+    add_history_argument(parser)
     parser.add_argument(
         "--out",
         type=folder,
@@ -90,9 +94,13 @@ def run(args: Namespace) -> int:
             loop_signals(used)
         else:
             require_diagnosable(used)
+        history = read_history(args.history, known.valve)
+        require_history(history, used)
     with Staging(args.out, RESULTS) as staging:
         tell(known)
-        finder = diagnose(recording, staging, until=rows, seed=args.seed, assumed=known.assumed)
+        finder = diagnose(
+            recording, staging, until=rows, seed=args.seed, assumed=known.assumed, history=history
+        )
         written = staging.commit()
     found = finder.diagnosis_.to_dict()
     if args.json:
@@ -114,10 +122,12 @@ def diagnose(
     until: int | None,
     seed: int,
     assumed: Sequence[dict[str, object]] = (),
+    history: "ValveHistory | list[Recording] | None" = None,
 ) -> "MissingPhysicsFinder":
     """Diagnose a recording and lay the results down in a staging folder; a loop has no corrected model.
 
-    What was `assumed` of the valve goes before the findings about the data.
+    What was `assumed` of the valve goes before the findings about the data. With a `history` the diagnosis
+    tells what has changed since.
     """
     from threadpoolctl import threadpool_limits
 
@@ -128,7 +138,7 @@ def diagnose(
     # thousands of fits of small matrices: on a busy machine the threads of BLAS wait for each other, and the
     # same work took three to ten times as long with two of them as with one
     with progress() as callback, threadpool_limits(1, user_api="blas"):
-        finder = MissingPhysicsFinder(random_state=seed, callback=callback)
+        finder = MissingPhysicsFinder(random_state=seed, callback=callback, history=history)
         finder.fit(recording, until=until)
         if assumed:
             finder.diagnosis_ = _with_assumed(finder.diagnosis_, assumed)

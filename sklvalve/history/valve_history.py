@@ -12,7 +12,16 @@ import numpy as np
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
+from sklvalve._refits import whole_or_nothing
+from sklvalve.history import state as plain
 from sklvalve.history.allowance import Allowance
+from sklvalve.history.compatible import require_same_signals, require_same_valve
+from sklvalve.history.learnable import (
+    recordings_of,
+    require_further,
+    require_learnable,
+    require_sound_settings,
+)
 from sklvalve.history.learning import (
     Window,
     calibrated_on,
@@ -22,7 +31,11 @@ from sklvalve.history.learning import (
     spans_of,
     windows_of,
 )
+from sklvalve.history.merging import moved, require_mergeable
+from sklvalve.history.operating_range import OperatingRange
 from sklvalve.history.posterior import expected
+from sklvalve.history.sources import Source
+from sklvalve.history.state.settings import settings_of
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation.calibration import choose_trim
 from sklvalve.simulation.chain import Chain
@@ -59,10 +72,27 @@ class ValveHistory(BaseEstimator):
         What is expected of the calibration in the next recording.
     windows_ : list of Window
         What each part of the recordings says.
+    recordings_ : list of Source
+        Which recordings it was learnt from: names of the files, checksums, times.
+    range_ : OperatingRange
+        Where the valve has been.
     spans_ : dict
         Role -> span of its signal [SI].
+    roles_ : tuple of str
+    mass_flow_ : bool
+        Whether flow was recorded by mass.
     trim_ : Trim
     valve_ : Valve
+
+    Examples
+    --------
+    >>> from sklvalve import Recording, Valve, ValveHistory
+    >>> from sklvalve.datasets import make_valve_recording
+    >>> made = make_valve_recording(loop="wide", n_samples=900, n_later=0, random_state=3)
+    >>> recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    >>> history = ValveHistory().fit(recording)
+    >>> history.rows, len(history.windows_)
+    (900, 1)
     """
 
     def __init__(
@@ -80,50 +110,110 @@ class ValveHistory(BaseEstimator):
         self.effects = effects
         self.onsets = onsets
 
+    @whole_or_nothing
     def fit(self, X: Recording | Iterable[Recording], y: Any = None) -> ValveHistory:
         """Learn the valve from its recordings.
 
         Parameters
         ----------
-        X : Recording, or iterable of Recording
-            Of the same signals and the same data sheet.
+        X : Recording, DataFrame with role names as columns, in SI, or iterable of these
+            Of the same signals and the same data sheet, at least 600 rows in all.
         y : ignored
 
         Returns
         -------
         self : ValveHistory
+
+        Raises
+        ------
+        InputError
+            If nothing, or something wrong, would be learnt of the valve.
         """
-        recordings = [X] if isinstance(X, Recording) else list(X)
+        require_sound_settings(self.tolerance, self.allowance)
+        recordings = recordings_of(X, self.valve)
+        require_learnable(recordings)
         joined = sampled(recordings)
         self.valve_ = self.valve or joined.valve
         tolerance = self.tolerance or Tolerance()
         self.trim_ = choose_trim(joined, self.valve_, tolerance)
-        self.roles_ = tuple(joined)
+        self.roles_, self.mass_flow_ = tuple(joined), joined.mass_flow
         self.spans_ = spans_of(joined)
         chain = self._chain(joined)
         self._groups_ = groups_of(chain, tolerance)
         self.values_, _ = calibrated_on(chain, self._groups_, tolerance)
         self.windows_: list[Window] = []
+        self.recordings_: list[Source] = []
+        self.range_ = OperatingRange()
         return self.update(recordings)
 
+    @whole_or_nothing
     def update(self, X: Recording | Iterable[Recording]) -> ValveHistory:
         """Learn from further recordings; what was learnt before is not fitted again.
 
         Parameters
         ----------
-        X : Recording, or iterable of Recording
+        X : Recording, DataFrame with role names as columns, in SI, or iterable of these
+
+        Returns
+        -------
+        self : ValveHistory
+
+        Raises
+        ------
+        InputError
+            If a recording is of another valve or other signals, too short, or in the history already.
+        """
+        check_is_fitted(self, "values_")
+        tolerance = self.tolerance or Tolerance()
+        recordings = recordings_of(X, self.valve_)
+        for recording in recordings:
+            require_same_valve(self, self.valve or recording.valve, recording.source)
+            require_same_signals(self, recording)
+        self.recordings_ = [*self.recordings_, *require_further(recordings, self.recordings_)]
+        self.windows_ = list(self.windows_)
+        for recording in recordings:
+            for piece in pieces_of(recording):
+                self.windows_ += windows_of(self._chain(piece), self._groups_, self.values_, tolerance)
+        self.range_ = self.range_.merged(OperatingRange.of(recordings))
+        self.prior_ = self._expected()
+        return self
+
+    @whole_or_nothing
+    def merge(self, other: ValveHistory) -> ValveHistory:
+        """Add what another history of the same valve has learnt; nothing is fitted again.
+
+        Parameters
+        ----------
+        other : ValveHistory
+            Fitted, of the same signals and parameters, about a calibration of its own; `InputError` where it
+            is not, or holds recordings of this one.
 
         Returns
         -------
         self : ValveHistory
         """
         check_is_fitted(self, "values_")
-        tolerance = self.tolerance or Tolerance()
-        for recording in [X] if isinstance(X, Recording) else X:
-            for piece in pieces_of(recording):
-                self.windows_ += windows_of(self._chain(piece), self._groups_, self.values_, tolerance)
+        require_mergeable(self, other)
+        self.windows_ = [*self.windows_, *moved(self, other)]
+        self.recordings_ = [*self.recordings_, *other.recordings_]
+        self.range_ = self.range_.merged(other.range_)
         self.prior_ = self._expected()
         return self
+
+    def to_state(self) -> dict[str, Any]:
+        """Everything of a fitted history but its valve, as plain numbers, texts and arrays."""
+        check_is_fitted(self, "values_")
+        return plain.told(self)
+
+    @classmethod
+    def from_state(cls, valve: Valve, state: dict[str, Any], effects: Sequence[Any] = ()) -> ValveHistory:
+        """History from `to_state`; `effects` are the ones that its keys name."""
+        # without a sheet of its own, so that recordings to come are asked for theirs
+        made = cls(effects=tuple(effects), **settings_of(state["settings"]))
+        made.valve_ = valve
+        plain.put_back(made, state)
+        made.prior_ = made._expected()
+        return made
 
     @property
     def rows(self) -> int:

@@ -3,6 +3,7 @@
 
 from sklvalve.mismatch.advice import plan_next_test
 from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.files.history_file import load_history, save_history
 from sklvalve.mismatch.files.model_file import load_model, save_model
 from sklvalve.mismatch.finder import MissingPhysicsFinder
 from sklvalve.mismatch.next_test.plan import TestPlan
@@ -15,7 +16,9 @@ __all__ = [
     "MissingPhysicsFinder",
     "TestLimits",
     "TestPlan",
+    "load_history",
     "load_model",
     "plan_next_test",
+    "save_history",
     "save_model",
 ]

@@ -16,6 +16,8 @@ from threadpoolctl import threadpool_limits
 
 from sklvalve._refits import whole_or_nothing
 from sklvalve.history import ValveHistory
+from sklvalve.history.compatible import require_compatible
+from sklvalve.history.learnable import require_no_loop
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
@@ -230,6 +232,8 @@ class MissingPhysicsFinder(BaseEstimator):
         used = rows_to_use(whole, until)
         self._say("reading", 0.0)
         recording = whole.slice(0, used)
+        if self.history is not None:
+            require_no_loop(recording)
         if ours is None and is_loop(recording):
             if recording.pieces:
                 raise InputError(
@@ -238,9 +242,12 @@ class MissingPhysicsFinder(BaseEstimator):
                 )
             return self._fit_loop(whole, recording, self._seed())
         require_diagnosable(recording)
+        history = self._history()
+        if history is not None:
+            require_compatible(history, recording, None if ours is None else ours.valve)
         data = with_seized_stems(screen_recording(recording), recording)
         whole, recording = masked(whole, recording, data)
-        problem = prepared_problem(recording, ours, self.tolerance, history=self._history())
+        problem = prepared_problem(recording, ours, self.tolerance, history=history)
         return self._fit_valve(whole, problem, ours, external, data)
 
     def _history(self) -> ValveHistory | None:

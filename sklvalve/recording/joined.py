@@ -2,16 +2,15 @@
 """Several recordings of one valve, joined one behind the other into one."""
 
 from collections.abc import Iterable
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.recording import Piece, Recording
+from sklvalve.recording.same_valve import sheet_difference
 from sklvalve.recording.timebase import seconds_at
 
-# what a data sheet says of the layout of a recording, and not of the valve
-_LAYOUT = ("tag", "roles", "time", "source")
 # between recordings of which nobody knows how far apart they are [s], and in rows
 _APART, _ROWS_APART = 3600.0, 100
 # of the times that two recordings share, the share of equal rows from which on they are the same hours
@@ -97,13 +96,12 @@ def _require_alike(one: Recording, other: Recording) -> None:
             f"{other.source} holds a flow by {'mass' if other.mass_flow else 'volume'} and {one.source} by "
             f"{'mass' if one.mass_flow else 'volume'}; give both in the same kind of unit"
         )
-    for field in fields(one.valve):
-        told = getattr(one.valve, field.name), getattr(other.valve, field.name)
-        if field.name not in _LAYOUT and told[0] != told[1]:
-            raise InputError(
-                f"{other.source}: the data sheet gives {field.name} as {told[1]!r}, and that of {one.source} "
-                f"as {told[0]!r}; recordings that are joined must be of one valve"
-            )
+    differs = sheet_difference(one.valve, other.valve)
+    if differs is not None:
+        raise InputError(
+            f"{other.source}: the data sheet gives {differs.field} as {differs.other!r}, and that of "
+            f"{one.source} as {differs.one!r}; recordings that are joined must be of one valve"
+        )
 
 
 def _laid_out(several: list[Recording]) -> tuple[list[Recording], list[float], bool]:

@@ -21,11 +21,10 @@ from sklvalve.simulation.calibration import (
 from sklvalve.simulation.fitting import PlainNoise, fit_chain
 from sklvalve.simulation.given import chain_for, require_given
 from sklvalve.simulation.given_columns import with_given
-from sklvalve.simulation.given_trim import GivenTrim
 from sklvalve.simulation.going_on import going_on
 from sklvalve.simulation.rest import learnt_rest
 from sklvalve.simulation.tolerance import Tolerance
-from sklvalve.simulation.trim import LearntTrim, SheetTrim
+from sklvalve.simulation.trim_state import onsets_of_state, state_of_trim, trim_of_state
 
 
 class ValveSimulation(RegressorMixin, BaseEstimator):
@@ -141,44 +140,27 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
     def to_state(self):
         """Everything of a fitted simulation but its valve, as plain numbers, texts and arrays."""
         check_is_fitted(self, "values_")
-        learnt = not self.trim_.known
         return {
             "values": dict(self.values_),
             "choking": bool(self.choking_),
             "effects": [e.key for e in self.effects_],
             "onsets": dict(self.onsets_),
             "seen": None if self.seen_ is None else list(self.seen_),
-            "trim": {
-                "knots": self.trim_.knots if learnt else None,
-                "rated": float(self.trim_.rated),
-                "given": isinstance(self.trim_, GivenTrim),
-                "curve": getattr(self.trim_, "curve", None),
-            },
+            "trim": state_of_trim(self.trim_),
             "correction": self.correction_,
         }
 
     @classmethod
     def from_state(cls, valve, state, effects):
         """Simulation from `to_state`; `effects` are the ones that its keys name."""
-        rated, knots = state["trim"]["rated"], state["trim"]["knots"]
-        if state["trim"].get("given"):
-            trim = GivenTrim(rated, state["trim"]["curve"])
-        elif knots is None:
-            trim = SheetTrim(valve, Tolerance(), rated)
-        else:
-            trim = LearntTrim(None, rated, knots=knots)
         return cls.from_parts(
             valve,
-            trim,
+            trim_of_state(valve, state["trim"]),
             state["values"],
             # a fit without pressures knows no parameters of choking, and has no use for it
             choking=state["choking"] and bool({"fl_scale", "given_gain"} & set(state["values"])),
             effects=effects,
-            # several times as a tuple: a free run is remembered by them
-            onsets={
-                key: tuple(times) if isinstance(times, list | np.ndarray) else times
-                for key, times in state["onsets"].items()
-            },
+            onsets=onsets_of_state(state["onsets"]),
             correction=state["correction"],
             seen=state.get("seen"),
         )

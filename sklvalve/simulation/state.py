@@ -73,22 +73,34 @@ def require_sound_state(state, effects):
     ValueError
         With a few words that name the part.
     """
-    values = _mapping(state, "values")
+    values = mapping(state, "values")
+    require_sound_values(values, effects)
+    if not isinstance(state.get("choking"), bool):
+        raise ValueError("choking is neither true nor false")
+    require_sound_trim(mapping(state, "trim"), values)
+    require_sound_onsets(mapping(state, "onsets"), effects)
+    _require_sound_seen(state.get("seen"))
+    if state.get("correction") is not None:
+        _require_sound_correction(mapping(state, "correction"))
+
+
+def require_sound_values(values, effects):
+    """Refuse values of parameters [SI] that no fit has, or of which some are missing; ``ValueError``."""
     for name, value in values.items():
-        if not isinstance(name, str) or not _NAME.fullmatch(name):
-            raise ValueError("a parameter has no name")
+        parameter_name(name)
         low, high = _RANGES.get(name, (-_LARGEST, _LARGEST))
         number(value, name, low, high)
     for first, *others in _TOGETHER:
-        _require_names(values, others if first in values else ())
+        require_names(values, others if first in values else ())
     for effect in effects:
-        _require_names(values, [f"{effect.key}.{p.name}" for p in effect.parameters])
-    if not isinstance(state.get("choking"), bool):
-        raise ValueError("choking is neither true nor false")
-    _require_sound_trim(_mapping(state, "trim"), values)
-    _require_sound_clock(state, effects)
-    if state.get("correction") is not None:
-        _require_sound_correction(_mapping(state, "correction"))
+        require_names(values, [f"{effect.key}.{p.name}" for p in effect.parameters])
+
+
+def parameter_name(name):
+    """A name that a parameter may have; ``ValueError`` else."""
+    if not isinstance(name, str) or not _NAME.fullmatch(name):
+        raise ValueError("a parameter has no name")
+    return name
 
 
 def number(value, name, low=-_LARGEST, high=_LARGEST):
@@ -100,21 +112,23 @@ def number(value, name, low=-_LARGEST, high=_LARGEST):
     return float(value)
 
 
-def _mapping(state, key):
+def mapping(state, key):
+    """A part of a state that is a dict; ``ValueError`` else."""
     part = state.get(key) if isinstance(state, dict) else None
     if not isinstance(part, dict):
         raise ValueError(f"{key} is missing")
     return part
 
 
-def _require_names(values, names):
+def require_names(values, names):
+    """``ValueError`` where a value is missing."""
     missing = [name for name in names if name not in values]
     if missing:
         raise ValueError(f"{missing[0]} is missing")
 
 
-def _array(value, name, shape):
-    """A float array of a shape, whose -1 stands for any length."""
+def array(value, name, shape):
+    """A float array of a shape, whose -1 stands for any length; ``ValueError`` else."""
     if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
         raise ValueError(f"{name} is no array of numbers")
     if value.ndim != len(shape) or any(
@@ -126,21 +140,22 @@ def _array(value, name, shape):
     return value
 
 
-def _require_sound_trim(trim, values):
+def require_sound_trim(trim, values):
+    """Refuse the state of a trim that no fit has, or whose values are missing; ``ValueError``."""
     rated, knots, curve = trim.get("rated"), trim.get("knots"), trim.get("curve")
     number(rated, "the rated capacity", 1e-12, 1e12)
     if not isinstance(trim.get("given", False), bool):
         raise ValueError("the kind of trim is neither true nor false")
     if curve is not None:
-        _array(curve, "the curve of the trim", GRID.shape)
+        array(curve, "the curve of the trim", GRID.shape)
     if trim.get("given"):
-        _require_names(values, ["given_gain"])
+        require_names(values, ["given_gain"])
         return
     through = {"capacity", "rise_0"} & set(values)
     if knots is None:
-        _require_names(values, ["capacity", *(f"trim_{k}" for k in range(7))] if through else ())
+        require_names(values, ["capacity", *(f"trim_{k}" for k in range(7))] if through else ())
         return
-    knots = _array(np.asarray(knots), "the knots of the trim", (-1,))
+    knots = array(np.asarray(knots), "the knots of the trim", (-1,))
     if (
         not 2 <= len(knots) <= _MOST_KNOTS
         or (np.diff(knots) <= 0.0).any()
@@ -150,13 +165,13 @@ def _require_sound_trim(trim, values):
         raise ValueError("the knots of the trim do not rise from shut to open")
     if through:
         rises = [f"rise_{k}" for k in range(len(knots))]
-        _require_names(values, rises)
+        require_names(values, rises)
         for name in rises:
             number(values[name], name, 0.0)
 
 
-def _require_sound_clock(state, effects):
-    onsets, seen = _mapping(state, "onsets"), state.get("seen")
+def require_sound_onsets(onsets, effects):
+    """Refuse onsets [s] of effects that are not there, or out of order; ``ValueError``."""
     keys = {effect.key for effect in effects}
     for key, times in onsets.items():
         if key not in keys:
@@ -165,6 +180,9 @@ def _require_sound_clock(state, effects):
         moments = [number(time, "an onset") for time in several]
         if not moments or moments != sorted(moments):
             raise ValueError("onsets are not in order")
+
+
+def _require_sound_seen(seen):
     if seen is not None:
         if not isinstance(seen, list | tuple) or len(seen) != 2:
             raise ValueError("the times seen are no pair")
@@ -185,12 +203,12 @@ def _require_sound_correction(part):
         if " " in name:
             number(float(name.split(" ")[1]), "a time of the residual", 1e-6)
     width = len(inputs)
-    support = _array(part.get("support"), "the residual's support", (-1, width))
+    support = array(part.get("support"), "the residual's support", (-1, width))
     if not 0 < len(support) <= _MOST_ROWS:
         raise ValueError("the residual's support has the wrong shape")
-    _array(part.get("coefficients"), "the residual's coefficients", (len(support),))
-    _array(part.get("centre"), "the residual's centre", (width,))
-    if not (_array(part.get("scale"), "the residual's scale", (width,)) > 0.0).all():
+    array(part.get("coefficients"), "the residual's coefficients", (len(support),))
+    array(part.get("centre"), "the residual's centre", (width,))
+    if not (array(part.get("scale"), "the residual's scale", (width,)) > 0.0).all():
         raise ValueError("the residual's scale is not above 0")
     number(part.get("gamma"), "the residual's gamma", 1e-12)
     number(part.get("intercept"), "the residual's intercept")

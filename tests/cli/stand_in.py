@@ -32,8 +32,8 @@ class Finder:
     found = staticmethod(examples.named)
     asked: ClassVar[dict] = {}
 
-    def __init__(self, random_state=0, verbose=0, callback=None):
-        self.random_state, self.callback = random_state, callback
+    def __init__(self, random_state=0, verbose=0, callback=None, history=None):
+        self.random_state, self.callback, self.history = random_state, callback, history
 
     def fit(self, recording, until=None):
         type(self).asked = {"rows": len(recording), "until": until, "seed": self.random_state}

@@ -11,6 +11,8 @@ from sklvalve.cli import main
 from sklvalve.cli.progress import progress
 from tests.cli import stand_in
 
+COMMANDS = ("completion", "demo", "diagnose", "import", "init", "learn", "predict", "screen", "simulate")
+
 
 def test_help_lists_the_commands_and_loads_no_numbers():
     code = (
@@ -19,13 +21,11 @@ def test_help_lists_the_commands_and_loads_no_numbers():
     )
     run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert run.returncode == 0, run.stderr
-    for command in ("completion", "demo", "diagnose", "import", "init", "predict", "screen", "simulate"):
+    for command in COMMANDS:
         assert f"    {command} " in run.stdout
 
 
-@pytest.mark.parametrize(
-    "command", ["completion", "demo", "diagnose", "import", "init", "predict", "screen", "simulate"]
-)
+@pytest.mark.parametrize("command", COMMANDS)
 def test_each_command_has_help(command, capsys):
     assert main([command, "--help"]) == 0
     assert capsys.readouterr().out.startswith(f"usage: sklvalve {command}")

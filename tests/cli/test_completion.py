@@ -12,7 +12,7 @@ from sklvalve.cli.completion import SHELLS
 
 pytest.importorskip("shtab", reason='needs pip install "sklvalve[cli]"')
 
-COMMANDS = ["completion", "demo", "diagnose", "import", "init", "predict", "screen", "simulate"]
+COMMANDS = ["completion", "demo", "diagnose", "import", "init", "learn", "predict", "screen", "simulate"]
 
 
 @pytest.fixture
@@ -47,7 +47,7 @@ def test_script_is_valid_and_names_every_command(script, shell, tmp_path):
         (["sklvalve", "di"], ["diagnose"]),
         (
             ["sklvalve", "diagnose", "--"],
-            ["--exit-code", "--help", "--json", "--out", "--seed", "--until", "--valve"],
+            ["--exit-code", "--help", "--history", "--json", "--out", "--seed", "--until", "--valve"],
         ),
         (["sklvalve", "diagnose", "rec"], ["recording.csv"]),
         (["sklvalve", "diagnose", "recording.csv", "--valve", "v"], ["valve.toml"]),

@@ -7,6 +7,8 @@ import pytest
 
 from sklvalve.cli import main
 from sklvalve.cli.entry import build_parser
+from sklvalve.datasets import make_valve_recording
+from sklvalve.datasets.concealed import to_toml
 from tests.recording.historian.exports import course, iso, moments, wide_text
 
 DIAGNOSE = ["diagnose", "recording.csv"]
@@ -16,6 +18,10 @@ COMMANDS = {
     "diagnose": (DIAGNOSE, {"verdict": "named"}),
     "screen": (["screen", "recording.csv"], {"rows": 160, "recording": "recording.csv"}),
     "import": (["import", "export.csv", "--out", "clean.csv"], {}),
+    "learn": (
+        ["learn", "long.csv", "--valve", "plant.toml", "--out", "fv101.history.skops"],
+        {"written": "fv101.history.skops", "rows": 700, "windows": 1, "clean": False},
+    ),
     "init": (["init", "recording.csv", "--out", "draft.toml"], {"written": "draft.toml", "not_enough": None}),
     "simulate": (
         SIMULATE,
@@ -39,7 +45,10 @@ COMMANDS = {
 
 @pytest.fixture
 def files(folder):
-    """The folder, with an export beside the recording."""
+    """The folder, with an export beside the recording, and a valve from which something can be learnt."""
+    made = make_valve_recording(None, loop="wide", n_samples=700, n_later=0, random_state=3)
+    made.frame.to_csv(folder / "long.csv", index=False)
+    (folder / "plant.toml").write_text(to_toml(made.valve))
     values = course(200)
     stamps = iso(moments("2024-06-28 10:00:00", 200, 10))
     (folder / "export.csv").write_text(wide_text(["FIC1.PV [m3/h]", "FIC1.OP [%]"], stamps, [values, values]))

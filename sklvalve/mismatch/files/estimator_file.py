@@ -13,12 +13,12 @@ from sklearn.utils.validation import check_is_fitted
 from sklvalve import __version__
 from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.mismatch.files.plain_estimator import estimator_of, plain_of
+from sklvalve.mismatch.files.plain_file import ESTIMATOR
 from sklvalve.recording import InputError
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
 
-FORMAT = "sklvalve.estimator/1"
 # rows of a trial, and how far a result may be from that of another machine, of the largest
 _ROWS, _EQUAL = 8, 1e-6
 # what columns of these names hold in a trial [SI]
@@ -46,7 +46,7 @@ def content_of_estimator(model: Any, rows: Any = None) -> dict[str, Any]:
         If it holds what a model file does not, or cannot work on `rows`.
     """
     check_is_fitted(model)
-    content = {"format": FORMAT, "version": __version__, "estimator": plain_of(model), "trial": None}
+    content = {"format": ESTIMATOR, "version": __version__, "estimator": plain_of(model), "trial": None}
     if rows is None and not getattr(model, "n_features_in_", None):
         return content
     try:

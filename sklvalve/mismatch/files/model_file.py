@@ -4,12 +4,8 @@
 from __future__ import annotations
 
 import json
-import os
-import secrets
 from collections.abc import Sequence
 from os import PathLike
-from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from numpy.typing import ArrayLike
@@ -17,19 +13,34 @@ from sklearn.base import BaseEstimator
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted
 
-from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
 from sklvalve.mismatch.effects.base import Effect
-from sklvalve.mismatch.files.estimator_file import FORMAT, content_of_estimator, estimator_of_content
-from sklvalve.mismatch.files.packed_model import require_plain_archive
+from sklvalve.mismatch.files.estimator_file import content_of_estimator, estimator_of_content
+from sklvalve.mismatch.files.plain_file import (
+    ESTIMATOR,
+    MODEL,
+    Kind,
+    damaged,
+    effect_keys,
+    effects_by_key,
+    read_plain,
+    require_known,
+    skops_of,
+    write_plain,
+)
 from sklvalve.mismatch.finder import MissingPhysicsFinder
 from sklvalve.recording import InputError, Valve
-from sklvalve.recording.errors import shown
-from sklvalve.recording.files import read_plain_file
 from sklvalve.simulation import ValveSimulation
 from sklvalve.simulation.state import require_sound_state
 
-_FORMAT = "sklvalve.model/1"
-_LARGEST = 256 << 20  # bytes
+_KIND = Kind(
+    "model file",
+    (MODEL, ESTIMATOR),
+    "give the corrected_model.skops that a diagnosis wrote",
+    {
+        "sklvalve.history/": "this is the history of a valve, and no model that predicts; give the "
+        "corrected_model.skops that a diagnosis wrote, and the history to diagnose as --history"
+    },
+)
 
 
 def save_model(path: str | PathLike[str], model: Any, *, rows: ArrayLike | None = None) -> None:
@@ -71,17 +82,9 @@ def save_model(path: str | PathLike[str], model: Any, *, rows: ArrayLike | None 
     >>> bool(np.all(again.predict(opening) == model.predict(opening)))
     True
     """
-    skops_io = _skops()
+    skops_of(_KIND)  # its absence is told before anything else
     content = _content_of_finder(model) if hasattr(model, "diagnosis_") else _content_of(model, rows)
-    path = Path(path)
-    # not by tempfile, whose files are the owner's alone: a result is as readable as the umask has it
-    draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    try:
-        skops_io.dump(content, draft)
-        os.replace(draft, path)
-    except BaseException:
-        draft.unlink(missing_ok=True)
-        raise
+    write_plain(path, content, _KIND)
 
 
 def _content_of(model: Any, rows: ArrayLike | None) -> dict[str, Any]:
@@ -99,7 +102,7 @@ def _content_of_finder(finder: MissingPhysicsFinder) -> dict[str, Any]:
             "diagnosis, by diagnosis_.save(...)"
         )
     content = {
-        "format": _FORMAT,
+        "format": MODEL,
         "valve": finder.corrected_simulation_.valve_.to_dict(),
         "corrected": finder.corrected_simulation_.to_state(),
         "nominal": finder.nominal_simulation_.to_state(),
@@ -152,38 +155,16 @@ def load_model(path: str | PathLike[str], effects: Sequence[Effect] = ()) -> Any
     ImportError
         If skops is not installed.
     """
-    skops_io = _skops()
-    packed = read_plain_file(
-        path,
-        missing="give the corrected_model.skops of a diagnosis",
-        folder="give the corrected_model.skops of a diagnosis",
-        most=_LARGEST,
-    )
-    try:
-        require_plain_archive(packed)
-        content = skops_io.loads(packed, trusted=[])
-        if content.get("format") not in (_FORMAT, FORMAT):
-            raise ValueError("it has another format")
-    except Exception as error:
-        reason = f" ({error})" if type(error) is ValueError and len(str(error)) < 100 else ""
-        raise InputError(
-            f"{path}: this is no model file of sklvalve{reason}; give the corrected_model.skops that a "
-            "diagnosis wrote"
-        ) from error
-    known = {e.key: e for e in (*CATALOGUE, *EVENTS, *LATE, *effects)}
-    return (_built if content["format"] == _FORMAT else _built_estimator)(path, content, known)
+    content = read_plain(path, _KIND)
+    known = effects_by_key(effects)
+    return (_built if content["format"] == MODEL else _built_estimator)(path, content, known)
 
 
 def _built(path: str | PathLike[str], content: dict[str, Any], known: dict[str, Effect]) -> dict[str, Any]:
     """Simulations and diagnosis of what a file holds, each part checked before it is used."""
     try:
-        keys = {kind: _effect_keys(content[kind]) for kind in ("corrected", "nominal")}
-        strange = {key for several in keys.values() for key in several} - set(known)
-        if strange:
-            raise InputError(
-                f"{path}: the model holds {shown(min(strange))[1:-1]}, which is no effect of the catalogue; "
-                "give it to load_model as one of effects"
-            )
+        keys = {kind: effect_keys(content[kind]) for kind in ("corrected", "nominal")}
+        require_known(path, [key for several in keys.values() for key in several], known, load_model)
         diagnosis = _plain_diagnosis(content["diagnosis"])
         valve = Valve.from_dict(content["valve"], source=str(path))
         simulations = {
@@ -197,7 +178,7 @@ def _built(path: str | PathLike[str], content: dict[str, Any], known: dict[str, 
     except InputError:
         raise
     except Exception as error:
-        raise _damaged(path, error, "diagnose the recording again") from error
+        raise damaged(path, error, _KIND, "diagnose the recording again") from error
     return simulations | {"diagnosis": diagnosis}
 
 
@@ -221,29 +202,4 @@ def _built_estimator(
     try:
         return estimator_of_content(content, known)
     except Exception as error:
-        raise _damaged(path, error, "save the model again") from error
-
-
-def _damaged(path: str | PathLike[str], error: Exception, mend: str) -> InputError:
-    reason = f": {error}" if type(error) is ValueError and len(str(error)) < 100 else ""
-    return InputError(
-        f"{path}: this is no model file of sklvalve that can be used (a part of it is damaged{reason}); "
-        f"{mend}"
-    )
-
-
-def _effect_keys(state: dict[str, Any]) -> Sequence[str]:
-    keys = state["effects"]
-    if not isinstance(keys, list | tuple) or not all(isinstance(key, str) for key in keys):
-        raise ValueError("its effects are no names")
-    if len(set(keys)) < len(keys):
-        raise ValueError("it names an effect twice")
-    return keys
-
-
-def _skops() -> ModuleType:
-    try:
-        import skops.io
-    except ImportError:
-        raise ImportError('model files need skops: pip install "sklvalve[skops]"') from None
-    return skops.io
+        raise damaged(path, error, _KIND, "save the model again") from error

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``--history``: recordings of before, what was learnt of them, or both, as one history."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sklvalve.history import ValveHistory
+    from sklvalve.recording import Recording, Valve
+
+#: How the file of a history is named.
+ENDING = ".history.skops"
+_SKOPS = ".skops"
+
+
+def add_history_argument(parser) -> None:
+    """Declare ``--history``."""
+    parser.add_argument(
+        "--history",
+        metavar="FILE",
+        nargs="+",
+        help="earlier recordings in which nothing was missing, or what sklvalve learn made of them "
+        f"(NAME{ENDING}): the diagnosis then tells what has changed since",
+    )
+
+
+def read_history(files: Sequence[str] | None, valve: "Valve") -> "ValveHistory | list[Recording] | None":
+    """Read what ``--history`` names.
+
+    Parameters
+    ----------
+    files : sequence of str or None
+        Recordings, files of `save_history`, or both.
+    valve : Valve
+        By which the recordings are read.
+
+    Returns
+    -------
+    history : ValveHistory, list of Recording or None
+        Recordings alone are for the finder to learn from; None where nothing was given.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, nothing can be learnt from it, or they do not belong together.
+    """
+    from sklvalve.history.learnable import require_learnable
+    from sklvalve.mismatch import load_history
+    from sklvalve.recording import read_recording
+
+    if not files:
+        return None
+    learnt = [load_history(file) for file in files if Path(file).suffix == _SKOPS]
+    read = [read_recording(file, valve) for file in files if Path(file).suffix != _SKOPS]
+    if not learnt:
+        require_learnable(read)
+        return read
+    history, *others = learnt
+    for other in others:
+        history.merge(other)
+    return history.update(read) if read else history
+
+
+def require_history(history: "ValveHistory | list[Recording] | None", recording: "Recording") -> None:
+    """Refuse a history that does not belong to a recording, as far as that shows before the work.
+
+    Parameters
+    ----------
+    history : ValveHistory, list of Recording or None
+        Of `read_history`.
+    recording : Recording
+        The rows that are to be diagnosed.
+
+    Raises
+    ------
+    InputError
+        With one sentence.
+    """
+    from sklvalve.history.compatible import require_apart, require_compatible
+    from sklvalve.history.learnable import require_no_loop
+    from sklvalve.history.sources import sources_of
+
+    if isinstance(history, list):
+        require_no_loop(recording)
+        require_apart([source for each in history for source in sources_of(each)], recording)
+    elif history is not None:
+        require_compatible(history, recording)

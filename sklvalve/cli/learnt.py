@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What was learnt of a valve, as plain data in recorded units and as a few lines."""
+
+from textwrap import fill
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from sklvalve.history import ValveHistory
+    from sklvalve.recording import Recording
+
+_INDENT = 14
+# parameters that a person asks for: words, and the role in whose unit they are told
+_ASKED = {
+    "capacity": ("rated capacity", None),
+    "flow_zero": ("zero of the flow meter", "flow"),
+    "position_zero": ("zero of the position sensor", "opening"),
+    "meter_lag": ("lag of the flow meter", None),
+}
+
+
+def content_of(history: "ValveHistory", recording: "Recording", diagnosis: dict) -> dict[str, Any]:
+    """Plain data of a history, fit for JSON.
+
+    Parameters
+    ----------
+    history : ValveHistory
+    recording : Recording
+        One of those that it was learnt from, for the units.
+    diagnosis : dict
+        What those hold by themselves.
+    """
+    from sklvalve.report.headline import headline
+
+    effects = [each["members"][0]["name"] for each in diagnosis.get("effects") or [] if each.get("members")]
+    return {
+        "rows": history.rows,
+        "days": history.days,
+        "windows": len(history.windows_),
+        "recordings": [
+            {key: getattr(each, key) for key in ("name", "sha256", "rows", "first", "last")}
+            for each in history.recordings_
+        ],
+        "visited": _visited(history, recording),
+        "noise": {
+            channel: {"value": _difference(recording, channel, history.noise_parts(channel).size)}
+            | {"unit": recording.unit(channel)}
+            for group in history._groups_
+            for channel in group.channels
+        },
+        "calibration": _calibration(history),
+        "clean": diagnosis["verdict"] == "no_mismatch",
+        "diagnosis": {"verdict": diagnosis["verdict"], "effects": effects, "finding": headline(diagnosis)},
+    }
+
+
+def lines_of(content: dict[str, Any], asked: list[dict[str, Any]], width: int) -> list[str]:
+    """Lines of what was learnt.
+
+    Parameters
+    ----------
+    content : dict
+        Of `content_of`.
+    asked : list of dict
+        Of `asked_of`.
+    width : int
+        Characters in a line.
+    """
+    from sklvalve.report.words import role_words, with_unit
+
+    sources = content["recordings"]
+    begun, ended = sources[0]["first"], sources[-1]["last"]
+    windows = f"{content['windows']} window{'s' if content['windows'] > 1 else ''}"
+    told = {
+        "Learnt from": f"{', '.join(each['name'] for each in sources)}: {content['rows']} rows, "
+        f"{content['days']:.3g} days, in {windows}, from {begun} to {ended}.",
+        "Visited": "; ".join(
+            f"{role_words(name)} {with_unit(each['low'], None)} to {with_unit(each['high'], each['unit'])}"
+            for name, each in content["visited"].items()
+        )
+        + ".",
+        "Noise": "; ".join(
+            f"{role_words(name)} {with_unit(each['value'], each['unit'])}"
+            for name, each in content["noise"].items()
+        )
+        + " (standard deviation, from row to row).",
+        "Calibration": "; ".join(
+            f"{each['words']} {with_unit(each['value'], each['unit'])} (+-{with_unit(each['sd'], None)})"
+            for each in asked
+        )
+        + ".",
+        "By itself": _by_itself(content),
+    }
+    return [
+        fill(words, width, initial_indent=f"{what:<{_INDENT}}", subsequent_indent=" " * _INDENT)
+        for what, words in told.items()
+        if words != "."
+    ]
+
+
+def _by_itself(content: dict[str, Any]) -> str:
+    """One sentence on whether the history is clean, and what follows where it is not."""
+    if content["clean"]:
+        return "The recordings are clean: their diagnosis finds nothing missing in the simulation."
+    return (
+        f"The recordings are not clean. {content['diagnosis']['finding']} A later diagnosis with this "
+        "history tells what has changed since, and not what was there already."
+    )
+
+
+def _visited(history: "ValveHistory", recording: "Recording") -> dict[str, dict[str, Any]]:
+    """Signal -> where it stayed but for one row in a hundred at either end, in recorded units."""
+    found = {}
+    for name, (low, high) in history.range_.limits().items():
+        if name == "drop":
+            per_si = abs(recording.per_si("p1"))
+            ends, unit = [low * per_si, high * per_si], recording.unit("p1")
+        else:
+            # a sense of closing turns them round
+            ends = sorted(float(recording.in_recorded_units(name, end)) for end in (low, high))
+            unit = recording.unit(name)
+        found[name] = {"low": ends[0], "high": ends[1], "unit": unit}
+    return found
+
+
+def _calibration(history: "ValveHistory") -> dict[str, dict[str, Any]]:
+    """Parameter -> what is expected of it in the next recording, in SI (capacity in m3/h)."""
+    import numpy as np
+
+    known = {p.name: p for group in history._groups_ for p in group.parameters}
+    prior, found = history.prior_, {}
+    for name, mean, spread in zip(prior.names, prior.mean, np.sqrt(np.diag(prior.covariance)), strict=True):
+        value = float(np.exp(mean)) if known[name].log else float(mean)
+        found[name] = {
+            "value": value,
+            "sd": float(spread * value if known[name].log else spread),
+            "unit": known[name].unit,
+        }
+    return found
+
+
+def asked_of(history: "ValveHistory", recording: "Recording") -> list[dict[str, Any]]:
+    """The parameters that a person asks for, in recorded units.
+
+    Parameters
+    ----------
+    history : ValveHistory
+    recording : Recording
+        One of those that it was learnt from, for the units.
+    """
+    told = []
+    for name, each in _calibration(history).items():
+        if name not in _ASKED:
+            continue
+        words, role = _ASKED[name]
+        value, sd, unit = each["value"], each["sd"], each["unit"]
+        if role is not None:
+            value, sd = (_difference(recording, role, number) for number in (value, sd))
+            sd, unit = abs(sd), recording.unit(role)
+        told.append({"name": name, "words": words, "value": value, "sd": sd, "unit": unit})
+    return told
+
+
+def _difference(recording: "Recording", role: str, value: float) -> float:
+    """A difference of a signal in SI, in the unit in which it was recorded, whichever sense that has."""
+    return float(value * abs(recording.per_si(role)))
