@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.simulation.robust import step_inside
+
 # within a history a sound valve changes by this share of what is allowed until the next recording, and the
 # scatter of its windows is believed over that as they outweigh so many that are as it says
 _SHARE_WITHIN, _WINDOWS_AS_EXPECTED = 0.3, 4.0
@@ -31,7 +33,11 @@ class Information:
 
 
 def expected(
-    windows: Sequence[Information], precision: np.ndarray, begin: np.ndarray, allowance: np.ndarray
+    windows: Sequence[Information],
+    precision: np.ndarray,
+    begin: np.ndarray,
+    allowance: np.ndarray,
+    bounds: tuple[np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray]:
     r"""Mean and covariance of the calibration of a window that is yet to come.
 
@@ -48,6 +54,8 @@ def expected(
         Mean of the data sheet's prior, counted from the common point.
     allowance : ndarray of shape (m,)
         Variance that is allowed without a fault.
+    bounds : tuple of ndarray of shape (m,)
+        How far each parameter may lie from the common point, down (negative) and up: the mean stays inside.
 
     Returns
     -------
@@ -58,7 +66,7 @@ def expected(
     usual = _SHARE_WITHIN**2 * allowance
     changes = usual.copy()
     for _ in range(_ROUNDS):
-        mean, covariance = _of_the_valve(windows, precision, begin, changes)
+        mean, covariance = _of_the_valve(windows, precision, begin, changes, bounds)
         seen = np.zeros(len(changes))
         for window in windows:
             # what this window's own change is, given what is known of the valve
@@ -67,18 +75,22 @@ def expected(
             through = own @ window.hessian
             seen += step**2 + np.diag(own) + np.einsum("ij,jk,ik->i", through, covariance, through)
         changes = (seen + _WINDOWS_AS_EXPECTED * usual) / (len(windows) + _WINDOWS_AS_EXPECTED)
-    mean, covariance = _of_the_valve(windows, precision, begin, changes)
+    mean, covariance = _of_the_valve(windows, precision, begin, changes, bounds)
     return mean, covariance + np.diag(changes + allowance)
 
 
 def _of_the_valve(
-    windows: Sequence[Information], precision: np.ndarray, begin: np.ndarray, changes: np.ndarray
+    windows: Sequence[Information],
+    precision: np.ndarray,
+    begin: np.ndarray,
+    changes: np.ndarray,
+    bounds: tuple[np.ndarray, np.ndarray],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Mean and covariance of what windows have in common."""
+    """Mean within bounds, and covariance, of what windows have in common."""
     total, pull = np.diag(precision), precision * begin
     for window in windows:
         spread = np.linalg.inv(np.eye(len(changes)) + window.hessian * changes)
         total = total + spread @ window.hessian
         pull = pull + spread @ window.pull
-    covariance = np.linalg.inv(0.5 * (total + total.T))
-    return covariance @ pull, covariance
+    total = 0.5 * (total + total.T)
+    return step_inside(total, -pull, *bounds), np.linalg.inv(total)

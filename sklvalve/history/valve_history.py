@@ -277,7 +277,8 @@ class ValveHistory(BaseEstimator):
             begin = (vector.pack({}) - here) / scale
             allowed = np.array([allowance.of(p, self.spans_) for p in group.parameters]) / scale
             windows = [w.information[k] for w in self.windows_]
-            mean, covariance = expected(windows, np.maximum(sheet**-2.0, 1e-9), begin, allowed**2)
+            reach = (vector.low - here) / scale, (vector.high - here) / scale
+            mean, covariance = expected(windows, np.maximum(sheet**-2.0, 1e-9), begin, allowed**2, reach)
             means.append(np.clip(here + scale * mean, vector.low, vector.high))
             covariances.append(covariance * np.outer(scale, scale))
             names += vector.names

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
 # a distance from a joint prior is counted in so many equal parts
 _PARTS = 16
 
