@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.stats import chi2
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted
 
@@ -44,6 +45,8 @@ from sklvalve.simulation.noise import NoiseParts
 from sklvalve.simulation.parameters import JointPrior, Parameter, ParameterVector
 from sklvalve.simulation.tolerance import Tolerance
 
+# of the calibrations that a history lets expect, the share within reach
+_EXPECTED = 0.99
 # parameters that a meter or a sensor set to zero again may take beyond what its sheet allows
 _ZEROS = ("position_zero", "stem_zero", "flow_zero", "dp_zero")
 
@@ -238,6 +241,32 @@ class ValveHistory(BaseEstimator):
         parameters : list of Parameter
         """
         return [self._known.get(p.name, p) for p in parameters]
+
+    def expected_of(self, values: dict[str, float]) -> dict[str, float]:
+        """Values of a calibration, drawn back where no history lets expect them.
+
+        What lies further from the history's mean than all but one in a hundred calibrations would, all its
+        parameters together, is drawn towards the mean until it does not.
+
+        Parameters
+        ----------
+        values : dict
+
+        Returns
+        -------
+        values : dict
+            Of the same names.
+        """
+        known = [p for name, p in self._known.items() if name in values]
+        if not known:
+            return values
+        vector = ParameterVector(known)
+        z = vector.pack(values)
+        mean, root = self.prior_.of(vector.names)
+        away = float(np.sum((root @ (z - mean)) ** 2))
+        most = float(chi2.ppf(_EXPECTED, len(known)))
+        share = min(1.0, np.sqrt(most / max(away, 1e-12)))
+        return values | vector.values(np.clip(mean + share * (z - mean), vector.low, vector.high))
 
     @cached_property
     def _known(self) -> dict[str, Parameter]:

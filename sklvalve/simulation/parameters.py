@@ -2,6 +2,7 @@
 """Parameters that a fit may move, and their way into the vector that an optimiser sees."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -25,6 +26,10 @@ class JointPrior:
     mean: np.ndarray
     covariance: np.ndarray
 
+    @cached_property
+    def _at(self):
+        return {name: i for i, name in enumerate(self.names)}
+
     def of(self, names):
         """Mean of some parameters, and the root of the inverse of their covariance, the others unknown.
 
@@ -38,7 +43,7 @@ class JointPrior:
         root : ndarray of shape (k, k)
             ``root @ (z - mean)`` has unit variance.
         """
-        at = [self.names.index(name) for name in names]
+        at = [self._at[name] for name in names]
         covariance = self.covariance[np.ix_(at, at)]
         size = np.sqrt(np.diag(covariance))
         lower = np.linalg.cholesky(covariance / np.outer(size, size))

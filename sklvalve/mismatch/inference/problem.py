@@ -405,7 +405,11 @@ class Problem(Sharing, Sizes):
         for k in range(2 if prefixes and self.coupled else 0):
             anew = white.fit(model.terms, start=replace(model, values=bare), attempt=k, max_steps=15)
             fits.append(anew)
-        return max(fits, key=lambda fitted: fitted.log_likelihood)
+        best = max(fits, key=lambda fitted: fitted.log_likelihood)
+        if self.history is None:
+            return best
+        # the least error of all is no calibration of this valve, where its history knows better
+        return white.judged(self.simulate(best.terms, self.history.expected_of(best.values)))
 
     def sound(self, model: Model) -> Model:
         """A hypothesis with the actuator as most rows have it, simulated and not fitted.

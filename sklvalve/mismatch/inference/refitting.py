@@ -44,7 +44,7 @@ def refitted(
             if _error(problem, made, line, rows) <= least:
                 break
         values |= step
-    return values
+    return values if problem.history is None else problem.history.expected_of(values)
 
 
 def blocks_in_turn(rows: int) -> np.ndarray:
