@@ -5,6 +5,7 @@
     python -m benchmarks.concealed FOLDER --seed 7 --small              a quick look: some 60 records
     python -m benchmarks.concealed FOLDER --methods sklvalve            records that are there, one method
     python -m benchmarks.concealed FOLDER --given                       with the user's own simulation
+    python -m benchmarks.concealed FOLDER --histories                   and an hour from before each record
 
 Stopped and started again, it goes on where it was. FOLDER then holds a folder for every record, `seal.txt`, a
 file of scores for every method, `runs.log`, `tables.md`, and the curves. A method of one's own joins by one
@@ -16,10 +17,12 @@ import sys
 from concurrent.futures.process import BrokenProcessPool
 from pathlib import Path
 
-from benchmarks.concealed.draw import broken_seals, seal, unsealed
-from benchmarks.concealed.methods import METHODS
+from benchmarks.concealed.draw import HISTORY, broken_seals, seal, unsealed
+from benchmarks.concealed.histories.add import add_histories
+from benchmarks.concealed.methods import METHODS, WITH_HISTORY
 from benchmarks.concealed.methods.random_forest import learn
 from benchmarks.concealed.report.__main__ import main as report
+from benchmarks.concealed.report.with_history import main as compare
 from benchmarks.concealed.run import draw_all, judge_all, log
 
 WHOLE = {"healthy": 200, "each": 6, "pairs": 60, "outside": 80, "defects": 16}
@@ -38,7 +41,10 @@ def main(arguments=None):
         parser.add_argument(
             f"--{name}", type=int, help=f"records of this kind (of each effect, if each); {many}"
         )
-    parser.add_argument("--methods", nargs="*", choices=METHODS, default=list(METHODS), metavar="NAME")
+    parser.add_argument("--methods", nargs="*", choices=METHODS, metavar="NAME", help="all unless given")
+    parser.add_argument(
+        "--histories", action="store_true", help="give every record a history, and judge with it as well"
+    )
     parser.add_argument(
         "--given", action="store_true", help="hold the user's own simulation against the flow"
     )
@@ -54,7 +60,7 @@ def main(arguments=None):
         sizes = dict(SMALL if options.small else WHOLE)
         sizes |= {name: getattr(options, name) for name in WHOLE if getattr(options, name) is not None}
         try:
-            draw_all(folder, options.seed, options.jobs, **sizes)
+            draw_all(folder, options.seed, options.jobs, options.histories, **sizes)
         except ValueError as error:
             parser.error(str(error))
         log(folder, f"drawn with seed {options.seed} and {sizes}; sealed as {seal(folder)}")
@@ -62,9 +68,14 @@ def main(arguments=None):
         parser.error(f"expected records in {folder}, or a --seed to draw them by")
     if new := unsealed(folder):
         parser.error(f"{len(new)} records, first {new[0]}, are not sealed: give the --seed of their draw")
-    if not options.methods:
+    if options.histories:
+        try:
+            add_histories(folder)
+        except ValueError as error:
+            parser.error(str(error))
+    names = _methods(folder, options)
+    if not names:
         return 0
-    names = ["sklvalve"] if options.given else options.methods
     if "random_forest" in names:
         learn(folder / "learnt")
     try:
@@ -73,7 +84,20 @@ def main(arguments=None):
         parser.exit(1, "a process that judges was ended, for want of memory perhaps; start again to go on\n")
     out = folder / ("report_given" if options.given else "report")
     shown = "sklvalve" if "sklvalve" in names else names[0]
-    return report([*map(str, files), "--method", shown, "--out", str(out)])
+    status = report([*map(str, files), "--method", shown, "--out", str(out)])
+    if {"sklvalve", "sklvalve_history"} <= set(names):
+        compare([str(folder / f"scores_{name}.jsonl") for name in ("sklvalve", "sklvalve_history")])
+    return status
+
+
+def _methods(folder, options):
+    """Methods to judge: those asked for, or all that the folder's records have what they need for."""
+    if options.given:
+        return ["sklvalve"]
+    if options.methods is not None:
+        return options.methods
+    known = any(folder.glob(f"record_*/{HISTORY}"))
+    return [name for name in METHODS if known or name not in WITH_HISTORY]
 
 
 if __name__ == "__main__":

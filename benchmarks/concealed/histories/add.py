@@ -47,7 +47,7 @@ def add_histories(folder, report=print):
         if "history" in truth:
             continue
         made = drawn_again(case, told["seed"], truth)
-        if not same_record(truth, made.truth):
+        if made is None or not same_record(truth, made.truth):
             report(f"{case.name}: today's plant makes another record of it, so it gets no history")
             continue
         made = with_history(case, made)

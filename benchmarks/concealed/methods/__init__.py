@@ -2,9 +2,9 @@
 """What the benchmark judges: this package's finder, and the baselines that it is held against.
 
 Each module has ``diagnose(recording, *, folder=None) -> found``; those of `WITH_HISTORY` take ``history``
-besides, a list of recordings. `found``. `found` is laid out as diagnosis.json, as
-far as the method knows: ``verdict``, ``mismatch``, ``effects``, ``location``. Under the keys of `PRIVATE` it
-holds what is no plain data: simulations (``Recording -> {"flow", "opening"}`` in SI) and rows.
+besides, a list of recordings. `found` is laid out as diagnosis.json, as far as the method knows: ``verdict``,
+``mismatch``, ``effects``, ``location``. Under the keys of `PRIVATE` it holds what is no plain data:
+simulations (``Recording -> {"flow", "opening"}`` in SI) and rows.
 """
 
 from importlib import import_module

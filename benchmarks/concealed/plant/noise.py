@@ -70,8 +70,7 @@ class Law:
     def draw(self, rng, n, span, zeros=None):
         """Noise of each signal over `n` seconds: flow [m3/h], its turbulence, opening [1], pressures [Pa].
 
-        `zeros`, role -> error of its zero, are those of sensors that were drawn before. They are returned too,
-        under "zeros".
+        `zeros`, role -> error, are those of sensors that were drawn before; they are returned as "zeros" too.
         """
         own = {}
         flow = self.white * rng.standard_normal(n) + self.correlated * wander(rng, n, 20.0)
