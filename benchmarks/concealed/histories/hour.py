@@ -37,11 +37,12 @@ def history_of(case, made, kind=None):
     """
     plant = made.plant
     kind = kind_of_history(case, plant.seed) if kind is None else kind
-    rng = np.random.default_rng([plant.seed, 7])
-    settings, allowed = before(rng, plant, kind.change)
+    # dice of their own, so that the hour is the same one whatever was changed after it and whatever it holds
+    rng, dice = (np.random.default_rng([plant.seed, k]) for k in (7, 8))
+    settings, allowed = before(dice, plant, kind.change)
     nasty = tuple(way for way in case.nasty if _stays(way, kind.excitation))
     hour = plant.another_hour(rng, kind.excitation, ROWS, nasty, **settings)
-    strengths = _strengths(rng, kind, made.truth["strengths"])
+    strengths = _strengths(dice, kind, made.truth["strengths"])
     # a valve that is stuck throughout would be no history at all
     course = Course("within", 0.5 * ROWS) if "stuck_valve" in strengths else Course()
     schedule = hour.schedule(strengths, course)
