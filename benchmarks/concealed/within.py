@@ -20,9 +20,11 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.concealed.cases import Case
+from benchmarks.concealed.distances.calibration import nuisance_of
+from benchmarks.concealed.distances.detectable import scene_of, standing_out
 from benchmarks.concealed.draw import broken_seals, only_of, seal, seed_of, write
 from benchmarks.concealed.histories import Kind, history_of, kind_of_history
-from benchmarks.concealed.plant import EFFECTS, Plant
+from benchmarks.concealed.plant import EFFECTS, Course, Plant
 from benchmarks.concealed.plant.hardware import relative_capacity
 from benchmarks.concealed.plant.programs import EXCITATIONS
 from benchmarks.concealed.record import make
@@ -177,11 +179,33 @@ def moved_share(made):
     return max(shares)
 
 
+def distances_of(made):
+    """Squared distance of the record from a valve without the effect, by the plant's own noise.
+
+    Returns
+    -------
+    sheet, known : float
+        What calibration within the sheet's tolerance leaves of it, and all of it, as it were of a healthy
+        valve that is known to the last digit; a history comes to lie between.
+    """
+    scene = scene_of(made.plant, made.truth["strengths"], Course())
+    known = 0.0
+    for channel in scene.channels():
+        if scene.touches(scene.schedule, channel):
+            change = scene.seen(channel, scene.schedule) - scene.seen(channel, scene.sound)
+            white = nuisance_of(scene, channel).law(change[scene.recorded][:, None])
+            known += float(np.sum(white**2))
+    return standing_out(scene)[0], known
+
+
 def _with_clean_history(case, made, share):
     """The record and an hour without the effect; a fifth of these are excited in another way, too."""
     excitation = kind_of_history(case, made.plant.seed).excitation
     table, told = history_of(case, made, Kind(excitation))
-    return replace(made, history=table, truth=made.truth | {"history": told, "moved_share": share})
+    sheet, known = (round(distance, 1) for distance in distances_of(made))
+    more = {"history": told, "moved_share": share, "known_distance": known}
+    distances = {"distances": {"nothing": sheet, "others": {}}}
+    return replace(made, history=table, truth=made.truth | more | distances)
 
 
 def draw_within(folder, seed, records, report=print):

@@ -53,6 +53,8 @@ def test_the_valve_with_the_effect_is_one_that_its_sheet_allows(name):
     assert made.truth["history"]["clean"]
     assert made.truth["history"]["allowed_change"] is None
     assert list(made.history) == list(made.table)
+    # a valve that is known tells more than what its sheet leaves open
+    assert made.truth["known_distance"] > max(made.truth["distances"]["nothing"], 25.0)
 
 
 def test_a_plant_that_has_used_its_tolerance_has_no_room():
@@ -106,25 +108,21 @@ def _line(record, method, verdict, *classes, history, **truth):
 
 
 CLEAN = {"clean": True, "holds": None, "allowed_change": None, "excitation": "wide"}
+OTHER = CLEAN | {"excitation": "closed"}
 
 
 def test_a_class_of_four_is_no_name():
+    apart = {"known_distance": 900.0, "distances": {"nothing": 6.0}}
     long = ["stiction", "friction", "backlash", "presliding"]
     lines = [
-        _line("a", "sklvalve", "named", long, history=CLEAN, moved_share=0.01),
-        _line("b", "sklvalve", "named", long[:3], history=CLEAN, moved_share=0.03),
-        _line(
-            "c",
-            "sklvalve",
-            "named",
-            ["dead_time"],
-            history=CLEAN | {"excitation": "closed"},
-            moved_share=0.02,
-        ),
+        _line("a", "sklvalve", "named", long, history=CLEAN, moved_share=0.01, **apart),
+        _line("b", "sklvalve", "named", long[:3], history=CLEAN, moved_share=0.03, **apart),
+        _line("c", "sklvalve", "named", ["dead_time"], history=OTHER, moved_share=0.02, **apart),
     ]
     text = within_report(lines)
     assert "| all | 3 | 100 % (29-100) | 33 % (1-91) | 33 % (1-91) | 0 |" in text
-    assert "| stiction | 3 | 2.00 % |" in text
+    assert "| stiction | 3 | 2.00 % | 6 | 900 |" in text
+    assert "| sheet leaves it open (D below 25) | 3 | 100 % (29-100) |" in text
     assert "history excited in another way | 1 |" in text
 
 

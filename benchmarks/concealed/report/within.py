@@ -3,6 +3,7 @@
 
 import numpy as np
 
+from benchmarks.concealed.distances.detectable import DISTANCE
 from benchmarks.concealed.report.markdown import section, table
 from benchmarks.concealed.report.with_history import other_excitation, rows_of
 from benchmarks.concealed.scoring.agreement import paired
@@ -59,6 +60,9 @@ def _overall(lines):
         "all": lines,
         "history excited as the record": [line for line in lines if not other_excitation(line)],
         "history excited in another way": [line for line in lines if other_excitation(line)],
+        f"sheet leaves it open (D below {DISTANCE:g})": [
+            line for line in lines if _of_sheet(line) < DISTANCE
+        ],
     }
     rows = [
         [label, len(some), *_rates(some), sum(map(failed, some))] for label, some in groups.items() if some
@@ -69,6 +73,19 @@ def _overall(lines):
 def _by_effect(lines):
     rows = []
     for name, some in sorted(grouped(lines, concealed).items()):
-        moved = 100.0 * np.median([line["truth"].get("moved_share", np.nan) for line in some])
-        rows.append([name, len(some), f"{moved:.2f} %", *_rates(some)])
-    return table(["effect", "records", "moves (median)", *WHAT], rows)
+        moved = 100.0 * _median(line["truth"].get("moved_share", np.nan) for line in some)
+        apart = [f"{_median(line_of(line) for line in some):.0f}" for line_of in (_of_sheet, _of_known)]
+        rows.append([name, len(some), f"{moved:.2f} %", *apart, *_rates(some)])
+    return table(["effect", "records", "moves (median)", "D, sheet", "D, valve known", *WHAT], rows)
+
+
+def _of_sheet(line):
+    return (line["truth"].get("distances") or {}).get("nothing", np.nan)
+
+
+def _of_known(line):
+    return line["truth"].get("known_distance", np.nan)
+
+
+def _median(values):
+    return float(np.median(list(values)))
