@@ -7,7 +7,6 @@ import shutil
 from benchmarks.concealed.again import drawn_again, same_record
 from benchmarks.concealed.cases import plan
 from benchmarks.concealed.draw import HISTORY, PLAN, broken_seals, seal, text_of, write_csv
-from benchmarks.concealed.histories.hour import with_history
 
 BEFORE = "seal_without_histories.txt"
 
@@ -42,19 +41,29 @@ def add_histories(folder, report=print):
     told = json.loads((folder / PLAN).read_text(encoding="utf-8"))
     truths = {}
     for case in plan(told["seed"], **told["sizes"]):
-        file = folder / case.name / "truth.json"
-        truth = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {"history": None}
-        if "history" in truth:
+        truth = _truth_without(folder / case.name)
+        made = None if truth is None else drawn_again(case, told["seed"], truth, histories=True)
+        if made is None:
             continue
-        made = drawn_again(case, told["seed"], truth)
-        if made is None or not same_record(truth, made.truth):
+        if not same_record(truth, made.truth):
             report(f"{case.name}: today's plant makes another record of it, so it gets no history")
             continue
-        made = with_history(case, made)
-        write_csv(file.with_name(HISTORY), made.history)
+        write_csv(folder / case.name / HISTORY, made.history)
         truths[case.name] = made.truth
         report(f"{case.name}: history written")
-    # at once and at the end, so that truths and seal do not part where this is stopped
+    _tell(folder, truths)
+    return list(truths)
+
+
+def _truth_without(place):
+    """Truth of a record that tells of no history; None where there is none of the kind."""
+    file = place / "truth.json"
+    truth = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {"history": None}
+    return None if "history" in truth else truth
+
+
+def _tell(folder, truths):
+    """Write truths at once and seal them, so that the two do not part where the drawing is stopped."""
     sealed = folder / "seal.txt"
     if truths and sealed.exists() and not (folder / BEFORE).exists():
         shutil.copy(sealed, folder / BEFORE)
@@ -62,4 +71,3 @@ def add_histories(folder, report=print):
         (folder / name / "truth.json").write_text(text_of(truth), encoding="utf-8")
     if truths and sealed.exists():
         seal(folder, anew=truths)
-    return list(truths)
