@@ -6,11 +6,13 @@
 Only records with one effect that the generator calls distinguishable are drawn, unless other kinds are asked
 for: a run of 650 takes hours, and the figure in question is of these. Each record is drawn by the plan of its
 run, with the sizes that its published truth tells; the table says how many came out as published. Stopped and
-started again, it goes on where it was.
+started again, it goes on where it was. `--histories` gives each record an hour of its plant from before it,
+and judges with it; `report.with_history` holds that against a judgement without, of the same folder.
 """
 
 import argparse
 import json
+import shutil
 import sys
 from collections import Counter
 from pathlib import Path
@@ -18,8 +20,10 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.concealed.cases import plan
-from benchmarks.concealed.draw import ATTEMPTS, made_of, seed_of, write
+from benchmarks.concealed.draw import ATTEMPTS, HISTORY, made_of, seed_of, write
+from benchmarks.concealed.histories.hour import with_history
 from benchmarks.concealed.judging import line_of
+from benchmarks.concealed.methods import WITH_HISTORY
 from benchmarks.concealed.record import make
 from benchmarks.concealed.report.history import RESULTS, SCORES
 from benchmarks.concealed.report.markdown import table
@@ -41,6 +45,9 @@ def main(arguments=None):
     parser.add_argument("--all", action="store_true", help="also what nobody could distinguish")
     parser.add_argument("--part", type=int, nargs=2, default=(1, 1), metavar=("I", "OF"))
     parser.add_argument("--table", action="store_true", help="only print the tables of what is judged")
+    parser.add_argument(
+        "--histories", action="store_true", help="give each record a history, and judge by it"
+    )
     options = parser.parse_args(arguments)
     run = RESULTS / f"seed_{options.seed}"
     before = [
@@ -48,15 +55,16 @@ def main(arguments=None):
         for line in read_lines(run / SCORES)
         if kind_of(line) in options.kinds and (options.all or distinguishable(line))
     ]
-    scores = options.folder / "scores_sklvalve.jsonl"
+    name = "sklvalve_history" if options.histories else "sklvalve"
+    scores = options.folder / f"scores_{name}.jsonl"
     if not options.table:
-        again(options.folder, run, before[options.part[0] - 1 :: options.part[1]], scores)
+        again(options.folder, run, before[options.part[0] - 1 :: options.part[1]], scores, name)
     print(compared(before, read_lines(scores)))
     return 0
 
 
-def again(folder, run, lines, scores):
-    """Draw and judge the records of these lines, those without a judgement of today."""
+def again(folder, run, lines, scores, method="sklvalve"):
+    """Draw and judge the records of these lines by a method, those without a judgement of today."""
     told = json.loads((run / "plan.json").read_text(encoding="utf-8"))
     cases = {case.name: case for case in plan(told["seed"], **told["sizes"])}
     folder.mkdir(parents=True, exist_ok=True)
@@ -66,16 +74,18 @@ def again(folder, run, lines, scores):
         if name in done:
             continue
         place = folder / name
-        if not place.exists():
-            write(place, drawn_again(cases[name], told["seed"], line["truth"]))
-        judged = line_of(place, "sklvalve") | {"code": code()}
+        histories = method in WITH_HISTORY
+        if not (place / HISTORY if histories else place).exists():
+            shutil.rmtree(place, ignore_errors=True)
+            write(place, drawn_again(cases[name], told["seed"], line["truth"], histories))
+        judged = line_of(place, method) | {"code": code()}
         with scores.open("a", encoding="utf-8") as stream:
             stream.write(json.dumps(judged, default=float) + "\n")
         print(f"{name}: {judge(line)} -> {judge(judged)}", flush=True)
 
 
-def drawn_again(case, seed, published):
-    """The record of a published truth.
+def drawn_again(case, seed, published, histories=False):
+    """The record of a published truth, with a history if asked for.
 
     Sizes and distances take most of a draw, so sizes are those published and distances are left out. A plant
     that remembers how its size was found has other noise then, and is drawn in full.
@@ -84,11 +94,13 @@ def drawn_again(case, seed, published):
         made = make(case, seed_of(case, seed, attempt), strengths=published["strengths"], distances=False)
         if same_record(published, made.truth):
             made.truth = published
-            return made
-    return made_of(case, seed)
+            break
+    else:
+        made = made_of(case, seed)
+    return with_history(case, made) if histories and made is not None else made
 
 
-_NOT_DRAWN = {"distances", "distinguishable", "class", "detectable"}
+_NOT_DRAWN = {"distances", "distinguishable", "class", "detectable", "history"}
 
 
 def same_record(published, today):

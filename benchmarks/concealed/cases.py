@@ -90,7 +90,7 @@ def _ways(rng, names, excitation, many, course="start"):
     return tuple(str(n) for n in rng.choice(possible, min(many, len(possible)), replace=False))
 
 
-def _hidden_by(name):
+def hidden_by(name):
     """What leaves no trace of an effect in the record."""
     if name == "outlet_bias":
         return ("no_p2",)
@@ -109,7 +109,7 @@ def _single(rng, kind, name, i):
     effect = EFFECTS[name]
     excitation = str(rng.choice(effect.asks or EXCITATIONS))
     course = _course(rng, effect)
-    ways = [n for n in OF_EFFECTS if n not in _hidden_by(name)]
+    ways = [n for n in OF_EFFECTS if n not in hidden_by(name)]
     nasty = _ways(rng, ways, excitation, 1, course)
     return kind, (name,), STEPS[i % len(STEPS)], excitation, course, nasty, _fluid_of((name,))
 

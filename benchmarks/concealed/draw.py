@@ -17,14 +17,16 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.concealed.cases import plan
+from benchmarks.concealed.histories import with_history
 from benchmarks.concealed.record import Impossible, make
 from sklvalve.datasets.concealed import to_toml
 
 ATTEMPTS = 8
 PLAN = "plan.json"
+HISTORY = "history.csv.gz"
 
 
-def draw(folder, seed, part=(1, 1), report=print, **sizes):
+def draw(folder, seed, part=(1, 1), report=print, histories=False, **sizes):
     """Draw what is not there yet of a benchmark's records.
 
     Parameters
@@ -35,6 +37,8 @@ def draw(folder, seed, part=(1, 1), report=print, **sizes):
         Which part of the work, of how many.
     report : callable
         Told of every record.
+    histories : bool, default=False
+        Whether to draw a history for every record; the record stays the same.
     **sizes
         How many records of each kind (`cases.plan`).
     """
@@ -52,7 +56,7 @@ def draw(folder, seed, part=(1, 1), report=print, **sizes):
             )
             report(f"{case.name}: {' + '.join(case.effects)} is not possible in {ATTEMPTS} plants")
             continue
-        write(place, made)
+        write(place, with_history(case, made) if histories else made)
         report(f"{case.name} written")
 
 
@@ -91,13 +95,15 @@ def write(place, made):
     waiting = place.with_name(f".{place.name}.{os.getpid()}")
     shutil.rmtree(waiting, ignore_errors=True)
     waiting.mkdir(parents=True)
-    _write_csv(waiting / "recording.csv.gz", {k: v[:rows] for k, v in made.table.items()})
-    _write_csv(waiting / "later.csv.gz", {k: v[rows:] for k, v in made.table.items()})
-    _write_csv(waiting / "behind.csv.gz", made.behind)
+    write_csv(waiting / "recording.csv.gz", {k: v[:rows] for k, v in made.table.items()})
+    write_csv(waiting / "later.csv.gz", {k: v[rows:] for k, v in made.table.items()})
+    write_csv(waiting / "behind.csv.gz", made.behind)
+    if made.history is not None:
+        write_csv(waiting / HISTORY, made.history)
     (waiting / "valve.toml").write_text(to_toml(made.valve), encoding="utf-8")
     if made.given is not None:
         (waiting / "valve_given.toml").write_text(to_toml(made.given), encoding="utf-8")
-    (waiting / "truth.json").write_text(json.dumps(made.truth, indent=1) + "\n", encoding="utf-8")
+    (waiting / "truth.json").write_text(text_of(made.truth), encoding="utf-8")
     try:
         waiting.rename(place)
     except OSError:
@@ -107,7 +113,13 @@ def write(place, made):
         shutil.rmtree(waiting)
 
 
-def _write_csv(path, table):
+def text_of(truth):
+    """A truth as its file holds it."""
+    return json.dumps(truth, indent=1) + "\n"
+
+
+def write_csv(path, table):
+    """Write columns as a packed file of the same bytes each time."""
     cells = [[_cell(v) for v in column] for column in table.values()]
     lines = [",".join(table), *(",".join(row) for row in zip(*cells, strict=True))]
     with path.open("wb") as file, gzip.GzipFile(fileobj=file, mode="wb", mtime=1) as packed:
@@ -120,10 +132,10 @@ def _cell(value):
     return "" if np.isnan(value) else f"{value:.10g}"
 
 
-def seal(folder):
+def seal(folder, anew=()):
     """Add to `seal.txt` a salted hash of every truth that it has none of; what was sealed stays.
 
-    The salt stays in `salt.txt`, for whoever checks it.
+    The salt stays in `salt.txt`, for whoever checks it. `anew` names records that are sealed once more.
 
     Returns
     -------
@@ -138,7 +150,8 @@ def seal(folder):
         salt_file.write_text(os.urandom(16).hex() + "\n", encoding="utf-8")
     salt = salt_file.read_bytes()
     for truth in folder.glob("record_*/truth.json"):
-        sealed.setdefault(truth.parent.name, hashlib.sha256(salt + truth.read_bytes()).hexdigest())
+        if truth.parent.name not in sealed or truth.parent.name in anew:
+            sealed[truth.parent.name] = hashlib.sha256(salt + truth.read_bytes()).hexdigest()
     text = "".join(f"{sealed[name]}  {name}\n" for name in sorted(sealed))
     waiting = folder / f".seal.{os.getpid()}"
     waiting.write_text(text, encoding="utf-8")

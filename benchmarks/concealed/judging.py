@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.concealed.methods import method, public
+from benchmarks.concealed.draw import HISTORY
+from benchmarks.concealed.methods import WITH_HISTORY, method, public
 from benchmarks.concealed.methods.rows import spans_of
 from sklvalve import read_recording
 
@@ -48,7 +49,8 @@ def line_of(place, name, *, valve="valve.toml", cache=None):
     began, worked = time.perf_counter(), time.process_time()
     try:
         recording = read_recording(place / "recording.csv.gz", place / valve)
-        found = method(name)(recording, folder=cache)
+        more = {"history": [read_recording(place / HISTORY, place / valve)]} if name in WITH_HISTORY else {}
+        found = method(name)(recording, folder=cache, **more)
         line["seconds"] = round(time.perf_counter() - began, 2)
         line["cpu_seconds"] = round(time.process_time() - worked, 2)
         line["found"] = public(found)

@@ -58,12 +58,23 @@ def table_of(before, after):
             for a, b in pairs
             if kind_of(a) == kind and (distinguishable(a) or not only_distinguishable)
         ]
-        if not some:
-            continue
-        lost, won, by_chance = mcnemar(some)
-        counts = [f"{sum(pair[k] for pair in some)} of {len(some)}" for k in (0, 1)]
-        rows.append([what, *counts, lost, won, f"{by_chance:.2f}"])
+        if some:
+            rows.append(row_of(what, some))
     return table(["", "before", "after", "only before", "only after", "McNemar p"], rows)
+
+
+def row_of(what, answers):
+    """Cells of one thing counted.
+
+    Parameters
+    ----------
+    what : str
+    answers : list of tuple of bool
+        Of each record, whether it holds before and after.
+    """
+    lost, won, by_chance = mcnemar(answers)
+    counts = [f"{sum(pair[k] for pair in answers)} of {len(answers)}" for k in (0, 1)]
+    return [what, *counts, lost, won, f"{by_chance:.2f}"]
 
 
 if __name__ == "__main__":

@@ -24,13 +24,15 @@ class Impossible(ValueError):
 
 @dataclass
 class Made:
-    """A record: its table, its sheet, what is behind it, and its truth."""
+    """A record: its table, its sheet, what is behind it, its truth, its plant, and a table of its history."""
 
     table: dict
     valve: dict
     given: dict | None
     behind: dict
     truth: dict
+    plant: Plant
+    history: dict | None = None
 
 
 def make(case, seed, *, rows=None, strengths=None, distances=True):
@@ -66,14 +68,14 @@ def make(case, seed, *, rows=None, strengths=None, distances=True):
     whole = Scene(plant, *_run(plant, strengths, course), lacking, later=True)
     if "compensated" in case.nasty:
         _compensate(plant, whole)
-    clean, table = _recorded(rng, plant, whole, case)
+    clean, table = recorded(rng, plant, whole, case)
     behind = _behind(whole, clean)
     truth = _truth(case, plant, course, strengths, sizes, clean, table, behind)
     if distances:
         truth |= _distances(case, scene_of(plant, strengths, course, lacking), course)
     valve = _valve(plant, table, case)
     given = _given(valve) if "F_sim" in table and case.kind in ("healthy", "single") else None
-    return Made(table, valve, given, behind, truth)
+    return Made(table, valve, given, behind, truth, plant)
 
 
 def _run(plant, strengths, course):
@@ -111,7 +113,7 @@ def _sized(plant, case, course, lacking, signs):
     return strengths, told
 
 
-def _recorded(rng, plant, scene, case):
+def recorded(rng, plant, scene, case):
     """Signals behind the noise, and the table that the historian holds, both of all rows."""
     schedule, loop, rows = scene.schedule, scene.loop, slice(WARM_UP, None)
     column = lambda name: np.repeat(schedule[:, COLUMNS.index(name)], A_SECOND)  # noqa: E731
@@ -132,7 +134,8 @@ def _recorded(rng, plant, scene, case):
     roles = {"X": "opening", "P1": "p1", "P2": "p2", "T1": "temperature", "F": "flow"}
     scale = {"X": 100.0, "P1": 1e-3, "P2": 1e-3}
     for name, role in roles.items():
-        values = sensors.scan(fine[name], sensors.scan_moments(rng, n), A_SECOND)
+        place = plant.places.setdefault(name, sensors.scan_place(rng))
+        values = sensors.scan(fine[name], sensors.scan_moments(rng, n, place), A_SECOND)
         noise = plant.noise[role]
         if name == "F":
             noise = noise * plant.law.envelope(values, plant.span) + values * plant.noise["turbulence"]

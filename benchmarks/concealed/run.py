@@ -9,8 +9,9 @@ import time
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
-from benchmarks.concealed.draw import draw, only_of
+from benchmarks.concealed.draw import HISTORY, draw, only_of
 from benchmarks.concealed.judging import line_of
+from benchmarks.concealed.methods import WITH_HISTORY
 from benchmarks.concealed.scoring.lines import read_lines
 
 # workers are replaced after so many records each, so that their peak of memory is that of few; a pool that
@@ -19,15 +20,15 @@ _RECORDS_A_WORKER = 40
 GIVEN = "valve_given.toml"
 
 
-def draw_all(folder, seed, jobs, **sizes):
-    """Draw all records, by some processes at once."""
+def draw_all(folder, seed, jobs, histories=False, **sizes):
+    """Draw all records, with histories where asked for, by some processes at once."""
     only_of(folder, seed, sizes)
     if jobs == 1:
-        draw(folder, seed, **sizes)
+        draw(folder, seed, histories=histories, **sizes)
         return
     parts = [
         multiprocessing.get_context("spawn").Process(
-            target=draw, args=(folder, seed, (i + 1, jobs)), kwargs=sizes
+            target=draw, args=(folder, seed, (i + 1, jobs)), kwargs=sizes | {"histories": histories}
         )
         for i in range(jobs)
     ]
@@ -70,6 +71,8 @@ def judge_all(folder, names, jobs, *, given=False, every=1, report=print):
         places = places[::every]
         if given:
             places = [p for p in places if (p / GIVEN).exists()]
+        if name in WITH_HISTORY:
+            places = [p for p in places if (p / HISTORY).exists()]
         work += [
             (p, name, file, GIVEN if given else "valve.toml", cache) for p in places if p.name not in done
         ]

@@ -31,6 +31,7 @@ def sound(plant):
 
 def test_no_code_of_what_is_tested_is_imported():
     files = [*CONCEALED.glob("plant/**/*.py"), *CONCEALED.glob("distances/*.py"), CONCEALED / "record.py"]
+    files += [CONCEALED / "histories" / f"{name}.py" for name in ("kinds", "changes", "hour")]
     assert len(files) > 15
     for file in files:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
@@ -180,7 +181,7 @@ def test_a_jitter_of_the_scan_is_noise_of_a_stem_that_moves():
     # 3 % of travel in a second, up and down, and half of the time still
     way = 0.5 + 0.03 * np.abs(np.arange(A_SECOND * n) / A_SECOND % 20.0 - 10.0)
     way[(np.arange(A_SECOND * n) // 500) % 2 == 0] = 0.5
-    moments = sensors.scan_moments(rng, n)
+    moments = sensors.scan_moments(rng, n, sensors.scan_place(rng))
     late = np.mean(moments - np.arange(n))
     clean = sensors.scan(way, np.arange(n) + late, A_SECOND)
     wrong = sensors.scan(way, moments, A_SECOND) - clean + law.draw(rng, n, 60.0)["opening"]

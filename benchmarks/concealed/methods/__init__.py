@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the benchmark judges: this package's finder, and the baselines that it is held against.
 
-Each module has ``diagnose(recording, *, folder=None) -> found``. `found` is laid out as diagnosis.json, as
-far as the method knows: ``verdict``, ``mismatch``, ``effects``, ``location``. Under the keys of `PRIVATE` it
-holds what is no plain data: simulations (``Recording -> {"flow", "opening"}`` in SI) and rows.
+Each module has ``diagnose(recording, *, folder=None) -> found``; those of `WITH_HISTORY` take ``history``
+besides, a list of recordings. `found` is laid out as diagnosis.json, as far as the method knows: ``verdict``,
+``mismatch``, ``effects``, ``location``. Under the keys of `PRIVATE` it holds what is no plain data:
+simulations (``Recording -> {"flow", "opening"}`` in SI) and rows.
 """
 
 from importlib import import_module
@@ -15,7 +16,11 @@ METHODS = {
     "random_forest": "random_forest",
     "sparse_regression": "sparse_regression",
     "no_noise_model": "no_noise_model",
+    "sklvalve_history": "with_history",
 }
+
+#: Methods that are given a history of the plant as well; records without one are not theirs.
+WITH_HISTORY = ("sklvalve_history",)
 
 #: Entries of `found` that are no plain data.
 PRIVATE = ("simulate", "simulate_nominal", "flagged", "boxes")
@@ -39,4 +44,4 @@ def public(found):
     return {key: value for key, value in found.items() if key not in PRIVATE}
 
 
-__all__ = ["METHODS", "PRIVATE", "method", "public"]
+__all__ = ["METHODS", "PRIVATE", "WITH_HISTORY", "method", "public"]

@@ -92,7 +92,7 @@ class Stand:
     def _read(self, scene):
         # the same dice for every run: what was recorded before a test stays as it was
         rng = np.random.default_rng([self.what.seed, 4])
-        _, table = record._recorded(rng, self.plant, scene, self.case)
+        _, table = record.recorded(rng, self.plant, scene, self.case)
         frame = pd.DataFrame({k: v for k, v in table.items() if k not in ("F_sim", "SP")})
         return Recording.from_frame(frame, Valve.from_dict(record._valve(self.plant, table, self.case)))
 

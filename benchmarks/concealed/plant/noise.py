@@ -67,19 +67,26 @@ class Law:
             x_misread=_misread(1e-2 * RANGES["X"], _OF_HELD_X, kinds),
         )
 
-    def draw(self, rng, n, span):
-        """Noise of each signal over `n` seconds: flow [m3/h], its turbulence, opening [1], pressures [Pa]."""
+    def draw(self, rng, n, span, zeros=None):
+        """Noise of each signal over `n` seconds: flow [m3/h], its turbulence, opening [1], pressures [Pa].
+
+        `zeros`, role -> error, are those of sensors that were drawn before; they are returned as "zeros" too.
+        """
+        own = {}
         flow = self.white * rng.standard_normal(n) + self.correlated * wander(rng, n, 20.0)
         flow += self.wandering * wander(rng, n, self.slow)
         drawn = {"flow": span * flow, "turbulence": self.turbulence * wander(rng, n, 2.0)}
         drawn["opening"] = self.x_white * rng.standard_normal(n) + self.x_wandering * wander(rng, n, 500.0)
         for role in ("p1", "p2"):
-            zero = rng.uniform(-1.2e3, 1.2e3)
+            own[role] = rng.uniform(-1.2e3, 1.2e3)
+            zero = (own if zeros is None else zeros)[role]
             drawn[role] = (
                 zero + self.p_white * rng.standard_normal(n) + self.p_wandering * wander(rng, n, 400.0)
             )
-        drawn["temperature"] = rng.uniform(-0.3, 0.3) + 0.05 * rng.standard_normal(n)
-        return drawn
+        own["temperature"] = rng.uniform(-0.3, 0.3)
+        zero = (own if zeros is None else zeros)["temperature"]
+        drawn["temperature"] = zero + 0.05 * rng.standard_normal(n)
+        return drawn | {"zeros": own if zeros is None else dict(zeros)}
 
     def envelope(self, flow, span):
         """Factor on the flow meter's noise, row by row."""

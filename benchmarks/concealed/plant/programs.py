@@ -89,13 +89,17 @@ def pressures(rng, n, excitation, hot):
     return source, np.maximum(tank, 1.5e5)
 
 
-def temperature(rng, n, fluid):
-    """Of the fluid [degC], one value a second: a slow cycle and what the weather adds."""
+def climate(rng, fluid):
+    """Middle of the fluid's temperature [degC], and how far its slow cycle goes [K]."""
     middle = {
         "water": rng.uniform(15.0, 65.0),
         "hot_water": rng.uniform(135.0, 145.0),
         "oil": rng.uniform(25.0, 55.0),
     }
-    swing = rng.uniform(5.0, 9.0) if fluid == "oil" else rng.uniform(1.5, 5.0)
+    return middle[fluid], rng.uniform(5.0, 9.0) if fluid == "oil" else rng.uniform(1.5, 5.0)
+
+
+def temperature(rng, n, middle, swing):
+    """Of the fluid [degC], one value a second: a slow cycle and what the weather adds."""
     cycle = swing * np.sin(2.0 * np.pi * (np.arange(n) / rng.uniform(2500.0, 7000.0) + rng.uniform()))
-    return middle[fluid] + cycle + 0.5 * wander(rng, n, 150.0)
+    return middle + cycle + 0.5 * wander(rng, n, 150.0)

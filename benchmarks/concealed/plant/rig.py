@@ -2,6 +2,7 @@
 """One drawn plant, which runs with any effects on the same surroundings."""
 
 import zlib
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -76,14 +77,45 @@ class Plant:
         self.hard, self.sound = hardware.draw_hardware(rng, self.sheet)
         self.law = Law.drawn(rng, nasty)
         self.span = 1.5 * self.sheet["kv_rated"]
+        self.kept, self.places = {}, {}
         self._surround(rng)
         self.noise = self.law.draw(rng, self.n_all, self.span)
         self.grown_for, self._dice = float(self.n), rng
 
+    def another_hour(self, rng, excitation, rows, nasty, kept=None, zeros=None, sound=None):
+        """The same plant at another time.
+
+        Hardware, meters, scan and what `kept` and the sensors' zeros hold stay; what it is asked to do,
+        pressures, the course of the temperature and the noise are drawn from `rng`.
+
+        Parameters
+        ----------
+        rng : Generator
+        excitation : {"wide", "closed", "cascade"}
+        rows : int
+        nasty : sequence of str
+        kept, zeros, sound : dict, default=None
+            What differs from this plant's `kept`, zeros of sensors, and sound columns of the schedule.
+        """
+        other = copy(self)
+        other.excitation, other.nasty = excitation, tuple(nasty)
+        other.rows, other.n, other.n_all = rows, rows, rows + WARM_UP
+        other.kept = self.kept | (kept or {})
+        other.sound = self.sound | (sound or {})
+        other._surround(rng)
+        other.noise = self.law.draw(rng, other.n_all, self.span, self.noise["zeros"] | (zeros or {}))
+        other.grown_for, other._dice = float(rows), rng
+        return other
+
+    def _keep(self, name, drawn):
+        """What was drawn of this before, or what is drawn now."""
+        return self.kept.setdefault(name, drawn)
+
     def _surround(self, rng):
         n, kv = self.n_all, self.sheet["kv_rated"]
         source, tank = programs.pressures(rng, n, self.excitation, self.fluid == "hot_water")
-        celsius = programs.temperature(rng, n, self.fluid)
+        source = source + self._keep("source", 0.0)
+        celsius = programs.temperature(rng, n, *self._keep("climate", programs.climate(rng, self.fluid)))
         self.given = np.round(programs.wide_command(rng, n), 4)
         self.setpoint = np.round(programs.flow_setpoint(rng, n, kv), 2)
         outflow = np.zeros(n)
@@ -108,9 +140,18 @@ class Plant:
         tuning = np.ones(n)
         if "retuned" in self.nasty:
             tuning[WARM_UP + int(rng.uniform(0.3, 0.6) * self.rows) :] = 0.3
-        gain = rng.uniform(0.2, 0.4) / (2.0 * kv) * (2.2 if "badly_tuned" in self.nasty else 1.0)
+        gain = self._keep("gain", rng.uniform(0.2, 0.4))
+        gain = gain / (2.0 * kv) * (2.2 if "badly_tuned" in self.nasty else 1.0)
         ones = np.ones(n)
-        columns = (gain * tuning, rng.uniform(5.0, 12.0), 0.02, 1.0, 2.0 * kv, 900.0, 0.25 * kv)
+        columns = (
+            gain * tuning,
+            self._keep("reset", rng.uniform(5.0, 12.0)),
+            0.02,
+            1.0,
+            2.0 * kv,
+            900.0,
+            0.25 * kv,
+        )
         self.controller = np.column_stack([column * ones for column in columns])
 
     def _mostly(self, command, rng):
@@ -120,7 +161,7 @@ class Plant:
         for _ in range(3):
             begin = int(rng.uniform(0.05, 0.65) * self.rows) + WARM_UP
             visits[begin : begin + int(0.012 * self.rows)] = True
-        visits[-int(0.5 * (self.n - self.rows)) :] = True
+        visits[visits.size - int(0.5 * (self.n - self.rows)) :] = True
         return np.where(visits, command, often)
 
     def share(self, low, high):

@@ -15,9 +15,14 @@ def scan(fine, moments, a_second):
     return np.interp(moments, np.arange(fine.size) / a_second, fine)
 
 
-def scan_moments(rng, n):
+def scan_place(rng):
+    """How late a channel is read by its place in the scan [s]."""
+    return rng.uniform(0.0, 0.15)
+
+
+def scan_moments(rng, n, place):
     """When one channel is read: every second, late by its place in the scan and a little more [s]."""
-    return np.arange(n) + rng.uniform(0.0, 0.15) + rng.uniform(0.0, JITTER, n)
+    return np.arange(n) + place + rng.uniform(0.0, JITTER, n)
 
 
 def convert(values, width, bits=BITS):
