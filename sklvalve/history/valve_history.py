@@ -242,6 +242,15 @@ class ValveHistory(BaseEstimator):
         """
         return [self._known.get(p.name, p) for p in parameters]
 
+    def left(self, channel: str) -> float:
+        """Rms of what the calibrated simulation left over of a channel, in the median window [SI].
+
+        Parameters
+        ----------
+        channel : {"opening", "flow"}
+        """
+        return float(np.median([w.left[channel] for w in self.windows_]))
+
     def expected_of(self, values: dict[str, float]) -> dict[str, float]:
         """Values of a calibration, drawn back where no history lets expect them.
 

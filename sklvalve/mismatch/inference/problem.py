@@ -326,7 +326,7 @@ class Problem(Sharing, Sizes):
         left, noise, learnt = self.residuals(model), {}, self._memory.noises
         for c in self.channels:
             if cautious and self.history is not None:
-                noise[c] = self._noise_before(c, left[c], model)
+                noise[c] = self._noise_before(self.history, c, left[c], model)
                 continue
             untouched = not self._touching(model.terms, (c,))
             if untouched and not anew and (c, cautious) in learnt:
@@ -345,10 +345,10 @@ class Problem(Sharing, Sizes):
                 learnt[c, cautious] = noise[c]
         return self.with_noise(noise)
 
-    def _noise_before(self, channel: str, left: np.ndarray, model: Model) -> Any:
+    def _noise_before(self, history: ValveHistory, channel: str, left: np.ndarray, model: Model) -> Any:
         """Noise of a channel as its history has it: learnt where nothing was missing."""
         return as_before(
-            self.history.noise_parts(channel),
+            history.noise_parts(channel),
             self.recording,
             left,
             model.predictions[channel],

@@ -201,6 +201,9 @@ def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None
     if noise is None:
         return None
     explained = _rms(_means(shown - nominal.predictions["flow"] / span, quiet))
+    if problem.history is not None:
+        # what the healthy valve left over is no mismatch, whatever made it
+        noise = max(noise, problem.history.left("flow") / span)
     parts = noise, _INADEQUACY * problem.least("flow"), SHARE_MISTAKEN * explained
     allowed, size = float(np.sqrt(np.sum(np.square(parts)))), _rms(slow)
     return LeftOver("flow", size, noise, allowed, effective_number(slow))
