@@ -195,7 +195,24 @@ def _provenance(whole: Recording, problem: Problem, random_state: int) -> dict[s
         "rows": len(problem.recording),
         "random_state": random_state,
         **({"recordings": joined} if joined else {}),
+        **_of_history(problem),
         **begins_of(whole),
+    }
+
+
+def _of_history(problem: Problem) -> dict[str, Any]:
+    """What the recording was held against beside the sheet; nothing where no history was given."""
+    history = problem.history
+    if history is None:
+        return {}
+    outside = history.range_.outside(problem.recording)
+    return {
+        "history": {
+            "rows": history.rows,
+            "days": round(history.days, 4),
+            "recordings": [{"name": each.name, "sha256": each.sha256} for each in history.recordings_],
+            "outside": {name: round(share, 4) for name, share in outside.items()},
+        }
     }
 
 

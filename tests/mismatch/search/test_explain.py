@@ -163,6 +163,8 @@ def test_a_rival_of_what_began_may_be_shorter_and_smaller_than_what_alone_is_tol
     monkeypatch.setattr(relevance, "_absurd", lambda *_: absurd)
     model = SimpleNamespace(terms=(Term(LEAK, onset),))
     bench = SimpleNamespace(
-        change=lambda *_: {"flow": size}, counts=lambda sizes: any(s >= 0.005 for s in sizes.values())
+        change=lambda *_: {"flow": size},
+        counts=lambda sizes: any(s >= 0.005 for s in sizes.values()),
+        without=lambda _model, _terms, fitted: fitted,
     )
     assert relevance.may_be_instead(bench, model, None) is able
