@@ -67,7 +67,17 @@ def test_without_a_frequency_only_what_explains_most_is_strong():
 # ---- kinds of recordings
 
 
-def _bench(known=True, electric=False, supply=2.4e5, pieces=(), rows=3000, seconds=1.0, fluid=(), lacks=()):
+def _bench(
+    known=True,
+    electric=False,
+    supply=2.4e5,
+    pieces=(),
+    rows=3000,
+    seconds=1.0,
+    fluid=(),
+    lacks=(),
+    history=None,
+):
     class Signals(dict):
         pieces = ()
         sample_time = 1.0
@@ -81,7 +91,7 @@ def _bench(known=True, electric=False, supply=2.4e5, pieces=(), rows=3000, secon
     recording.time = seconds * np.arange(rows)
     valve = SimpleNamespace(fluid=dict.fromkeys(fluid, 1.0), supply_pressure=supply)
     chain = SimpleNamespace(trim=SimpleNamespace(known=known), electric=electric, valve=valve)
-    return SimpleNamespace(recording=recording, plain=chain, valve=valve)
+    return SimpleNamespace(recording=recording, plain=chain, valve=valve, history=history)
 
 
 @pytest.mark.parametrize(
@@ -99,6 +109,7 @@ def _bench(known=True, electric=False, supply=2.4e5, pieces=(), rows=3000, secon
         ({"fluid": ("molar_mass",)}, "gas"),
         ({"rows": 600}, "600 rows"),
         ({"seconds": 10.0}, "10 s apart"),
+        ({"history": "known"}, "a history"),
     ],
 )
 def test_kinds_that_were_checked(differs, words):
