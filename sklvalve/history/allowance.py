@@ -8,9 +8,6 @@ import numpy as np
 
 from sklvalve.simulation.parameters import Parameter
 
-# of a trim learnt from data: a knot's rise may change by this share of an even one, in allowances of capacity
-_RISE = 1.0
-
 
 @dataclass(frozen=True)
 class Allowance:
@@ -57,7 +54,7 @@ class Allowance:
             Standard deviation; of the logarithm where the parameter moves by that.
         """
         name = parameter.name
-        share = {
+        known = {
             "position_zero": self.position_zero,
             "stem_zero": self.position_zero,
             "flow_zero": self.flow_zero * spans.get("flow", 1.0),
@@ -65,15 +62,15 @@ class Allowance:
             "fl_scale": self.recovery,
             "fl_slope": self.recovery,
             "capacity": self.capacity * parameter.start,
-        }.get(name)
-        if share is None and name.startswith("trim_"):
-            share = self.trim
-        if share is None and name.startswith("rise_"):
-            share = self.trim * _RISE * max(parameter.spread or 0.0, parameter.start)
-        if share is None and parameter.log:
-            share = self.response
+        }
+        if name in known:
+            return known[name]
+        if name.startswith("trim_"):
+            return self.trim
+        if name.startswith("rise_"):
+            return self.trim * max(parameter.spread or 0.0, parameter.start)
         # what else there is may change by a tenth of what the sheet leaves open
-        return share if share is not None else 0.1 * _reach(parameter)
+        return self.response if parameter.log else 0.1 * _reach(parameter)
 
 
 def _reach(parameter: Parameter) -> float:

@@ -12,11 +12,11 @@ import numpy as np
 
 from sklvalve.history.posterior import Information
 from sklvalve.recording import Recording, join_recordings
-from sklvalve.simulation.calibration import calibration_parameters, channels_of, span_of
+from sklvalve.simulation.calibration import calibration_parameters, channels_of, spans_of
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.first_values import first_values
-from sklvalve.simulation.fitting import Misfit, PlainNoise, fit_chain, residual_of, simulate_channels
-from sklvalve.simulation.noise import NoiseParts
+from sklvalve.simulation.fitting import Misfit, first_noise, fit_chain, residual_of, simulate_channels
+from sklvalve.simulation.noise import INADEQUACY, NoiseParts
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.robust import normal_equations, robust_weights
@@ -26,10 +26,6 @@ from sklvalve.simulation.tolerance import Tolerance
 WINDOW, CALIBRATED_ON = 1_800, 14_400
 # rows whose derivatives are held at a time
 _AT_ONCE = 86_400
-# a healthy simulation is wrong by about this share of what counts as an effect
-_INADEQUACY = 0.2
-# of a noise not yet learnt, share of the span
-_UNKNOWN = 0.003
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,10 +96,8 @@ def sampled(recordings: Sequence[Recording]) -> Recording:
     return join_recordings([spans[i][0].slice(spans[i][1], spans[i][2]) for i in chosen])
 
 
-def calibrated_on(
-    chain: Chain, groups: Sequence[Group], tolerance: Tolerance
-) -> tuple[dict[str, float], dict[str, Any]]:
-    """Values of a simulation that has nothing missing, and the noise that it leaves.
+def calibrated_on(chain: Chain, groups: Sequence[Group], tolerance: Tolerance) -> dict[str, float]:
+    """Values of a simulation that has nothing missing.
 
     Parameters
     ----------
@@ -114,24 +108,22 @@ def calibrated_on(
     Returns
     -------
     values : dict
-    noise : dict
-        Channel -> noise model.
     """
-    recording = chain.recording
     channels = [c for g in groups for c in g.channels]
     stem = next((g.parameters for g in groups if g.channels == ("opening",)), ())
     values, _ = first_values(chain, stem, flow="flow" in channels)
-    noise = {c: PlainNoise(_UNKNOWN * spans_of(recording)[c]) for c in channels}
-    for _ in range(3):
+    noise: dict[str, Any] = first_noise(spans_of(chain.recording, channels))
+    for k in range(3):
+        if k:
+            noise = noise_left(chain, simulate_channels(chain, values, channels), tolerance)
         for group in groups:
             values |= fit_chain(chain, group.parameters, group.channels, noise, start=values).values
-        noise = noise_left(chain, simulate_channels(chain, values, channels), tolerance)
-    return values, noise
+    return values
 
 
 def noise_left(chain: Chain, predictions: dict[str, np.ndarray], tolerance: Tolerance) -> dict[str, Any]:
     """Noise that a simulation leaves over of a recording, channel by channel."""
-    spans = spans_of(chain.recording)
+    spans = spans_of(chain.recording, predictions)
     counts = {"opening": tolerance.opening_effect, "flow": tolerance.flow_effect}
     return {
         c: noise_of(
@@ -140,15 +132,10 @@ def noise_left(chain: Chain, predictions: dict[str, np.ndarray], tolerance: Tole
             predictions[c],
             chain.step,
             c,
-            inadequacy=_INADEQUACY * counts[c] * spans[c],
+            inadequacy=INADEQUACY * counts[c] * spans[c],
         )
         for c in predictions
     }
-
-
-def spans_of(recording: Recording) -> dict[str, float]:
-    """Role -> span of its signal [SI]; of an opening the travel."""
-    return {role: 1.0 if role == "opening" else span_of(recording[role]) for role in recording}
 
 
 def windows_of(
@@ -209,12 +196,11 @@ def _linearised(
     """Whitened errors of a group, channel after channel, and their derivatives by scaled parameters."""
     misfit = Misfit(chain, group.parameters, group.channels, noise, fixed=values)
     z = misfit.vector.pack(values)
-    errors = misfit.whitened(misfit.predictions(z))
-    moved, reach = misfit.neighbours(z)
-    slopes = np.empty((len(z), len(errors)))
-    for j, (m, r) in enumerate(zip(moved, reach, strict=True)):
-        slopes[j] = (misfit.whitened(misfit.predictions(m)) - errors) / (r / misfit.vector.scale[j])
-    return errors, slopes
+    errors = misfit.errors(z)
+    slopes = misfit.slopes(z, errors).T * misfit.vector.scale[:, None]
+    # distances from the sheet's priors stand behind the rows, and are no part of what these say
+    rows = len(group.channels) * len(chain.time)
+    return errors[:rows], slopes[:, :rows]
 
 
 def _information(errors: np.ndarray, slopes: np.ndarray, group: Group, n: int, rows: slice) -> Information:

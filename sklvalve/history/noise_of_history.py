@@ -6,9 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from sklvalve.recording import Recording
-from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.noise import NoiseModel, NoiseParts, quick_size
-from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
+from sklvalve.simulation.noise_of_pieces import NoiseOfPieces, of_each
 
 
 def as_before(
@@ -38,16 +37,8 @@ def as_before(
     noise : NoiseModel, or NoiseOfPieces where several recordings were joined
     """
 
-    def of(low: int, high: int) -> NoiseModel:
-        rows = slice(low, high)
-        steps = step[rows].copy()
-        steps[0] = np.median(steps[1:]) if len(steps) > 1 else steps[0]
-        left, made = residuals[rows], simulated[rows]
-        size = quick_size(left, made, step_of(recording.slice(low, high), role))
-        louder = parts.louder(max(1.0, size / parts.size))
-        return louder.model(np.isfinite(left), made, steps, inadequacy=inadequacy)
+    def louder(left: np.ndarray, made: np.ndarray, steps: np.ndarray, quantum: float) -> NoiseModel:
+        times = max(1.0, quick_size(left, made, quantum) / parts.size)
+        return parts.louder(times).model(np.isfinite(left), made, steps, inadequacy=inadequacy)
 
-    spans = recording.spans
-    if len(spans) == 1:
-        return of(*spans[0])
-    return NoiseOfPieces(spans, [of(*span) for span in spans])
+    return of_each(recording, residuals, simulated, step, role, louder)

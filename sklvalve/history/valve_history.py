@@ -29,7 +29,6 @@ from sklvalve.history.learning import (
     groups_of,
     pieces_of,
     sampled,
-    spans_of,
     windows_of,
 )
 from sklvalve.history.merging import moved, require_mergeable
@@ -38,7 +37,7 @@ from sklvalve.history.posterior import expected
 from sklvalve.history.sources import Source
 from sklvalve.history.state.settings import settings_of
 from sklvalve.recording import Recording, Valve
-from sklvalve.simulation.calibration import choose_trim
+from sklvalve.simulation.calibration import choose_trim, spans_of
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import chain_for
 from sklvalve.simulation.noise import NoiseParts
@@ -143,7 +142,7 @@ class ValveHistory(BaseEstimator):
         self.spans_ = spans_of(joined)
         chain = self._chain(joined)
         self._groups_ = groups_of(chain, tolerance)
-        self.values_, _ = calibrated_on(chain, self._groups_, tolerance)
+        self.values_ = calibrated_on(chain, self._groups_, tolerance)
         self.windows_: list[Window] = []
         self.recordings_: list[Source] = []
         self.range_ = OperatingRange()
@@ -270,9 +269,8 @@ class ValveHistory(BaseEstimator):
         if not known:
             return values
         vector = ParameterVector(known)
-        z = vector.pack(values)
-        mean, root = self.prior_.of(vector.names)
-        away = float(np.sum((root @ (z - mean)) ** 2))
+        z, mean = vector.pack(values), vector.pack({})
+        away = float(np.sum(vector.prior_residuals(z) ** 2))
         most = float(chi2.ppf(_EXPECTED, len(known)))
         share = min(1.0, np.sqrt(most / max(away, 1e-12)))
         return values | vector.values(np.clip(mean + share * (z - mean), vector.low, vector.high))

@@ -92,6 +92,12 @@ def span_of(values):
     return float(np.quantile(np.abs(seen), 0.995)) if len(seen) else 1.0
 
 
+def spans_of(recording, roles=None):
+    """Role -> span of its signal [SI], of all roles unless some are given; of an opening the travel."""
+    roles = recording if roles is None else roles
+    return {role: 1.0 if role == "opening" else span_of(recording[role]) for role in roles}
+
+
 def calibration_parameters(chain, tolerance, channels):
     """Parameters that the data sheet leaves open for some channels.
 

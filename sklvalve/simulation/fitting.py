@@ -18,6 +18,8 @@ from sklvalve.simulation.robust import (
 
 # old derivatives serve on while a step gains more than this share of the first step that they led
 _STALE = 0.05
+# of a noise not yet learnt, share of the span
+_UNKNOWN = 0.003
 
 
 @dataclass(frozen=True)
@@ -56,6 +58,11 @@ class PlainNoise:
     def whiten(self, residuals):
         """Residuals in standard deviations; gaps become zero."""
         return np.nan_to_num(residuals / self.scale)
+
+
+def first_noise(spans):
+    """Noise of channels before anything is known of it, as share of their spans [SI]."""
+    return {channel: PlainNoise(_UNKNOWN * span) for channel, span in spans.items()}
 
 
 def simulate_channels(chain, values, channels):

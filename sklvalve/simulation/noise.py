@@ -14,6 +14,9 @@ import numba as nb
 import numpy as np
 from scipy.optimize import minimize
 
+#: A healthy simulation is wrong by about this share of what counts as an effect.
+INADEQUACY = 0.2
+
 
 @nb.njit(cache=True, nogil=True)
 def _gains(

@@ -98,17 +98,45 @@ def noise_of(
     noise : NoiseModel, or NoiseOfPieces where several recordings were joined
     """
 
-    def of(low: int, high: int) -> NoiseModel:
-        rows = slice(low, high)
-        quantum = step_of(recording.slice(low, high), role)
-        steps = step[rows].copy()
-        # the time since the piece before is no time of this one
-        steps[0] = np.median(steps[1:]) if len(steps) > 1 else steps[0]
-        return fit_noise(residuals[rows], simulated[rows], steps, quantum=quantum, **settings)
-
     if role == "flow" and drop_is_unknown(recording):
         # a drop that nobody recorded wanders by more than any sensor: what is slow belongs to it
         settings |= {"cautious": False, "largest": np.inf}
+
+    def fitted(left: np.ndarray, made: np.ndarray, steps: np.ndarray, quantum: float) -> NoiseModel:
+        return fit_noise(left, made, steps, quantum=quantum, **settings)
+
+    return of_each(recording, residuals, simulated, step, role, fitted)
+
+
+def of_each(
+    recording: Recording,
+    residuals: np.ndarray,
+    simulated: np.ndarray,
+    step: np.ndarray,
+    role: str,
+    model_of: Callable[[np.ndarray, np.ndarray, np.ndarray, float], NoiseModel],
+) -> NoiseModel | NoiseOfPieces:
+    """Noise of a channel, of each recording that was joined by itself.
+
+    Parameters
+    ----------
+    recording, residuals, simulated, step, role
+        As `noise_of` takes them.
+    model_of : callable
+        ``model_of(residuals, simulated, step, quantum)`` of one recording.
+
+    Returns
+    -------
+    noise : NoiseModel, or NoiseOfPieces where several recordings were joined
+    """
+
+    def of(low: int, high: int) -> NoiseModel:
+        rows = slice(low, high)
+        steps = step[rows].copy()
+        # the time since the piece before is no time of this one
+        steps[0] = np.median(steps[1:]) if len(steps) > 1 else steps[0]
+        return model_of(residuals[rows], simulated[rows], steps, step_of(recording.slice(low, high), role))
+
     # a piece without a value of this channel has no noise to be told, and asks for none
     spans = recording.spans
     if len(spans) == 1:

@@ -16,9 +16,9 @@ from sklvalve.simulation.calibration import (
     choose_trim,
     flow_parameters,
     opening_parameters,
-    span_of,
+    spans_of,
 )
-from sklvalve.simulation.fitting import PlainNoise, fit_chain
+from sklvalve.simulation.fitting import first_noise, fit_chain
 from sklvalve.simulation.given import chain_for, require_given
 from sklvalve.simulation.given_columns import with_given
 from sklvalve.simulation.going_on import going_on
@@ -116,7 +116,7 @@ class ValveSimulation(RegressorMixin, BaseEstimator):
         for effect in self.effects_:
             for q in effect.quantities(chain):
                 parameters.append(q.parameter_of(effect.key))
-        noise = {c: PlainNoise(0.003 * (1.0 if c == "opening" else span_of(recording[c]))) for c in channels}
+        noise = first_noise(spans_of(recording, channels))
         self.values_ = fit_chain(chain, parameters, channels, noise).values
         self.seen_ = (float(chain.clock[0]), float(chain.clock[-1]))
         return self

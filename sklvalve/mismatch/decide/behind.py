@@ -110,7 +110,7 @@ def _likelier_alone(
         without = by_its_noise.fit((), start=explanation.nominal)
         gain = model.log_likelihood - without.log_likelihood
         finding = Finding(
-            model.terms[0], [], gain, problem.change(model, by_its_noise.without(model, (), without))
+            model.terms[0], [], gain, problem.change(model, by_its_noise.baseline(model, (), without))
         )
         rare = p_value_of_one(finding, by_its_noise, covariates) <= alpha
         likely = penalised_across_noises(by_its_noise, model)

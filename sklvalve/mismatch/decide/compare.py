@@ -200,7 +200,7 @@ def _rows_of(explanation: Explanation, finding: Finding, place: int, threshold: 
             r.term,
             r.model,
             r.model.log_likelihood - without.log_likelihood,
-            problem.change(r.model, problem.without(r.model, rest, without)),
+            problem.change(r.model, problem.baseline(r.model, rest, without)),
         )
         for r in finding.rivals
     ]

@@ -218,7 +218,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
         asked += held_out
         if unknown is not None:
             # of all recordings together, as the unknown is
-            bare = case.problem.without(model, (), nominal)
+            bare = case.problem.baseline(model, (), nominal)
             explained = case.problem.change_in_all(unknown.channel, model, bare)
         if not all(rule.passed for rule in held_out):
             # blocks that the fit had not seen speak against it: no name is better than a wrong one

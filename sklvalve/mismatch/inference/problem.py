@@ -20,27 +20,25 @@ from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import (
     channels_of,
     choose_trim,
-    span_of,
+    spans_of,
 )
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.fitting import (
     ChannelFit,
     Misfit,
     PlainNoise,
+    first_noise,
     fit_chain,
     residual_of,
     simulate_channels,
 )
 from sklvalve.simulation.given import chain_for
+from sklvalve.simulation.noise import INADEQUACY
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.robust import robust_cost
 
-# a healthy simulation is wrong by about this share of what counts as an effect
-_INADEQUACY = 0.2
-# and no sensor's noise is larger than this many times what counts
+# no sensor's noise is larger than this many times what counts
 _LARGEST = 2.0
-# of a noise not yet learnt, share of the span
-_UNKNOWN = 0.003
 
 
 @dataclass(frozen=True)
@@ -136,11 +134,11 @@ class Problem(Sharing, Sizes):
         valve = recording.valve if valve is None else valve
         trim = trim or choose_trim(recording, valve, tolerance)
         channels = channels_of(recording)
-        spans = {c: 1.0 if c == "opening" else span_of(recording[c]) for c in channels}
+        spans = spans_of(recording, channels)
         effects, onsets = _physics_of(held)
         choking = "choked_flow" in physics and _knows_drop(recording)
         plain = chain_for(recording, valve, trim, effects=effects, onsets=onsets, choking=choking)
-        noise = _first_noise(spans)
+        noise = first_noise(spans)
         return cls(
             recording, tolerance, valve, trim, plain, channels, spans, noise, held=tuple(held), **others
         )
@@ -172,7 +170,7 @@ class Problem(Sharing, Sizes):
         return replace(
             self,
             plain=self.chain(terms, self.recording),
-            noise=_first_noise(self.spans),
+            noise=first_noise(self.spans),
             held=(*self.held, *terms),
             held_values=self.held_values | begun,
             sound_values={},
@@ -357,7 +355,7 @@ class Problem(Sharing, Sizes):
             self.noise_settings(channel)["inadequacy"],
         )
 
-    def without(self, model: Model, terms: Sequence[Term], fitted: Model) -> Model:
+    def baseline(self, model: Model, terms: Sequence[Term], fitted: Model) -> Model:
         """What a hypothesis is held against to see how much some of its effects change.
 
         Against a data sheet that is what no other calibration does as well: the fit without them. Where a
@@ -376,7 +374,7 @@ class Problem(Sharing, Sizes):
     def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
         counts = self.tolerated(channel) * self.spans[channel]
-        return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
+        return {"inadequacy": INADEQUACY * counts, "largest": _LARGEST * counts}
 
     def homoscedastic(self, model: Model, rows: np.ndarray | slice = slice(None)) -> Problem:
         """The problem judged by noise of one size in all rows, that of what a model leaves in `rows`.
@@ -437,11 +435,6 @@ def _physics_of(terms: Sequence[Term]) -> tuple[list[Effect], dict[str, Any]]:
 
 def _knows_drop(recording: Recording) -> bool:
     return "p1" in recording and "p2" in recording
-
-
-def _first_noise(spans: dict[str, float]) -> dict[str, Any]:
-    """Noise of every channel before anything is known of it."""
-    return {c: PlainNoise(_UNKNOWN * span) for c, span in spans.items()}
 
 
 def _signs(terms: Iterable[Term]) -> tuple:

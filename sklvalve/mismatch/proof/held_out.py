@@ -151,7 +151,7 @@ def held_out_share(problem: Problem, nominal: Model, model: Model) -> float:
     The excess is that over what a healthy simulation leaves over, in the channels that the hypothesis
     changes. One where it changes none by what counts.
     """
-    sizes = problem.change(model, problem.without(model, (), nominal))
+    sizes = problem.change(model, problem.baseline(model, (), nominal))
     changed = [c for c, size in sizes.items() if problem.counts({c: size})]
     before = after = 0.0
     for fits in zip(fits_without(problem, nominal), fits_without(problem, model), strict=True):

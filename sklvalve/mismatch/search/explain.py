@@ -165,7 +165,7 @@ class _Search:
                 gain = m.log_likelihood - model.log_likelihood
                 self.tried[m.terms[-1].effect.key] = (
                     gain,
-                    problem.change(m, problem.without(m, model.terms, model)),
+                    problem.change(m, problem.baseline(m, model.terms, model)),
                 )
         promising = [m for m in candidates if is_relevant(problem, m, model, self.threshold)]
         problem, settled = self._first_that_counts(problem, model, promising)
@@ -189,7 +189,7 @@ class _Search:
                 gain = settled.log_likelihood - without.log_likelihood
                 self.tried[chosen.terms[-1].effect.key] = (
                     gain,
-                    problem.change(settled, problem.without(settled, without.terms, without)),
+                    problem.change(settled, problem.baseline(settled, without.terms, without)),
                 )
             problem = problem.with_noise_of(model, cautious=True)
         return problem, None

@@ -53,7 +53,7 @@ def is_relevant(problem: Problem, model: Model, without: Model, threshold: float
     if any(_leaves_most(problem, model, without, c) for c in large):
         return True
     bare = problem.fit((), start=without)
-    strongest = problem.change(without, problem.without(without, (), bare))
+    strongest = problem.change(without, problem.baseline(without, (), bare))
     fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
     if large != ["opening"]:
         # or in gain, which counts how long it acts as well; where a stroke is missed, its rest repeats it
@@ -89,7 +89,7 @@ def may_be_instead(problem: Problem, model: Model, without: Model) -> bool:
 
 def _change_by_last(problem: Problem, model: Model, without: Model) -> dict[str, float]:
     """How much the last effect of a hypothesis changes."""
-    return problem.change(model, problem.without(model, model.terms[:-1], without))
+    return problem.change(model, problem.baseline(model, model.terms[:-1], without))
 
 
 def _absurd(model: Model, term: Term) -> bool:

@@ -104,7 +104,7 @@ def find_rivals(
         places += [(place, fitted) for place, fitted in instead if may_be_instead(problem, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = weighed(problem, places, without)
-        sizes = problem.change(model, problem.without(model, other_terms, without))
+        sizes = problem.change(model, problem.baseline(model, other_terms, without))
         findings.append(Finding(term, rivals, gain, sizes))
         if report:
             report(0.8 + 0.2 * (i + 1) / len(model.terms))

@@ -165,6 +165,6 @@ def test_a_rival_of_what_began_may_be_shorter_and_smaller_than_what_alone_is_tol
     bench = SimpleNamespace(
         change=lambda *_: {"flow": size},
         counts=lambda sizes: any(s >= 0.005 for s in sizes.values()),
-        without=lambda _model, _terms, fitted: fitted,
+        baseline=lambda _model, _terms, fitted: fitted,
     )
     assert relevance.may_be_instead(bench, model, None) is able
