@@ -3,18 +3,12 @@
 
 from argparse import Namespace, RawDescriptionHelpFormatter
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.history_files import ENDING
 from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell
 from sklvalve.cli.parser import seed
 from sklvalve.cli.terminal import show, text_width
-
-if TYPE_CHECKING:
-    from sklvalve.history import ValveHistory
-    from sklvalve.mismatch import MissingPhysicsFinder
-    from sklvalve.recording import Recording
 
 _EXAMPLES = f"""examples:
   sklvalve learn january.csv february.csv --valve fv101.toml --out fv101{ENDING}
@@ -68,7 +62,7 @@ def run(args: Namespace) -> int:
         tell(known)
         with progress() as callback, threadpool_limits(1, user_api="blas"):
             finder = MissingPhysicsFinder(random_state=args.seed, callback=callback)
-            history = learnt(finder, read)
+            history = finder.history_of(read)
         save_history(staging.path(out.name), history)
         staging.commit()
     content = content_of(history, read[0], finder.diagnosis_.to_dict())
@@ -78,28 +72,6 @@ def run(args: Namespace) -> int:
         lines = lines_of(content, asked_of(history, read[0]), text_width())
         show("\n".join([*lines, "", f"Written: {out}"]))
     return 0
-
-
-def learnt(finder: "MissingPhysicsFinder", recordings: "list[Recording]") -> "ValveHistory":
-    """Diagnose recordings by themselves, without a history, and learn the valve from them.
-
-    Parameters
-    ----------
-    finder : MissingPhysicsFinder
-        Fitted to the recordings afterwards: its `diagnosis_` says whether they are clean.
-    recordings : list of Recording
-
-    Returns
-    -------
-    history : ValveHistory
-    """
-    from sklvalve.history import ValveHistory
-    from sklvalve.recording import join_recordings
-
-    if hasattr(finder, "history_of"):
-        return finder.history_of(recordings)
-    finder.fit(join_recordings(recordings))
-    return ValveHistory().fit(recordings)
 
 
 def _target(args: Namespace) -> Path:

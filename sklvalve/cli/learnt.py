@@ -44,8 +44,7 @@ def content_of(history: "ValveHistory", recording: "Recording", diagnosis: dict)
         "noise": {
             channel: {"value": _difference(recording, channel, history.noise_parts(channel).size)}
             | {"unit": recording.unit(channel)}
-            for group in history._groups_
-            for channel in group.channels
+            for channel in history.channels
         },
         "calibration": _calibration(history),
         "clean": diagnosis["verdict"] == "no_mismatch",
@@ -103,7 +102,8 @@ def _by_itself(content: dict[str, Any]) -> str:
         return "The recordings are clean: their diagnosis finds nothing missing in the simulation."
     return (
         f"The recordings are not clean. {content['diagnosis']['finding']} A later diagnosis with this "
-        "history tells what has changed since, and not what was there already."
+        "history tells what has changed since less surely: it may take what was there already for a change. "
+        "Learn from sound recordings if there are any."
     )
 
 
@@ -126,7 +126,7 @@ def _calibration(history: "ValveHistory") -> dict[str, dict[str, Any]]:
     """Parameter -> what is expected of it in the next recording, in SI (capacity in m3/h)."""
     import numpy as np
 
-    known = {p.name: p for group in history._groups_ for p in group.parameters}
+    known = {p.name: p for p in history.parameters}
     prior, found = history.prior_, {}
     for name, mean, spread in zip(prior.names, prior.mean, np.sqrt(np.diag(prior.covariance)), strict=True):
         value = float(np.exp(mean)) if known[name].log else float(mean)

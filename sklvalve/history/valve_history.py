@@ -227,6 +227,16 @@ class ValveHistory(BaseEstimator):
         """Time that was recorded [d]."""
         return sum(window.seconds for window in self.windows_) / 86_400.0
 
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Signals that the simulation was calibrated by, opening and/or flow."""
+        return tuple(channel for group in self._groups_ for channel in group.channels)
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Parameters of the calibration, as the sheet leaves them open."""
+        return tuple(p for group in self._groups_ for p in group.parameters)
+
     def prior_of(self, parameters: Iterable[Parameter]) -> list[Parameter]:
         """Parameters of a calibration with what the history lets expect of them.
 
@@ -279,7 +289,7 @@ class ValveHistory(BaseEstimator):
     def _known(self) -> dict[str, Parameter]:
         size = np.sqrt(np.diag(self.prior_.covariance))
         known = {}
-        for p in (p for group in self._groups_ for p in group.parameters):
+        for p in self.parameters:
             at = self.prior_.names.index(p.name)
             mean = float(self.prior_.mean[at])
             start = float(np.exp(mean)) if p.log else mean

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_limits
 from sklvalve._refits import whole_or_nothing
 from sklvalve.history import ValveHistory
 from sklvalve.history.compatible import require_compatible
-from sklvalve.history.learnable import require_no_loop
+from sklvalve.history.learnable import recordings_of, require_no_loop
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
@@ -40,7 +40,13 @@ from sklvalve.mismatch.result.diagnosis import Diagnosis
 from sklvalve.mismatch.result.fit_entries import fit_entries
 from sklvalve.mismatch.search.events import effects_to_search, evident_events
 from sklvalve.mismatch.search.explain import explain
-from sklvalve.recording import InputError, Recording, require_diagnosable, screen_recording
+from sklvalve.recording import (
+    InputError,
+    Recording,
+    join_recordings,
+    require_diagnosable,
+    screen_recording,
+)
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.parallel_map import with_threads
 
@@ -223,6 +229,28 @@ class MissingPhysicsFinder(BaseEstimator):
             )
         return self.corrected_simulation_.predict(X)
 
+    def history_of(self, X: Any) -> ValveHistory:
+        """Diagnose recordings by themselves, and learn from them what later ones are held against.
+
+        Parameters
+        ----------
+        X : Recording, DataFrame with role names as columns, in SI, or iterable of these
+            Of one valve.
+
+        Returns
+        -------
+        history : ValveHistory
+            What the recordings lacked by themselves, `diagnosis_` says; the history does not hold it.
+
+        Raises
+        ------
+        InputError
+            If the recordings lack what a diagnosis or a history needs.
+        """
+        recordings = recordings_of(X)
+        self.fit(join_recordings(recordings))
+        return self._learnt(recordings)
+
     @property
     def comparison_(self) -> Any:
         """Data frame of all hypotheses that were compared, a row each (docs/method.md); needs pandas."""
@@ -259,7 +287,10 @@ class MissingPhysicsFinder(BaseEstimator):
         """What is known of the valve; learnt here where recordings are given."""
         if self.history is None or isinstance(self.history, ValveHistory):
             return self.history
-        return ValveHistory(tolerance=self.tolerance).fit(self.history)
+        return self._learnt(self.history)
+
+    def _learnt(self, recordings: Any) -> ValveHistory:
+        return ValveHistory(tolerance=self.tolerance).fit(recordings)
 
     def _fit_valve(
         self,

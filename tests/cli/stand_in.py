@@ -6,6 +6,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from sklvalve.history import ValveHistory
+from sklvalve.recording import join_recordings
 from tests.report import examples
 
 
@@ -34,6 +36,10 @@ class Finder:
 
     def __init__(self, random_state=0, verbose=0, callback=None, history=None):
         self.random_state, self.callback, self.history = random_state, callback, history
+
+    def history_of(self, recordings):
+        self.fit(join_recordings(recordings))
+        return ValveHistory().fit(recordings)
 
     def fit(self, recording, until=None):
         type(self).asked = {"rows": len(recording), "until": until, "seed": self.random_state}

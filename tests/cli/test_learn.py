@@ -109,7 +109,7 @@ def test_a_finder_that_learns_itself_is_asked_to(here, monkeypatch):
         finder.fit(recordings[0])
         return ValveHistory().fit(recordings)
 
-    monkeypatch.setattr(stand_in.Finder, "history_of", history_of, raising=False)
+    monkeypatch.setattr(stand_in.Finder, "history_of", history_of)
     assert main(["learn", "before.csv", "after.csv", *LEARN[2:]]) == 0
     assert asked == [2]
     assert load_history(HISTORY).rows == 2400

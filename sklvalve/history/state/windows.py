@@ -27,7 +27,7 @@ _ROUNDING = 1e-6
 def told(history: ValveHistory) -> dict[str, Any]:
     """Arrays over the windows: of shape (w,), of pulls (w, m), of Hessians (w, m, m)."""
     windows = history.windows_
-    channels = [channel for group in history._groups_ for channel in group.channels]
+    channels = history.channels
     return {
         "begins": [w.begins if isinstance(w.begins, str) else float(w.begins) for w in windows],
         "rows": np.array([w.rows for w in windows], dtype=np.int64),

@@ -66,7 +66,8 @@ def prepared_problem(
     trim : Trim, default=None
         The one that the recording calls for unless given.
     history : ValveHistory, default=None
-        Fitted, of the same valve: its trim and its effects go before those of sheet and simulation.
+        Fitted, of the same valve: its trim goes before that of the sheet, and the effects that it was learnt
+        with are held beside those of the simulation.
 
     Returns
     -------
@@ -84,10 +85,13 @@ def prepared_problem(
         tolerance = tolerance or simulation.tolerance
         if simulation.valve is not None:
             valve = replace(simulation.valve, roles=valve.roles, time=valve.time)
-        held = _held(simulation, recording)
-        keys = tuple(f"{m.effect.key}." for m in held)
-        known = getattr(simulation, "values_", {})
-        values = {name: value for name, value in known.items() if name.startswith(keys)} if keys else {}
+    for holder in (simulation, history):
+        # what both hold is held once, as the history has it
+        terms = () if holder is None else _held(holder, recording)
+        held = (*(m for m in held if not is_in(m.effect, terms)), *terms)
+        keys = tuple(f"{m.effect.key}." for m in terms)
+        known = getattr(holder, "values_", {})
+        values |= {name: value for name, value in known.items() if keys and name.startswith(keys)}
     strange = [name for name in valve.physics if name not in _NAMES]
     if strange:
         raise InputError(
@@ -100,25 +104,26 @@ def prepared_problem(
     return Problem.of(recording, tolerance, valve.physics, valve=valve, trim=trim, **known)
 
 
-def _held(simulation: ValveSimulation, recording: Recording) -> tuple[Term, ...]:
+def _held(simulation: ValveSimulation | ValveHistory, recording: Recording) -> tuple[Term, ...]:
+    what = "history" if isinstance(simulation, ValveHistory) else "simulation"
     onsets = simulation.onsets or {}
     for effect in simulation.effects:
         if not isinstance(effect, Effect):
             raise InputError(
-                f"the effects of a simulation are objects of the catalogue sklvalve.mismatch.CATALOGUE; "
+                f"the effects of a {what} are objects of the catalogue sklvalve.mismatch.CATALOGUE; "
                 f"got {effect!r}"
             )
         missing = [role for role in effect.needs if role not in recording]
         if missing:
             raise InputError(
-                f"{recording.source}: the simulation given holds {effect.name}, which needs "
-                f"{' and '.join(missing)}; record it, or leave the effect out of the simulation"
+                f"{recording.source}: the {what} given holds {effect.name}, which needs "
+                f"{' and '.join(missing)}; record it, or leave the effect out of the {what}"
             )
     keys = {effect.key for effect in simulation.effects}
     strange = sorted(set(onsets) - keys)
     if strange:
         raise InputError(
-            f"the simulation given has an onset for {strange[0]!r}, which is none of its effects "
+            f"the {what} given has an onset for {strange[0]!r}, which is none of its effects "
             f"({', '.join(sorted(keys)) or 'it has none'})"
         )
     times = going_on(simulation.effects, onsets, getattr(simulation, "seen_", None), recording)
