@@ -172,6 +172,21 @@ def mismatch_p_value(evidence: Evidence) -> float:
     return float(np.clip(min(p_values), _LEAST_P_VALUE, 1.0))
 
 
+def p_value_of_rest(evidence: Evidence) -> float:
+    """Share of healthy recordings whose learnt rest is as strong as that of this one, or stronger.
+
+    Parameters
+    ----------
+    evidence : Evidence
+
+    Returns
+    -------
+    p_value : float
+        1 where no rest could be learnt.
+    """
+    return 1.0 if evidence.rest is None else survival(RESIDUAL, evidence.rest, evidence.covariates)
+
+
 def p_value_of_what_counts(
     findings: Sequence[Finding], tried: dict[str, tuple[float, dict[str, float]]], problem: Problem
 ) -> float:

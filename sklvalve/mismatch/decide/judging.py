@@ -14,6 +14,7 @@ from sklvalve.mismatch.decide.detect import (
     effect_strengths,
     mismatch_p_value,
     p_value_of_one,
+    p_value_of_rest,
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
@@ -208,6 +209,9 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
     """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
     nominal = case.explanation.nominal
     findings, unknown, weighed = _by_evidence(case, findings, model)
+    if findings and unknown is not None and unknown.period is None and not _is_rare(case, weighed.evidence):
+        # what chance leaves over as often takes no name away
+        unknown = None
     why: list[str] = []
     explained = 0.0
     asked = [rules.rarity(weighed.p_value, case.alpha)]
@@ -240,6 +244,11 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
         why=tuple(why),
         rules=tuple(asked),
     )
+
+
+def _is_rare(case: Case, evidence: Evidence) -> bool:
+    """Whether few healthy recordings, alpha of them, leave over as much that can be learnt."""
+    return p_value_of_rest(evidence) <= case.alpha
 
 
 def _by_evidence(
