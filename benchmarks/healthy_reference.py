@@ -6,6 +6,7 @@
     python benchmarks/healthy_reference.py draw OTHER.jsonl --first 2000 --records 36 --nastier
     python benchmarks/healthy_reference.py check OTHER.jsonl
 
+With ``--history`` each is held against the hour before it; that table is `null_reference_with_history.json`.
 `draw` writes a line of JSON a recording, and goes on where it was stopped; five to ten seconds each. `table`
 writes the reference that the package ships. `check` holds recordings of other seeds, and with noise that the
 reference has none of, against the table: rates of alarms with exact intervals, and Kolmogorov-Smirnov.
@@ -28,12 +29,19 @@ from scipy.stats import beta, genpareto, kstest
 from threadpoolctl import threadpool_limits
 
 from sklvalve.datasets import make_valve_recording
+from sklvalve.history import ValveHistory
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
-from sklvalve.mismatch.decide.null_reference import EDGED, EFFECTS, Covariates, relative_to
+from sklvalve.mismatch.decide.null_reference import (
+    AGAINST_HISTORY,
+    AGAINST_SHEET,
+    EDGED,
+    Covariates,
+    relative_to,
+)
 from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.recording import Recording, Valve, screen_recording
 from sklvalve.simulation.parallel_map import with_threads
@@ -45,6 +53,8 @@ LACKING = ((0.12, ("P1", "P2")), (0.24, ("X",)), (0.32, ("CV",)), (0.46, ("P2",)
 HELD, BANDS = 0.2, (0.001, 0.01)
 # share of the reference above the threshold of its tail, and knots below
 ABOVE, KNOTS = 0.15, 18
+# rows of a history
+BEFORE = 3600
 # the quantile by which each effect is held against all together, and the least that it is taken for
 OF_EACH, LEAST = 0.95, 0.3
 WEAKEST = 0.1  # strengths below are as good as none
@@ -61,12 +71,12 @@ def correlated(rng, rows, share):
     return lfilter([1.0], [1.0, -share], steps)
 
 
-def draw(seed, *, nastier=False):
-    """A healthy recording, and what was drawn of it."""
+def draw(seed, *, nastier=False, history=False):
+    """A healthy recording, the hour before it if asked for, and what was drawn of it."""
     rng = np.random.default_rng([seed, 17])
     told = {"seed": seed, "loop": ("wide", "closed", "mixed")[rng.integers(3)]}
     told["times_noise"] = float(np.exp(rng.uniform(np.log(0.5), np.log(3.0))))
-    rows = int(np.exp(rng.uniform(np.log(2400), np.log(4200))))
+    rows = int(np.exp(rng.uniform(np.log(2400), np.log(4200)))) + (BEFORE if history else 0)
     settings = {"loop": told["loop"], "noise": told["times_noise"], "n_samples": rows, "n_later": 0}
     made = make_valve_recording(None, **settings, random_state=int(rng.integers(2**31)))
     frame, span, time = made.frame, made.frame.F.max(), np.arange(rows)
@@ -82,6 +92,9 @@ def draw(seed, *, nastier=False):
         add_noise(frame, told["kind"], span, rng)
     chance, columns = rng.random(), made.valve["recording"]
     told["lacks"] = next((list(names) for up_to, names in LACKING if chance < up_to), [])
+    if history and told["lacks"] == ["P1", "P2"]:
+        # nothing is learnt of a loop of which no pressure is known
+        told["lacks"] = ["P2"]
     for name in told["lacks"]:
         role = next(r for r, d in columns.items() if isinstance(d, dict) and d.get("column") == name)
         del frame[name], columns[role]
@@ -92,7 +105,10 @@ def draw(seed, *, nastier=False):
         for column, band in told["bands"].items():
             reach = 100.0 if column == "X" else frame[column].max()
             frame[column] = box_car(frame[column].to_numpy(), band * reach, hold=True)
-    return Recording.from_frame(frame, Valve.from_dict(made.valve)), told
+    recording = Recording.from_frame(frame, Valve.from_dict(made.valve))
+    if not history:
+        return recording, None, told
+    return recording.slice(BEFORE, rows), recording.slice(0, BEFORE), told
 
 
 def add_noise(frame, kind, span, rng):
@@ -110,13 +126,14 @@ def add_noise(frame, kind, span, rng):
             frame[column] += rng.uniform(0.001, 0.004) * frame[column].max() * correlated(rng, rows, 0.9)
 
 
-def searched(recording):
+def searched(recording, before=None):
     """Evidence and verdict of a recording, as the finder judges it; what follows the verdict is left out."""
+    history = None if before is None else ValveHistory().fit(before)
     finder = MissingPhysicsFinder(n_jobs=1)
     data = with_seized_stems(screen_recording(recording), recording)
     _, recording = masked(recording, recording, data)
     with threadpool_limits(1, user_api="blas"), with_threads(1):
-        problem = prepared_problem(recording, None, None)
+        problem = prepared_problem(recording, None, None, history=history)
         effects, _ = candidates(problem, "all", data)
         judged, _ = suppressed(finder._judged(problem, None, effects, data, 0), data, recording)
     told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
@@ -219,10 +236,11 @@ def tail_of(excess):
     return min(found)[1:]
 
 
-def recordings_of(rows):
+def recordings_of(rows, history):
     """What the recordings of a reference were, in a sentence."""
     seeds = [row["seed"] for row in rows]
-    return f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}, through the whole search"
+    held = ", each held against the hour before it" if history else ""
+    return f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}, through the whole search{held}"
 
 
 def interval(many, of):
@@ -232,12 +250,12 @@ def interval(many, of):
     return f"{many} of {of} ({many / of:.1%}, {low:.1%} to {high:.1%})"
 
 
-def check(rows):
-    """Lines that say whether the p-values of the table in place are uniform, and what was alarmed."""
+def check(rows, law):
+    """Lines that say whether the p-values of the law in place are uniform, and what was alarmed."""
 
     def again(row):
-        strongest = EFFECTS.relative(row["strengths"])
-        return mismatch_p_value(Evidence(strongest, row["rest"], covariates_of(row)))
+        strongest = law.effects.relative(row["strengths"])
+        return mismatch_p_value(Evidence(strongest, row["rest"], covariates_of(row), law=law))
 
     p_values = np.array([again(row) for row in rows])
     uniform = kstest(p_values, "uniform").pvalue
@@ -270,23 +288,25 @@ def main(arguments=None):
     parser.add_argument("table", type=Path, nargs="?", help="JSON file to be written")
     parser.add_argument("--first", type=int, default=0, help="first seed")
     parser.add_argument("--records", type=int, default=260)
+    parser.add_argument("--history", action="store_true", help="hold each against the hour before it")
     parser.add_argument("--nastier", action="store_true", help="noise that the reference has none of")
     options = parser.parse_args(arguments)
     rows = read(options.rows)
     if options.what == "check":
-        print("\n".join(check(rows)))
+        print("\n".join(check(rows, AGAINST_HISTORY if options.history else AGAINST_SHEET)))
     elif options.what == "table":
         tables = {name: table_of(rows, name) for name in STRENGTHS}
         made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table}"
-        told = {"made_by": made_by, "recordings": recordings_of(rows), **tables}
+        made_by += " --history" * options.history
+        told = {"made_by": made_by, "recordings": recordings_of(rows, options.history), **tables}
         options.table.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
     else:
         done = {row["seed"] for row in rows}
         for seed in range(options.first, options.first + options.records):
             if seed in done:
                 continue
-            recording, told = draw(seed, nastier=options.nastier)
-            told |= searched(recording)
+            recording, before, told = draw(seed, nastier=options.nastier, history=options.history)
+            told |= searched(recording, before)
             with options.rows.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(told) + "\n")
             print(told, flush=True)

@@ -20,6 +20,7 @@ from sklvalve.simulation.noise import INADEQUACY, NoiseParts
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.robust import normal_equations, robust_weights
+from sklvalve.simulation.slow_residual import slow_size
 from sklvalve.simulation.tolerance import Tolerance
 
 #: A window of a history has about so many rows, and a calibration is made on at most so many.
@@ -42,6 +43,8 @@ class Window:
         Of each group of channels that share parameters.
     left : dict of str to float
         Channel -> rms of what the calibrated simulation leaves over [SI].
+    slow : dict of str to float
+        Channel -> rms of its means over stretches in which it moves little [SI]; NaN where there is none.
     noise : dict of str to NoiseParts
         Channel -> noise of the recording that the window is of.
     """
@@ -51,6 +54,7 @@ class Window:
     seconds: float
     information: tuple[Information, ...]
     left: dict[str, float]
+    slow: dict[str, float]
     noise: dict[str, NoiseParts]
 
 
@@ -162,8 +166,11 @@ def windows_of(
     errors, slopes = zip(*(_linearised(chain, g, values, noise) for g in groups), strict=True)
     many = max(1, round(n / WINDOW))
     edges = np.linspace(0, n, many + 1).astype(int)
+    left = {c: residual_of(chain, predictions, c, None) for c in predictions}
+    spans = spans_of(chain.recording, predictions)
     for low, high in pairwise(edges):
         rows = slice(low, high)
+        slow = {c: slow_size(left[c][rows], predictions[c][rows], spans[c]) for c in left}
         yield Window(
             begins=chain.recording.stamps[low],
             rows=int(high - low),
@@ -171,7 +178,8 @@ def windows_of(
             information=tuple(
                 _information(e, s, g, n, rows) for e, s, g in zip(errors, slopes, groups, strict=True)
             ),
-            left={c: _rms(residual_of(chain, predictions, c, None)[rows]) for c in predictions},
+            left={c: _rms(left[c][rows]) for c in left},
+            slow={c: np.nan if size is None else size for c, size in slow.items()},
             noise={c: parts_of(noise[c]) for c in predictions},
         )
 

@@ -15,7 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.decide.null_reference import EFFECTS, RESIDUAL, Covariates, survival
+from sklvalve.mismatch.decide.null_reference import (
+    AGAINST_HISTORY,
+    AGAINST_SHEET,
+    Covariates,
+    NullLaw,
+    survival,
+)
 from sklvalve.mismatch.search.relevance import effect_strength
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
@@ -47,12 +53,20 @@ class Evidence:
     effect_strengths : dict, default={}
         Effect key -> standard deviations as `effect_strength` has them, of the effects tried beyond
         their tolerance and of those found.
+    law : NullLaw, default=AGAINST_SHEET
+        What chance makes of recordings like it.
     """
 
     effects: float
     rest: float | None
     covariates: Covariates
     effect_strengths: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
+    law: NullLaw = field(default=AGAINST_SHEET, repr=False)
+
+
+def law_for(problem: Problem) -> NullLaw:
+    """Law of recordings that are held against the same thing: a data sheet, or a history of the valve."""
+    return AGAINST_SHEET if problem.history is None else AGAINST_HISTORY
 
 
 def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, float]:
@@ -84,7 +98,8 @@ def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -
     p_value : float
     """
     alone = {finding.term.effect.key: _effect_strength(finding.gain, finding.sizes, problem)}
-    return mismatch_p_value(Evidence(EFFECTS.relative(alone), None, covariates))
+    law = law_for(problem)
+    return mismatch_p_value(Evidence(law.effects.relative(alone), None, covariates, law=law))
 
 
 def _effect_strength(gain: float, sizes: dict[str, float], problem: Problem) -> float:
@@ -160,10 +175,11 @@ def mismatch_p_value(evidence: Evidence) -> float:
         Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger either
         part, the smaller. Never below 1e-12.
     """
+    law = evidence.law
     if evidence.rest is None:
-        looks = [(EFFECTS, evidence.effects, 1.0)]
+        looks = [(law.effects, evidence.effects, 1.0)]
     else:
-        looks = [(EFFECTS, evidence.effects, _FOR_EFFECTS), (RESIDUAL, evidence.rest, 1.0 - _FOR_EFFECTS)]
+        looks = [(law.effects, evidence.effects, _FOR_EFFECTS), (law.rest, evidence.rest, 1.0 - _FOR_EFFECTS)]
     # 1 - (1 - p)^(1 / weight), exact for a small p as well
     p_values = [
         -np.expm1(np.log1p(-min(survival(table, strongest, evidence.covariates), 1.0 - 1e-16)) / weight)
@@ -184,7 +200,7 @@ def p_value_of_rest(evidence: Evidence) -> float:
     p_value : float
         1 where no rest could be learnt.
     """
-    return 1.0 if evidence.rest is None else survival(RESIDUAL, evidence.rest, evidence.covariates)
+    return 1.0 if evidence.rest is None else survival(evidence.law.rest, evidence.rest, evidence.covariates)
 
 
 def p_value_of_what_counts(

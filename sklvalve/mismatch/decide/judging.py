@@ -12,19 +12,20 @@ from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import (
     Evidence,
     effect_strengths,
+    law_for,
     mismatch_p_value,
     p_value_of_one,
     p_value_of_rest,
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.null_reference import EFFECTS
 from sklvalve.mismatch.decide.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.decide.verdict import verdict_of
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated, held_out_share
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
 from sklvalve.mismatch.residual.pulses import find_pulses
+from sklvalve.mismatch.residual.since_history import left_since
 from sklvalve.mismatch.residual.stem_residual import P_VALUE as STRAYS_BY_CHANCE
 from sklvalve.mismatch.residual.stem_residual import stem_residual
 from sklvalve.mismatch.residual.unknown import Unknown, look_for_residual
@@ -45,6 +46,15 @@ _LARGE = 2.0
 _COMES_NEAR = 0.25
 # no noise model is so good that less could be said
 _LEAST_P_VALUE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class _Rest:
+    """What a model leaves over: what of it follows from something, how strong it is, and whether it counts."""
+
+    unknown: Unknown | None
+    strong: float | None
+    counts: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +88,8 @@ class Case:
         """What it is made on, judged by the noise that the explanation leaves."""
         return self.explanation.problem
 
-    def residual_of(self, model: Model) -> tuple[Unknown | None, float | None]:
-        """What a model leaves over that follows from something, and how strong that is among chance."""
+    def residual_of(self, model: Model) -> _Rest:
+        """What a model leaves over."""
         if model not in self._residuals:
             # of the least error itself: orthogonal to all that was fitted and is free to move
             fitted = self.problem.least_squares(model)
@@ -91,7 +101,12 @@ class Case:
                 channels=self.channels,
             )
             stands = unknown is not None and _stands(self.problem, fitted, unknown)
-            self._residuals[model] = unknown if stands else None, strong
+            since = left_since(self.problem, fitted)
+            if self.problem.history is not None:
+                # what the healthy valve left over tells chance better than what can be learnt of this one
+                strong = None if since is None else since.times
+            counts = since is not None and since.size >= self.problem.least(since.channel)
+            self._residuals[model] = _Rest(unknown if stands else None, strong, counts)
         return self._residuals[model]
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
@@ -269,13 +284,16 @@ def _by_evidence(
 
 def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
     """What is left beside findings, and the evidence for a mismatch with its p-values."""
-    unknown, strong = case.residual_of(model)
+    rest = case.residual_of(model)
+    unknown = rest.unknown
     strengths = effect_strengths(case.explanation, case.problem)
-    evidence = Evidence(EFFECTS.relative(strengths), strong, case.covariates, strengths)
+    law = law_for(case.problem)
+    evidence = Evidence(law.effects.relative(strengths), rest.strong, case.covariates, strengths, law)
     p_value = mismatch_p_value(evidence)
     by_chance = None
     # what was found is larger than what counts: where it is rare among healthy recordings that is enough
-    if unknown is None and not any(map(case.is_rare, findings)):
+    left_counts = rest.counts and _is_rare(case, evidence)
+    if unknown is None and not left_counts and not any(map(case.is_rare, findings)):
         by_chance = p_value_of_what_counts(findings, case.explanation.tried, case.problem)
     elif unknown is not None and unknown.period is not None:
         # a cycle is told by a law of its own
@@ -311,7 +329,7 @@ def _nameless(case: Case, judged: Judgement, refuted: bool) -> Judgement:
     """A judgement of which no name is left: what no effect explains, if that is shown, else open."""
     if judged.findings or judged.verdict == "no_mismatch":
         return judged
-    unknown = case.residual_of(case.explanation.nominal)[0] or judged.unknown
+    unknown = case.residual_of(case.explanation.nominal).unknown or judged.unknown
     verdict = "none_of_these" if refuted or unknown is not None else "cannot_tell"
     return replace(judged, verdict=verdict, unknown=unknown)
 

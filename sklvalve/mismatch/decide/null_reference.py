@@ -128,14 +128,29 @@ def relative_to(usual: dict[str, float], effect_strengths: dict[str, float]) -> 
     return max((strongest / usual.get(key, most) for key, strongest in effect_strengths.items()), default=0.0)
 
 
-def _tables() -> dict[str, Table]:
-    """Tables of the file beside this one, which says by which command it was made."""
-    stored = json.loads(files(__package__).joinpath("null_reference.json").read_text(encoding="utf-8"))
-    return {name: Table(**stored[name]) for name in ("effects", "rest")}
+@dataclass(frozen=True)
+class NullLaw:
+    """How strong evidence gets by chance in recordings that are held against the same thing.
+
+    Parameters
+    ----------
+    effects, rest : Table
+        Of the strongest effect, and of the learnt rest.
+    """
+
+    effects: Table
+    rest: Table
 
 
-_TABLES = _tables()
-EFFECTS, RESIDUAL = _TABLES["effects"], _TABLES["rest"]
+def _law_of(name: str) -> NullLaw:
+    """Law of a file beside this one, which says by which command it was made."""
+    stored = json.loads(files(__package__).joinpath(name).read_text(encoding="utf-8"))
+    return NullLaw(Table(**stored["effects"]), Table(**stored["rest"]))
+
+
+#: Of recordings held against a data sheet, and against a history of the same valve.
+AGAINST_SHEET = _law_of("null_reference.json")
+AGAINST_HISTORY = _law_of("null_reference_with_history.json")
 
 
 def survival(table: Table, strength: float, covariates: Covariates) -> float:

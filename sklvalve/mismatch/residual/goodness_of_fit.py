@@ -18,9 +18,10 @@ from scipy.stats import chi2
 from sklvalve.mismatch.constants import TIMES_ALLOWED
 from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN
 from sklvalve.mismatch.search.screening import FITTED, screened
-from sklvalve.mismatch.signals.steady import LENGTH, drivers_of, steady_floor
+from sklvalve.mismatch.signals.steady import drivers_of, steady_floor
 from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.slow_residual import LENGTH, by_stretches, moves_little, slow_means
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
@@ -37,8 +38,6 @@ _CLEARLY = 0.05
 # where no effect was found at all, wander of a meter is likelier: it may be so many times the quick noise,
 # and the alarm, which nothing else raises, asks for this share of alpha
 _WANDER, _OF_ALPHA = 1.5, 0.1
-# a row in which the simulated flow moves by more than this share of its span is of no slow residual
-_MOVES = 0.004
 _FEWEST = 8
 # what is left over says nothing against a judgement, makes it doubtful, or refutes it
 FINE, DOUBTFUL, REFUTED = "fine", "doubtful", "refuted"
@@ -193,14 +192,14 @@ def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None
     span = problem.spans["flow"]
     residual = problem.residuals(model)["flow"] / span
     shown = model.predictions["flow"] / span
-    quiet = np.abs(np.gradient(np.nan_to_num(shown))) < _MOVES
-    slow = _means(residual, quiet)
+    quiet = moves_little(shown, 1.0)
+    slow = slow_means(residual, quiet)
     if np.isfinite(slow).sum() < _FEWEST:
         return None
     noise = _quick_noise(recording, residual, quiet, span)
     if noise is None:
         return None
-    explained = _rms(_means(shown - nominal.predictions["flow"] / span, quiet))
+    explained = _rms(slow_means(shown - nominal.predictions["flow"] / span, quiet))
     if problem.history is not None:
         # what the healthy valve left over is no mismatch, whatever made it
         noise = max(noise, problem.history.left("flow") / span)
@@ -259,21 +258,9 @@ def _quick_noise(recording: Recording, residual: np.ndarray, quiet: np.ndarray, 
     return float(np.sqrt(np.quantile(variances, 0.25))) if len(variances) >= _FEWEST else None
 
 
-def _table(values: np.ndarray) -> np.ndarray:
-    many = len(values) // LENGTH
-    return values[: many * LENGTH].reshape(many, LENGTH)
-
-
-def _means(values: np.ndarray, keep: np.ndarray) -> np.ndarray:
-    """Means of stretches; NaN where less than half of one is kept."""
-    table = _table(np.where(keep, values, np.nan))
-    count = np.isfinite(table).sum(axis=1)
-    return np.where(count > 0.5 * LENGTH, np.nansum(table, axis=1) / np.maximum(count, 1), np.nan)
-
-
 def _variances_about_lines(values: np.ndarray) -> np.ndarray:
     """Scatter of stretches without a gap about a straight line each."""
-    table = _table(values)
+    table = by_stretches(values)
     table = table[np.isfinite(table).all(axis=1)]
     table = table - table.mean(axis=1, keepdims=True)
     along = np.linspace(-1.0, 1.0, LENGTH)

@@ -107,7 +107,7 @@ def explain(
         problem = by_its_noise.with_noise_of(stood, cautious=True)
         stood = problem.fit(stood.terms, start=stood)
         problem, model = search.taken_up(problem, stood)
-    nominal = problem.fit((), start=nominal)
+    nominal = problem.fit((), start=search.nominal or nominal)
     return Explanation(problem, nominal, model, findings, search.tried, tuple(effects))
 
 
@@ -132,6 +132,8 @@ class _Search:
         Effect key -> what the effect would gain as the first one, and sizes.
     seen : dict
         Effect key -> the best fit met of the effect.
+    nominal : Model or None
+        The simulation without effects, with the best calibration met.
     """
 
     def __init__(self, effects: Sequence[Effect], threshold: float, most: int, report: Report | None) -> None:
@@ -139,12 +141,13 @@ class _Search:
         self.most, self.report = most, report
         self.tried: Tried = {}
         self.seen: dict[str, Model] = {}
+        self.nominal: Model | None = None
 
     def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
         first = not self.tried and not model.terms
         while len(model.terms) < self.most:
-            problem, settled = self._next_effect(problem, model, first=first and not model.terms)
+            problem, model, settled = self._next_effect(problem, model, first=first and not model.terms)
             if settled is None:
                 break
             model = _drop_what_no_longer_counts(problem, settled, self.threshold)
@@ -152,10 +155,19 @@ class _Search:
             model = problem.fit(model.terms, start=model)
         return problem, model
 
-    def _next_effect(self, problem: Problem, model: Model, *, first: bool) -> tuple[Problem, Model | None]:
-        """A hypothesis with one effect more that matters; else None."""
+    def _next_effect(
+        self, problem: Problem, model: Model, *, first: bool
+    ) -> tuple[Problem, Model, Model | None]:
+        """A hypothesis so far, and with one effect more that matters; else None."""
         done = len(model.terms) / (self.most + 1)
         candidates = _step(problem, model, self.effects, self.report, done)
+        if first:
+            found = self._calibrated_anew(problem, model, candidates)
+            if found is not model:
+                problem = problem.with_noise_of(found, cautious=True)
+                model = problem.fit((), start=found)
+                candidates = _step(problem, model, self.effects, self.report, done)
+            self.nominal = model
         for m in candidates[:FITTED]:
             self.seen.setdefault(m.terms[-1].effect.key, m)
         if first:
@@ -173,7 +185,17 @@ class _Search:
             elsewhere = restarted(problem, model, [e for e in self.effects if not is_in(e, model.terms)])
             self.seen |= {m.terms[-1].effect.key: m for m in elsewhere}
             problem, settled = self._first_that_counts(problem, model, elsewhere)
-        return problem, settled
+        return problem, model, settled
+
+    def _calibrated_anew(self, problem: Problem, nominal: Model, candidates: Sequence[Model]) -> Model:
+        """The simulation without effects from where the best of these have led its calibration, if better.
+
+        A calibration may lie in a valley of its own. What only leads out of it explains nothing.
+        """
+        enough = nominal.log_likelihood + self.threshold
+        fits = [problem.fit((), start=m) for m in candidates[:_TRIED] if m.log_likelihood > enough]
+        best = max((nominal, *fits), key=lambda m: m.log_likelihood)
+        return best if best.log_likelihood > enough else nominal
 
     def _first_that_counts(
         self, problem: Problem, model: Model, candidates: Sequence[Model]

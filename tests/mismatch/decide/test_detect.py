@@ -17,9 +17,17 @@ from sklvalve.mismatch.decide.detect import (
     in_counts,
     mismatch_p_value,
 )
-from sklvalve.mismatch.decide.null_reference import EFFECTS, RESIDUAL, Covariates, relative_to, survival
+from sklvalve.mismatch.decide.null_reference import (
+    AGAINST_HISTORY,
+    AGAINST_SHEET,
+    Covariates,
+    relative_to,
+    survival,
+)
 from sklvalve.mismatch.search.relevance import effect_strength
 
+EFFECTS, RESIDUAL = AGAINST_SHEET.effects, AGAINST_SHEET.rest
+TABLES = [EFFECTS, RESIDUAL, AGAINST_HISTORY.effects, AGAINST_HISTORY.rest]
 USUAL = Covariates(noise=-0.5, travel=0.6, no_opening=0.0, no_drop=0.0)
 CIRCUMSTANCES = st.builds(
     Covariates,
@@ -76,20 +84,21 @@ def test_what_is_seldom_strong_by_chance_counts_for_more():
 
 
 def test_the_reference_knows_the_effects_of_the_catalogue():
-    assert set(EFFECTS.usual) == {effect.key for effect in CATALOGUE}
-    assert all(0.0 < usual <= 1.0 for usual in EFFECTS.usual.values())
-    assert max(EFFECTS.usual.values()) > 2.0 * min(EFFECTS.usual.values())
-    assert RESIDUAL.usual == {}
+    for law in (AGAINST_SHEET, AGAINST_HISTORY):
+        assert set(law.effects.usual) == {effect.key for effect in CATALOGUE}
+        assert all(0.0 < usual <= 1.0 for usual in law.effects.usual.values())
+        assert max(law.effects.usual.values()) > 2.0 * min(law.effects.usual.values())
+        assert law.rest.usual == {}
 
 
-@pytest.mark.parametrize("table", [EFFECTS, RESIDUAL])
+@pytest.mark.parametrize("table", TABLES)
 @settings(max_examples=50, deadline=None)
 @given(STRENGTHS, st.floats(1e-3, 50.0), CIRCUMSTANCES)
 def test_chance_of_more_falls_with_the_strength(table, value, more, where):
     assert 0.0 < survival(table, value + more, where) < survival(table, value, where) <= 1.0
 
 
-@pytest.mark.parametrize("table", [EFFECTS, RESIDUAL])
+@pytest.mark.parametrize("table", TABLES)
 def test_chance_has_no_step_and_the_tail_goes_on_where_the_quantiles_end(table):
     at = np.array(table.quantiles) * table.typical(USUAL)
     for value, chance in zip(at[1:], np.linspace(1.0, table.above, len(at))[1:], strict=True):
