@@ -239,8 +239,8 @@ def tail_of(excess):
 def recordings_of(rows, history):
     """What the recordings of a reference were, in a sentence."""
     seeds = [row["seed"] for row in rows]
-    held = ", each held against the hour before it" if history else ""
-    return f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}, through the whole search{held}"
+    told = f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}, through the whole search"
+    return f"{told}, each held against the hour before it" if history else told
 
 
 def interval(many, of):

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 # no stage of a simulation asks for these
 _BESIDE = ("setpoint", "process_value")
-# where a valve is: a fault of the stem moves only one of the first two, and one of the trim, in a closed loop,
-# both of them and not the flow
+# where a valve is: a fault of the stem moves only one of the first two, and one of the trim, in a closed
+# loop, both of them and not the flow
 _WHERE = ("command", "opening", "flow")
 _KINDS = {True: "mass", False: "volume"}
 

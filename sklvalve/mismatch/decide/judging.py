@@ -50,7 +50,7 @@ _LEAST_P_VALUE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class _Rest:
-    """What a model leaves over: what of it follows from something, how strong it is, and whether it counts."""
+    """What a model leaves over: what of it follows from something, how strong it is, whether it counts."""
 
     unknown: Unknown | None
     strong: float | None
