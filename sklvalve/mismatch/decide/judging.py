@@ -50,11 +50,11 @@ _LEAST_P_VALUE = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class _Rest:
-    """What a model leaves over: what of it follows from something, how strong it is, whether it counts."""
+    """What a model leaves over: what follows from something, how strong, and what is new since a history."""
 
     unknown: Unknown | None
     strong: float | None
-    counts: bool
+    new: LeftOver | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,12 +101,11 @@ class Case:
                 channels=self.channels,
             )
             stands = unknown is not None and _stands(self.problem, fitted, unknown)
-            since = left_since(self.problem, fitted)
+            new = left_since(self.problem, fitted)
             if self.problem.history is not None:
                 # what the healthy valve left over tells chance better than what can be learnt of this one
-                strong = None if since is None else since.times
-            counts = since is not None and since.size >= self.problem.least(since.channel)
-            self._residuals[model] = _Rest(unknown if stands else None, strong, counts)
+                strong = None if new is None else new.times
+            self._residuals[model] = _Rest(unknown if stands else None, strong, new)
         return self._residuals[model]
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
@@ -121,13 +120,14 @@ class Case:
 
 @dataclass(frozen=True)
 class _Weighed:
-    """Evidence for a mismatch: what is left, p-values, and whether it is enough."""
+    """Evidence for a mismatch: what is left, p-values, whether it is enough, and what is new in it."""
 
     unknown: Unknown | None
     evidence: Evidence
     p_value: float
     by_chance: float | None
     enough: bool
+    new: LeftOver | None
 
 
 def judge(case: Case, events: Events | None = None) -> Judgement:
@@ -258,6 +258,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
         suspects=_suspects(case.explanation),
         why=tuple(why),
         rules=tuple(asked),
+        left=None if case.explanation.findings else weighed.new,
     )
 
 
@@ -292,14 +293,16 @@ def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
     p_value = mismatch_p_value(evidence)
     by_chance = None
     # what was found is larger than what counts: where it is rare among healthy recordings that is enough
-    left_counts = rest.counts and _is_rare(case, evidence)
-    if unknown is None and not left_counts and not any(map(case.is_rare, findings)):
+    new = rest.new is not None and rest.new.size >= case.problem.least(rest.new.channel)
+    new &= _is_rare(case, evidence)
+    if unknown is None and not new and not any(map(case.is_rare, findings)):
         by_chance = p_value_of_what_counts(findings, case.explanation.tried, case.problem)
     elif unknown is not None and unknown.period is not None:
         # a cycle is told by a law of its own
         p_value = min(p_value, unknown.p_value)
     counts = by_chance is None or by_chance <= case.alpha
-    return _Weighed(unknown, evidence, p_value, by_chance, counts and p_value <= case.alpha)
+    enough = counts and p_value <= case.alpha
+    return _Weighed(unknown, evidence, p_value, by_chance, enough, rest.new if new and enough else None)
 
 
 def _against_noise(case: Case, judged: Judgement) -> Judgement:
@@ -318,7 +321,7 @@ def _against_noise(case: Case, judged: Judgement) -> Judgement:
     if said == REFUTED or (said != FINE and of_flow):
         closest = judged.findings
         judged = replace(judged, findings=[])
-    judged = _nameless(case, judged, said == REFUTED)
+    judged = _nameless(case, judged, said == REFUTED or judged.left is not None)
     if said == REFUTED:
         beyond = left_over(problem, explanation.nominal, explanation.nominal)
         judged = replace(judged, left=beyond, closest=closest, closest_leaves=left)

@@ -3,15 +3,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.residual.goodness_of_fit import LeftOver, effective_number
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.slow_residual import moves_little, slow_means
 
 if TYPE_CHECKING:
+    from sklvalve.history import ValveHistory
     from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
 
@@ -20,27 +21,8 @@ _WRONG = 0.1
 _FEWEST = 8
 
 
-@dataclass(frozen=True)
-class Since:
-    """How much more is left over than there was in the history.
-
-    Parameters
-    ----------
-    channel : str
-        The one in which it is most.
-    times : float
-        Rms of what is slowly left over, in multiples of that of the history [1].
-    size : float
-        Rms of it where it acts, share of span [1].
-    """
-
-    channel: str
-    times: float
-    size: float
-
-
-def left_since(problem: Problem, model: Model) -> Since | None:
-    r"""How many times what the history left over a hypothesis leaves over.
+def left_since(problem: Problem, model: Model) -> LeftOver | None:
+    r"""What a hypothesis leaves over in the channel in which it is most, in multiples of the history's.
 
     .. math:: \frac{r}{\sqrt{h^2 + (0.1 c)^2}}
 
@@ -56,27 +38,24 @@ def left_since(problem: Problem, model: Model) -> Since | None:
 
     Returns
     -------
-    since : Since or None
-        Of the channel in which it is most; None without a history, where too little rests, or where nothing
-        tells the pressure drop that a flow comes of.
+    left : LeftOver or None
+        None without a history, where too little rests, or where nothing tells the pressure drop that a flow
+        comes of.
     """
-    found = [_in_channel(problem, model, c) for c in problem.channels if problem.history is not None]
-    return max((each for each in found if each is not None), key=lambda each: each.times, default=None)
-
-
-def _in_channel(problem: Problem, model: Model, channel: str) -> Since | None:
-    if problem.history is None or (channel == "flow" and drop_is_unknown(problem.recording)):
+    if problem.history is None:
         return None
-    span, before = problem.spans[channel], problem.history.slowly_left(channel)
+    found = [_in_channel(problem, problem.history, model, c) for c in problem.channels]
+    return max((each for each in found if each is not None), key=lambda left: left.times, default=None)
+
+
+def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: str) -> LeftOver | None:
+    if channel == "flow" and drop_is_unknown(problem.recording):
+        return None
+    span = problem.spans[channel]
+    before = history.slowly_left(channel) / span
     means = slow_means(problem.residuals(model)[channel], moves_little(model.predictions[channel], span))
-    means = means[np.isfinite(means)]
-    if len(means) < _FEWEST or not np.isfinite(before):
+    if np.isfinite(means).sum() < _FEWEST or not np.isfinite(before):
         return None
-    usual = float(np.hypot(before, _WRONG * problem.least(channel) * span))
-    size = np.abs(means)
-    acting = size > 0.25 * np.quantile(size, 0.99)
-    return Since(
-        channel,
-        float(np.sqrt(np.mean(means**2))) / usual,
-        float(np.sqrt(np.mean(means[acting] ** 2))) / span if acting.any() else 0.0,
-    )
+    usual = float(np.hypot(before, _WRONG * problem.least(channel)))
+    size = float(np.sqrt(np.nanmean((means / span) ** 2)))
+    return LeftOver(channel, size, before, usual, effective_number(means))
