@@ -3,6 +3,7 @@
 
     python -m benchmarks.concealed.calibrate                      numbers of mismatch/decide/borne_out.py
     python -m benchmarks.concealed.calibrate --without seventh    fitted without a run, and tried on it
+    python -m benchmarks.concealed.calibrate --histories SCORES   offset and slope of records with histories
 
 A logistic regression with a ridge: the log odds of the leading name, the rarity of the mismatch, whether the
 class stands beside a stronger one, whether the values are coarse, whether the effect may vanish. Classes of
@@ -12,15 +13,17 @@ recordings without the opening or a pressure get an offset and a slope of their 
 import argparse
 import copy
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
 
+from benchmarks.concealed.methods import WITH_HISTORY
 from benchmarks.concealed.report.history import RESULTS, runs_of
 from benchmarks.concealed.report.reliability import few_signals, reliability_report
-from benchmarks.concealed.scoring.lines import entries_of, names_of, true_names
+from benchmarks.concealed.scoring.lines import entries_of, names_of, read_lines, true_names
 from sklvalve.mismatch.decide.borne_out import Numbers
 from sklvalve.mismatch.decide.probability import (
     Grounds,
@@ -77,6 +80,7 @@ def grounds_of(line, entry, beside):
         coarse=is_coarse(line["found"].get("data") or []),
         may_vanish=bool(forms) and bool(vanishing(forms[0], parameters)),
         few_signals=few_signals(line),
+        history=line.get("method") in WITH_HISTORY,
     )
 
 
@@ -99,6 +103,14 @@ def fitted_to(told):
     odds = np.stack([np.ones(few.sum()), rows[few] @ of_all], axis=1)
     of_few = _logistic(odds, right[few], np.array([0.0, 1.0]), _SPREAD_OF_SLOPE)
     return Numbers(of_all[0], of_all[1], tuple(of_all[2:]), tuple(of_few), held)
+
+
+def of_histories(told, numbers):
+    """Offset and slope of the log odds of classes that were told with a history."""
+    odds = [probability_of(replace(each.grounds, history=False), numbers) for each in told]
+    rows = np.array([[1.0, np.log(p / (1.0 - p))] for p in odds])
+    right = np.array([each.right for each in told], dtype=float)
+    return _logistic(rows, right, np.array([0.0, 1.0]), _SPREAD_OF_SLOPE)
 
 
 def _others_say(each, held):
@@ -160,6 +172,7 @@ def main(arguments=None):
     )
     parser.add_argument("results", type=Path, nargs="?", default=RESULTS, help="folder with runs.csv")
     parser.add_argument("--without", metavar="RUN", help="leave a run out, and try the numbers on it")
+    parser.add_argument("--histories", type=Path, metavar="SCORES", help="records held against histories")
     options = parser.parse_args(arguments)
     try:
         runs = runs_of(options.results)
@@ -168,6 +181,12 @@ def main(arguments=None):
     if options.without is not None and options.without not in [run["run"] for run in runs]:
         parser.error(f"--without takes one of {', '.join(run['run'] for run in runs)}")
     numbers = fitted_to(told_of([run for run in runs if run["run"] != options.without]))
+    if options.histories is not None:
+        lines = [line for line in read_lines(options.histories) if "found" in line]
+        told = told_of([{"run": "with histories", "lines": lines}])
+        offset, slope = of_histories(told, numbers)
+        print(f"    with_history=({offset:.3f}, {slope:.3f}),  # {len(told)} classes of {len(lines)} records")
+        return 0
     print(as_code(numbers))
     for run in runs:
         if run["run"] == options.without:

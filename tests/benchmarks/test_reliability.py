@@ -2,11 +2,20 @@
 """Reliability of probabilities, and the fit by which they are calibrated."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from benchmarks.concealed.calibrate import Told, as_code, fitted_to, held_by_name, reported_anew, told_of
+from benchmarks.concealed.calibrate import (
+    Told,
+    as_code,
+    fitted_to,
+    held_by_name,
+    of_histories,
+    reported_anew,
+    told_of,
+)
 from benchmarks.concealed.report.reliability import by_chance, main, reliability_report
 from sklvalve.mismatch.decide.borne_out import Numbers
 from sklvalve.mismatch.decide.probability import Grounds, probability_of
@@ -45,6 +54,18 @@ def test_the_fit_finds_what_was_drawn():
     held = held_by_name(told)
     assert sum(many for _, many in held.values()) == len(told)
     assert '"bad": (' in as_code(numbers)
+
+
+def test_classes_told_with_a_history_get_an_offset_and_a_slope():
+    numbers = Numbers(1.5, 1.0, (0.5, -0.5, -1.0, 0.0), (0.0, 1.0), {"good": (95, 100), "bad": (60, 100)})
+    drawn = replace(numbers, with_history=(-0.5, 0.6))
+    rng, told = np.random.default_rng(3), []
+    for each in _told(seed=2):
+        grounds = replace(each.grounds, history=True)
+        told.append(
+            each._replace(grounds=grounds, true=(bool(rng.random() < probability_of(grounds, drawn)),))
+        )
+    assert of_histories(told, numbers) == pytest.approx((-0.5, 0.6), abs=0.25)
 
 
 def _line(probability, true, nasty=(), grade=None, p=1e-5):

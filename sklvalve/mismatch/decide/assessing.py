@@ -65,6 +65,7 @@ def assessed(
             coarse=coarse,
             may_vanish=bool(evidence["vanishes"]),
             few_signals=few,
+            history=problem.history is not None,
         )
         made.append(_graded(entry, grounds, evidence, kind))
     if verdict != "named":

@@ -23,6 +23,8 @@ class Numbers:
         Offset and slope of the log odds where the opening or a pressure is not recorded.
     held : dict
         Leading name -> (classes that held the truth, classes).
+    with_history : tuple of float
+        As `few_signals`, where the recording is held against a history of the valve.
     """
 
     intercept: float
@@ -30,6 +32,7 @@ class Numbers:
     of_grounds: tuple[float, float, float, float]
     few_signals: tuple[float, float]
     held: dict[str, tuple[int, int]] = field(default_factory=dict)
+    with_history: tuple[float, float] = (0.0, 1.0)
 
 
 #: Of a mismatch that is usual among those found; says only where the intercept is taken.

@@ -42,7 +42,6 @@ def unchecked(problem: Problem) -> str:
     recording, chain, valve = problem.recording, problem.plain, problem.valve
     low, high = SAMPLE_TIME
     answers = (
-        (problem.history is not None, "recordings held against a history"),
         (_is_external(recording), "simulations other than the package's own"),
         (bool(recording.pieces), "several recordings at once"),
         (GasExpansion().possible(chain), "gas"),

@@ -50,6 +50,8 @@ class Grounds:
         Whether the interval of its size holds the value at which the effect vanishes.
     few_signals : bool
         Whether the opening or a pressure is not recorded.
+    history : bool
+        Whether the recording is held against a history of the valve.
     """
 
     leading: str
@@ -58,6 +60,7 @@ class Grounds:
     coarse: bool = False
     may_vanish: bool = False
     few_signals: bool = False
+    history: bool = False
 
     @property
     def columns(self) -> tuple[float, float, float, float]:
@@ -124,5 +127,8 @@ def probability_of(grounds: Grounds, numbers: Numbers = SEALED) -> float:
     odds += float(np.dot(numbers.of_grounds, grounds.columns))
     if grounds.few_signals:
         offset, slope = numbers.few_signals
+        odds = offset + slope * odds
+    if grounds.history:
+        offset, slope = numbers.with_history
         odds = offset + slope * odds
     return float(1.0 / (1.0 + np.exp(-odds)))
