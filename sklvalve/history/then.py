@@ -9,14 +9,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.simulation.parameters import ParameterVector
 from sklvalve.simulation.simulation import ValveSimulation
 
 if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
+    from sklvalve.recording import Recording
 
 _WITHIN_95 = 1.96
 # a history that leaves this share of the sheet's spread has taught nothing of a parameter
 _TAUGHT_NOTHING = 0.9
+# calibrations by which the scatter of a simulated signal is told; to a fifth
+_DRAWN = 16
 
 
 @dataclass(frozen=True)
@@ -105,10 +109,42 @@ def simulation_then(history: ValveHistory) -> ValveSimulation:
     >>> simulation_then(ValveHistory().fit(recording)).score(recording) > 0.99
     True
     """
+    return _simulation(history, {each.name: each.value for each in expected_of(history)})
+
+
+def scatter_then(history: ValveHistory, recording: Recording) -> dict[str, np.ndarray]:
+    """How far simulated signals scatter over the calibrations that a history lets expect.
+
+    Parameters
+    ----------
+    history : ValveHistory
+        Fitted.
+    recording : Recording
+        Whose signals drive the simulation.
+
+    Returns
+    -------
+    scatter : dict of ndarray of shape (n,)
+        Signal of `simulation_then` -> standard deviation of each row, over 16 calibrations drawn with a
+        fixed seed [SI].
+    """
+    prior = history.prior_
+    mean, root = prior.of(prior.names)
+    drawn = np.random.default_rng(0).standard_normal((_DRAWN, len(mean)))
+    vectors = mean + np.linalg.solve(root, drawn.T).T
+    known = ParameterVector(history.prior_of(history.parameters))
+    made = [
+        _simulation(history, known.values(np.clip(vector, known.low, known.high))).simulate(recording)
+        for vector in vectors
+    ]
+    return {name: np.std([each[name] for each in made], axis=0) for name in made[0]}
+
+
+def _simulation(history: ValveHistory, values: dict[str, float]) -> ValveSimulation:
     return ValveSimulation.from_parts(
         history.valve_,
         history.trim_,
-        history.values_ | {each.name: each.value for each in expected_of(history)},
+        history.values_ | values,
         choking="choked_flow" in history.valve_.physics,
         effects=history.effects,
         onsets=history.onsets,

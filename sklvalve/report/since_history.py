@@ -10,11 +10,22 @@ from sklvalve.report.words import class_words, either, number, percent, role_wor
 
 TITLE = "Since the history"
 _SAME = {"command": "at the same command", "opening": "at the same opening"}
+# what cannot be told for want of a signal
+_UNSEEN = {
+    "opening": "No opening was recorded: a change of the stem and one of the trim may look alike.",
+    "p1": "No pressures were recorded: a change of the pressure drop and one of the capacity look alike.",
+    "flow": "No flow was recorded: of trim and capacity it says nothing.",
+}
 # parameters of which nothing was learnt that are named
 _NAMED = 4
 _THEN = (
     "A history keeps what its recordings say of the calibration, not their rows: then is the simulation with "
     "the calibration expected from it, driven by the signals of this recording."
+)
+
+_CAUTION = (
+    "Parameters that make up for each other may lie apart together and move no signal; the residuals tell "
+    "whether it matters."
 )
 
 
@@ -43,8 +54,9 @@ def section(d: dict) -> dict[str, Any] | None:
         "rows": [row.cells for row in calibration.worth_showing(rows)],
         "all_rows": [row.cells for row in rows],
         "allowances": allowances(since),
-        "cannot_say": cannot_say(since),
+        "cannot_say": cannot_say(d),
         "then": _THEN,
+        "caution": _CAUTION,
     }
 
 
@@ -70,10 +82,11 @@ def settable() -> str:
     return "ValveHistory(allowance=Allowance(...)) sets them."
 
 
-def cannot_say(since: dict) -> list[str]:
+def cannot_say(d: dict) -> list[str]:
     """What the history does not know of this recording, a sentence each."""
-    limits = since.get("cannot_say") or {}
-    told = [_outside(item) for item in limits.get("outside") or []]
+    limits, recorded = d["since_history"].get("cannot_say") or {}, d.get("units") or {}
+    told = [words for role, words in _UNSEEN.items() if recorded and role not in recorded]
+    told += [_outside(item) for item in limits.get("outside") or []]
     blind = [calibration.parameter_words(name) for name in limits.get("not_informed") or []]
     if blind:
         rest = len(blind) - _NAMED
@@ -145,13 +158,17 @@ def _left(since: dict) -> list[tuple[str, str]]:
     for role, item in (since.get("residuals") or {}).items():
         scale, unit = (100.0, "% of travel") if item["unit"] == "1" else (1.0, item["unit"])
         unit = "% of travel" if role == "opening" and unit == "%" else unit
-        left = [number(scale * item[key]) for key in ("history", "by_then", "by_now")]
+        left = [_scaled(item[key], scale) for key in ("history", "by_then", "by_now")]
         words = (
             f"{left[0]} {unit} in the history; in this recording {left[1]} with the calibration expected, "
             f"{left[2]} with that of now"
         )
         rows.append((f"Residual of {role_words(role)}, rms", words))
     return rows
+
+
+def _scaled(value: float | None, scale: float) -> str:
+    return number(None if value is None else scale * value)
 
 
 def _outside(item: dict) -> str:

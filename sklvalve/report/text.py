@@ -210,6 +210,7 @@ def _since_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
         f"{name}: {then} then, {now} now (expected {expected}; {apart} standard deviations apart)"
         for name, then, expected, now, apart in since["rows"]
     ]
+    told += [since["caution"]] if since["rows"] else []
     told += [f"May change without a fault. {allowances_words(d['since_history'])}", *since["cannot_say"]]
     return [line("Since history" if first else "", words) for first, words in _numbered(told)]
 
@@ -221,7 +222,7 @@ def _since_parts(d: dict) -> list[str]:
         return []
     parts = [f"### {TITLE}", _table(("what", "words"), since["facts"])]
     if since["rows"]:
-        parts.append(_table(since["head"], since["rows"]))
+        parts += [_table(since["head"], since["rows"]), _safe(since["caution"])]
     listed = [f"- {_safe(words)}" for words in since["cannot_say"]]
     listed.append(f"- May change without a fault. {_safe(allowances_words(d['since_history']))}")
     return [*parts, "\n".join(listed)]

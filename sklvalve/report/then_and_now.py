@@ -17,10 +17,11 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-_SIZE = (3.7, 3.3)
+_SIZE = (3.1, 2.9)
 _BINS, _FEWEST = 30, 5
-# rows of a stretch over which a stem is shown
-_STRETCH = 180
+_WITHIN_95 = 1.96
+# rows of a stretch over which a stem is shown, and share of all travel that it makes there at least
+_STRETCH, _LEAST_TRAVEL = 90, 0.04
 
 
 class Curves(NamedTuple):
@@ -30,11 +31,14 @@ class Curves(NamedTuple):
     ----------
     at : ndarray of shape (m,)
     then, now : ndarray of shape (m,)
+    half : ndarray of shape (m,)
+        Half the width of the band around `then` in which the signal is expected with 95 %.
     """
 
     at: Array
     then: Array
     now: Array
+    half: Array
 
 
 def then_and_now_figures(d: dict, traces: dict) -> list[Picture]:
@@ -50,6 +54,8 @@ def then_and_now_figures(d: dict, traces: dict) -> list[Picture]:
     if not traces.get("then"):
         return []
     rows = _rows_since(d, traces)
+    if not traces.get("then_scatter"):
+        traces = traces | {"then_scatter": {r: np.zeros(len(v)) for r, v in traces["then"].items()}}
     # then in the place of the simulation before, now in that of the one after
     both = traces | {"nominal": traces["then"], "corrected": traces["corrected"] or traces["nominal"]}
     made = (_characteristic(both, rows), _stem(both, rows), _residuals(d, both, rows))
@@ -63,9 +69,16 @@ def _rows_since(d: dict, traces: dict) -> NDArray[np.bool_]:
     return since if since.sum() >= _STRETCH else np.ones(len(time), dtype=bool)
 
 
-def by_bins(x: Array, then: Array, now: Array) -> Curves | None:
-    """Means of two signals by bins of a third; None where no bin holds enough rows."""
-    good = np.isfinite(x) & np.isfinite(then) & np.isfinite(now)
+def by_bins(x: Array, then: Array, now: Array, scatter: Array) -> Curves | None:
+    """Means of signals by bins of another; None where no bin holds enough rows.
+
+    Parameters
+    ----------
+    x, then, now : ndarray of shape (n,)
+    scatter : ndarray of shape (n,)
+        Standard deviation of `then`: that of a calibration, so that rows of a bin err alike.
+    """
+    good = np.isfinite(x) & np.isfinite(then) & np.isfinite(now) & np.isfinite(scatter)
     if good.sum() < _FEWEST:
         return None
     low, high = np.quantile(x[good], [0.001, 0.999]).tolist()
@@ -77,32 +90,38 @@ def by_bins(x: Array, then: Array, now: Array) -> Curves | None:
     held = many >= _FEWEST
     if not held.any():
         return None
-    means = [np.bincount(bins, v[good], _BINS)[held] / many[held] for v in (x, then, now)]
-    return Curves(*means)
+    several = (x, then, now, _WITHIN_95 * scatter)
+    return Curves(*(np.bincount(bins, values[good], _BINS)[held] / many[held] for values in several))
 
 
 def stretch(both: dict, rows: NDArray[np.bool_]) -> slice | None:
-    """Where then and now lie furthest apart of the stem, among stretches in which it moves most."""
-    then, now = (_of(both, model, "opening") for model in ("nominal", "corrected"))
+    """Where then and now lie furthest apart for the travel of the stem, of stretches in which it moves.
+
+    Over much travel a response shows no difference: what is looked for is the small move that is missed.
+    """
     opening = both["recorded"].get("opening")
-    if then is None or now is None or opening is None:
+    if opening is None or any(both[model].get("opening") is None for model in signals.MODELS):
         return None
     shown = np.flatnonzero(rows)
     first, last = int(shown[0]), int(shown[-1]) + 1
     if last - first <= _STRETCH:
         return slice(first, last)
-    moves = np.abs(np.diff(np.nan_to_num(np.asarray(opening, dtype=float)), prepend=0.0))
-    apart = np.nan_to_num(np.abs(then - now))
-    starts = np.arange(first, last - _STRETCH + 1, _STRETCH // 6)
-    travel, away = (_sums(each, starts) for each in (moves, apart))
-    lively = travel >= np.quantile(travel, 0.75)
-    best = int(starts[np.argmax(np.where(lively, away + 1e-9 * travel, -1.0))])
-    return slice(best, best + _STRETCH)
+    apart = np.abs(_whole(both, "nominal") - _whole(both, "corrected"))
+    best, most = None, -1.0
+    recorded = np.asarray(opening, dtype=float)
+    least = _LEAST_TRAVEL * _travel(recorded[rows])
+    for begin in range(first, last - _STRETCH + 1, _STRETCH // 6):
+        part = slice(begin, begin + _STRETCH)
+        travel = _travel(recorded[part])
+        if travel >= least and np.isfinite(apart[part]).any():
+            score = float(np.nanmean(apart[part])) / max(travel, 1e-300)
+            best, most = (part, score) if score > most else (best, most)
+    return best
 
 
-def _sums(values: Array, starts: NDArray[np.intp]) -> Array:
-    total = np.concatenate([[0.0], np.cumsum(values)])
-    return total[starts + _STRETCH] - total[starts]
+def _travel(opening: Array) -> float:
+    known = opening[np.isfinite(opening)]
+    return float(np.ptp(known)) if len(known) else 0.0
 
 
 def _characteristic(both: dict, rows: NDArray[np.bool_]) -> Picture | None:
@@ -111,7 +130,11 @@ def _characteristic(both: dict, rows: NDArray[np.bool_]) -> Picture | None:
     if signature is None or signature.nominal is None or signature.corrected is None:
         return None
     x = np.where(rows, signature.x, np.nan)
-    curves = by_bins(x, signature.nominal, signature.corrected)
+    # linear in the flow, so that its scatter is that of what is drawn
+    scatter = signals.capacity_signature(both | {"nominal": both["then_scatter"]})
+    if scatter is None or scatter.nominal is None:
+        return None
+    curves = by_bins(x, signature.nominal, signature.corrected, scatter.nominal)
     if curves is None:
         return None
     place = signature.x_label.split(" [")[0]
@@ -123,7 +146,10 @@ def _characteristic(both: dict, rows: NDArray[np.bool_]) -> Picture | None:
         _cloud(ax, x[rows][shown], signature.recorded[rows][shown])
         _both(ax, curves)
         _labelled(ax, signature.x_label, signature.y_label)
-        caption = f"{alt}. Points: recorded. Lines: means by {place} of the simulation, then and now."
+        caption = (
+            f"{alt}. Points: recorded. Lines: means by {place} of the simulation. "
+            "Band: where then is expected with 95 %, allowances included."
+        )
         return Picture(to_svg(figure, "since-characteristic", alt), alt, caption)
 
 
@@ -140,9 +166,10 @@ def _stem(both: dict, rows: NDArray[np.bool_]) -> Picture | None:
         ax = figure.subplots()
         recorded = np.asarray(both["recorded"]["opening"], dtype=float)[part]
         ax.plot(time, recorded, color=COLOURS["recorded"], linewidth=2.6, alpha=0.45, label="recorded")
-        _both(ax, Curves(time, *(_part(both, model, part) for model in ("nominal", "corrected"))))
+        then, now, scatter = (_whole(both, key)[part] for key in ("nominal", "corrected", "then_scatter"))
+        _both(ax, Curves(time, then, now, _WITHIN_95 * scatter))
         _labelled(ax, f"time from the first sample [{clock.unit}]", signals.label(both, "opening"))
-        caption = "Stem response then and now, where the two lie furthest apart while the stem moves."
+        caption = "Stem response then and now, where the two lie furthest apart for the travel there."
         return Picture(to_svg(figure, "since-stem", alt), alt, caption)
 
 
@@ -152,7 +179,7 @@ def _residuals(d: dict, both: dict, rows: NDArray[np.bool_]) -> Picture | None:
     left = None if role is None else [signals.residual(both, role, m) for m in signals.MODELS]
     if role is None or left is None or place is None or left[0] is None or left[1] is None:
         return None
-    curves = by_bins(np.where(rows, place[0], np.nan), left[0], left[1])
+    curves = by_bins(np.where(rows, place[0], np.nan), left[0], left[1], both["then_scatter"][role])
     if curves is None:
         return None
     item = d["since_history"]["residuals"][role]
@@ -160,15 +187,10 @@ def _residuals(d: dict, both: dict, rows: NDArray[np.bool_]) -> Picture | None:
     with styled():
         figure = pyplot_free_figure(*_SIZE)
         ax = figure.subplots()
-        band = item["history"]
-        ax.axhspan(-band, band, color=COLOURS["other"], alpha=0.2, linewidth=0.0, label="left in the history")
         ax.axhline(0.0, color=INK, linewidth=0.6)
-        _both(ax, curves)
+        _both(ax, curves, around=np.zeros(len(curves.at)))
         _labelled(ax, place[1], f"recorded minus simulated [{item['unit']}]")
-        caption = (
-            f"{alt}. Band: rms of single rows that was left over in the history; where nothing has changed, a "
-            "mean of many rows lies well within it."
-        )
+        caption = f"{alt}. Band: where then is expected with 95 %, allowances included."
         return Picture(to_svg(figure, "since-residual", alt), alt, caption)
 
 
@@ -182,7 +204,17 @@ def _furthest(since: dict) -> str | None:
     return max(grown, key=grown.__getitem__, default=None)
 
 
-def _both(ax: "Axes", curves: Curves) -> None:
+def _both(ax: "Axes", curves: Curves, around: Array | None = None) -> None:
+    middle = curves.then if around is None else around
+    ax.fill_between(
+        curves.at,
+        middle - curves.half,
+        middle + curves.half,
+        color=COLOURS["nominal"],
+        alpha=0.2,
+        linewidth=0.0,
+        label="expected, 95 %",
+    )
     # told apart by width and dashes as well: colours alone do not reach everyone
     ax.plot(curves.at, curves.then, color=COLOURS["nominal"], linewidth=2.2, label="then")
     ax.plot(curves.at, curves.now, color=COLOURS["corrected"], linewidth=1.4, linestyle="--", label="now")
@@ -205,13 +237,8 @@ def _cloud(ax: "Axes", x: Array, y: Array) -> None:
 def _labelled(ax: "Axes", x: str, y: str) -> None:
     ax.set_xlabel(x)
     ax.set_ylabel(y)
-    legend_above(ax, columns=3, columnspacing=1.2)
+    legend_above(ax, columns=2, columnspacing=1.2)
 
 
-def _of(both: dict, model: str, role: str) -> Array | None:
-    values = both[model].get(role)
-    return None if values is None else np.asarray(values, dtype=float)
-
-
-def _part(both: dict, model: str, part: slice) -> Array:
-    return np.asarray(both[model]["opening"], dtype=float)[part]
+def _whole(both: dict, key: str) -> Array:
+    return np.asarray(both[key]["opening"], dtype=float)

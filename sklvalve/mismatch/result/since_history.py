@@ -182,8 +182,8 @@ def _residuals(
         rows[channel] = {
             "unit": whole.unit(channel),
             "history": history.left(channel) * unit,
-            "by_then": _rms(left) * unit,
-            "by_now": _rms(now[channel]) * unit,
+            "by_then": _rms(left * unit),
+            "by_now": _rms(now[channel] * unit),
         }
     return rows
 
@@ -204,5 +204,5 @@ def _cannot_say(history: ValveHistory, problem: Problem, whole: Recording) -> di
     }
 
 
-def _rms(values: Sequence[float] | np.ndarray) -> float:
-    return float(np.sqrt(np.nanmean(np.square(values)))) if np.isfinite(values).any() else float("nan")
+def _rms(values: np.ndarray) -> float | None:
+    return float(np.sqrt(np.nanmean(values**2))) if np.isfinite(values).any() else None
