@@ -90,8 +90,8 @@ def test_what_a_history_cannot_say():
     first, outside, blind, chance = cannot_say(made)
     assert first.startswith("No opening was recorded:")
     assert outside == (
-        "In 25 % of the rows the command is where the history has hardly been: from 10 to 90 % in the history, "
-        "from 10 to 90 % here."
+        "In 25 % of the rows the command is where the history has hardly been: from 10 to 90 % in the "
+        "history, from 10 to 90 % here."
     )
     assert blind == "It says no more than the data sheet of: sharpness of the onset of choking."
     assert chance == "How often such a p-value alarms in vain was not checked with a history."
