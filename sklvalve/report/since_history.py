@@ -79,7 +79,7 @@ def allowances_words(since: dict) -> str:
 
 def settable() -> str:
     """How the allowances are set."""
-    return "ValveHistory(allowance=Allowance(...)) sets them."
+    return "ValveHistory(allowance=Allowance(...)) sets them, and so does diagnose --allow NAME=VALUE."
 
 
 def cannot_say(d: dict) -> list[str]:

@@ -108,7 +108,7 @@ def test_the_page_has_the_section_with_its_tables():
     page = render(Diagnosis(examples.since_history(examples.named()), {}))
     assert "<h2>Since the history</h2>" in page
     assert "What the history cannot say" in page
-    assert "ValveHistory(allowance=Allowance(...)) sets them." in page
+    assert "ValveHistory(allowance=Allowance(...)) sets them, and so does diagnose --allow" in page
     assert '<th scope="row">history before.csv</th>' in page
     assert "&#39;rows&#39;: 3600" not in page
     assert "Since the history" not in render(Diagnosis(examples.named(), {}))
