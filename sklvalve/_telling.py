@@ -34,6 +34,33 @@ def no_sign(content: dict) -> bool:
     )
 
 
+def since_history(content: dict) -> bool:
+    """Whether a recording was held against the valve's history: what is told has changed since then.
+
+    Parameters
+    ----------
+    content : dict
+        A diagnosis as diagnosis.json has it.
+
+    Examples
+    --------
+    >>> since_history({"verdict": "named"}), since_history({"since_history": {"rows": 3600}})
+    (False, True)
+    """
+    return bool(content.get("since_history"))
+
+
+def lacking(content: dict) -> str:
+    """What is said of physics that a simulation lacks: beside a history, that it has changed since.
+
+    Examples
+    --------
+    >>> lacking({}), lacking({"since_history": {"rows": 3600}})
+    ('is missing', 'has changed since the history')
+    """
+    return "has changed since the history" if since_history(content) else "is missing"
+
+
 def untested(content: dict) -> list[dict]:
     """Entries of ``not_testable`` that another recording could test: not those that this valve cannot have.
 

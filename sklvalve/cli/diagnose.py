@@ -8,7 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sklvalve.cli.as_json import add_json_argument, as_json
-from sklvalve.cli.history_files import add_history_argument, read_history, require_history
+from sklvalve.cli.history_files import (
+    add_allow_argument,
+    add_history_argument,
+    read_history,
+    require_history,
+)
 from sklvalve.cli.known import add_valve_argument, known_valve, mended_by_a_draft, tell, to_fill_in
 from sklvalve.cli.parser import folder, seed
 from sklvalve.cli.terminal import show, text_width
@@ -52,6 +57,7 @@ def add_parser(commands) -> None:
     )
     add_valve_argument(parser)
     add_history_argument(parser)
+    add_allow_argument(parser)
     parser.add_argument(
         "--out",
         type=folder,
@@ -94,7 +100,7 @@ def run(args: Namespace) -> int:
             loop_signals(used)
         else:
             require_diagnosable(used)
-        history = read_history(args.history, known.valve)
+        history = read_history(args.history, known.valve, args.allow)
         require_history(history, used)
     with Staging(args.out, RESULTS) as staging:
         tell(known)

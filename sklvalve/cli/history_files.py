@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """``--history``: recordings of before, what was learnt of them, or both, as one history."""
 
+from argparse import ArgumentTypeError
 from collections.abc import Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +27,38 @@ def add_history_argument(parser) -> None:
     )
 
 
-def read_history(files: Sequence[str] | None, valve: "Valve") -> "ValveHistory | list[Recording] | None":
+def add_allow_argument(parser) -> None:
+    """Declare ``--allow``."""
+    parser.add_argument(
+        "--allow",
+        metavar="NAME=VALUE",
+        nargs="+",
+        type=_allowed,
+        help="what may change without a fault between --history and the recording, each a standard "
+        "deviation, such as capacity=0.004; the report lists names and values",
+    )
+
+
+def _allowed(text: str) -> tuple[str, float]:
+    """Name and value of one allowance."""
+    from sklvalve.history import Allowance
+
+    names = [field.name for field in fields(Allowance)]
+    name, _, value = text.partition("=")
+    try:
+        number = float(value)
+    except ValueError:
+        number = 0.0
+    if name not in names:
+        raise ArgumentTypeError(f"expected NAME=VALUE, NAME one of {', '.join(names)}; got {text!r}")
+    if not 1e-9 <= number <= 1e6:
+        raise ArgumentTypeError(f"expected a number above 0 for {name}; got {value!r}")
+    return name, number
+
+
+def read_history(
+    files: Sequence[str] | None, valve: "Valve", allowed: Sequence[tuple[str, float]] | None = None
+) -> "ValveHistory | list[Recording] | None":
     """Read what ``--history`` names.
 
     Parameters
@@ -34,31 +67,40 @@ def read_history(files: Sequence[str] | None, valve: "Valve") -> "ValveHistory |
         Recordings, files of `save_history`, or both.
     valve : Valve
         By which the recordings are read.
+    allowed : sequence of (str, float), default=None
+        Of ``--allow``; each takes the place of what the history, or the default, allows.
 
     Returns
     -------
     history : ValveHistory, list of Recording or None
-        Recordings alone are for the finder to learn from; None where nothing was given.
+        Recordings alone are for the finder to learn from, unless something is allowed; None where nothing was
+        given.
 
     Raises
     ------
     InputError
-        If a file cannot be read, nothing can be learnt from it, or they do not belong together.
+        If a file cannot be read, nothing can be learnt from it, they do not belong together, or something is
+        allowed and there is no history.
     """
+    from sklvalve.history import Allowance, ValveHistory
     from sklvalve.history.learnable import require_learnable
     from sklvalve.mismatch import load_history
-    from sklvalve.recording import read_recording
+    from sklvalve.recording import InputError, read_recording
 
     if not files:
+        if allowed:
+            raise InputError("--allow says what may change since a history; give one as --history")
         return None
     learnt = [load_history(file) for file in files if Path(file).suffix == _SKOPS]
     read = [read_recording(file, valve) for file in files if Path(file).suffix != _SKOPS]
     if not learnt:
         require_learnable(read)
-        return read
+        return ValveHistory(allowance=Allowance(**dict(allowed))).fit(read) if allowed else read
     history, *others = learnt
     for other in others:
         history.merge(other)
+    if allowed:
+        history.allowing(replace(history.allowance or Allowance(), **dict(allowed)))
     return history.update(read) if read else history
 
 

@@ -29,6 +29,7 @@ def content_of(history: "ValveHistory", recording: "Recording", diagnosis: dict)
     diagnosis : dict
         What those hold by themselves.
     """
+    from sklvalve.history.operating_range import limits_in_recorded_units
     from sklvalve.report.headline import headline
 
     effects = [each["members"][0]["name"] for each in diagnosis.get("effects") or [] if each.get("members")]
@@ -40,7 +41,7 @@ def content_of(history: "ValveHistory", recording: "Recording", diagnosis: dict)
             {key: getattr(each, key) for key in ("name", "sha256", "rows", "first", "last")}
             for each in history.recordings_
         ],
-        "visited": _visited(history, recording),
+        "visited": limits_in_recorded_units(history.range_, recording),
         "noise": {
             channel: {"value": _difference(recording, channel, history.noise_parts(channel).size)}
             | {"unit": recording.unit(channel)}
@@ -105,21 +106,6 @@ def _by_itself(content: dict[str, Any]) -> str:
         "history tells what has changed since less surely: it may take what was there already for a change. "
         "Learn from sound recordings if there are any."
     )
-
-
-def _visited(history: "ValveHistory", recording: "Recording") -> dict[str, dict[str, Any]]:
-    """Signal -> where it stayed but for one row in a hundred at either end, in recorded units."""
-    found = {}
-    for name, (low, high) in history.range_.limits().items():
-        if name == "drop":
-            per_si = abs(recording.per_si("p1"))
-            ends, unit = [low * per_si, high * per_si], recording.unit("p1")
-        else:
-            # a sense of closing turns them round
-            ends = sorted(float(recording.in_recorded_units(name, end)) for end in (low, high))
-            unit = recording.unit(name)
-        found[name] = {"low": ends[0], "high": ends[1], "unit": unit}
-    return found
 
 
 def _calibration(history: "ValveHistory") -> dict[str, dict[str, Any]]:

@@ -157,6 +157,33 @@ def counted_in(recording: Recording) -> dict[str, np.ndarray]:
     return {name: signals[name] for name in COUNTED if name in signals and np.isfinite(signals[name]).any()}
 
 
+def limits_in_recorded_units(operating_range: OperatingRange, recording: Recording) -> dict[str, dict]:
+    """Where signals stayed but for one row in a hundred at either end.
+
+    Parameters
+    ----------
+    operating_range : OperatingRange
+    recording : Recording
+        For the units.
+
+    Returns
+    -------
+    limits : dict of dict
+        Signal -> ``low``, ``high`` and ``unit``; a pressure drop is in the unit of the inlet pressure.
+    """
+    found = {}
+    for name, (low, high) in operating_range.limits().items():
+        if name == "drop":
+            per_si = abs(recording.per_si("p1"))
+            ends, unit = [low * per_si, high * per_si], recording.unit("p1")
+        else:
+            # a sense of closing turns them round
+            ends = sorted(recording.in_recorded_units(name, np.array([low, high])).tolist())
+            unit = recording.unit(name)
+        found[name] = {"low": float(ends[0]), "high": float(ends[1]), "unit": unit}
+    return found
+
+
 def _step(name: str, values: np.ndarray) -> float:
     span = span_of(values)
     return _STEPS.get(name) or (2.0 ** np.floor(np.log2(span / _BINS)) if span > 0.0 else 1.0)

@@ -202,6 +202,30 @@ class ValveHistory(BaseEstimator):
         self.prior_ = self._expected()
         return self
 
+    @whole_or_nothing
+    def allowing(self, allowance: Allowance | None) -> ValveHistory:
+        """Allow other changes without a fault; nothing is learnt again.
+
+        Parameters
+        ----------
+        allowance : Allowance or None
+            Takes the place of the one that the history has; None stands for the default.
+
+        Returns
+        -------
+        self : ValveHistory
+
+        Raises
+        ------
+        InputError
+            If it is no `Allowance`, or holds what is no number above 0.
+        """
+        check_is_fitted(self, "values_")
+        require_sound_settings(None, allowance)
+        self.allowance = allowance
+        self.prior_ = self._expected()
+        return self
+
     def to_state(self) -> dict[str, Any]:
         """Everything of a fitted history but its valve, as plain numbers, texts and arrays."""
         check_is_fitted(self, "values_")

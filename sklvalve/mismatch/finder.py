@@ -35,9 +35,10 @@ from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.next_test.suggestions import plan_of
-from sklvalve.mismatch.result.contents import content_of, flagged_rows, traces_of
+from sklvalve.mismatch.result.contents import content_of, flagged_rows
 from sklvalve.mismatch.result.diagnosis import Diagnosis
 from sklvalve.mismatch.result.fit_entries import fit_entries
+from sklvalve.mismatch.result.traces import traces_of
 from sklvalve.mismatch.search.events import effects_to_search, evident_events
 from sklvalve.mismatch.search.explain import explain
 from sklvalve.recording import (
@@ -331,7 +332,7 @@ class MissingPhysicsFinder(BaseEstimator):
             plan=self.next_test_,
         )
         simulations = self.nominal_simulation_, self.corrected_simulation_
-        traces = traces_of(whole, flagged, len(problem.recording), *simulations)
+        traces = traces_of(whole, flagged, len(problem.recording), *simulations, problem.history)
         self.diagnosis_ = Diagnosis(content, traces)
         self._say("done", 1.0)
         return self

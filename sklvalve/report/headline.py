@@ -1,12 +1,21 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The top of a report: the finding in one short sentence, how sure it is, what it brings, what to do next."""
 
-from sklvalve._telling import no_sign
+from sklvalve._telling import lacking, no_sign, since_history
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, to_be_declared, what_is_it
 from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
 from sklvalve.report.rows import moves
-from sklvalve.report.sentence import NOTHING_TO_BE_TOLD, beyond_noise, closest, gain, helped, size_words
+from sklvalve.report.sentence import (
+    NOT_BEYOND_ALLOWED,
+    NOTHING_TO_BE_TOLD,
+    beyond_noise,
+    closest,
+    gain,
+    helped,
+    new_since,
+    size_words,
+)
 from sklvalve.report.words import (
     block_words,
     class_words,
@@ -73,6 +82,8 @@ def glance(d: dict) -> list[tuple[str, str]]:
 def _agreement(d: dict) -> str:
     if d.get("subject") == "loop":
         return "Sticking of a relevant size is excluded."
+    if since_history(d):
+        return f"{NOT_BEYOND_ALLOWED}."
     if _differs(d):
         return (
             "Nothing relevant is missing: simulation and recording differ by less than the data-sheet "
@@ -90,14 +101,14 @@ def _named(d: dict) -> str:
         words = what_is_it(effect)
         where = brief_place(d, unsaid(words, effect["blocks"]))
         size = _size(effect, d)
-        found = f"{begins(effect)} {words}{is_what(effect)}{f', {where}' if where else ''}."
+        found = f"{new_since(d)}{begins(effect)} {words}{is_what(effect)}{f', {where}' if where else ''}."
         return f"{found} {size[:1].upper()}{size[1:]}." if size else found
     told = [
         f"{begin} {'; '.join(f'{count}. {_one_of_several(effect, d)}' for count, effect in group)}"
         for begin, group in by_beginning(effects)
     ]
     where = brief_place(d, [])
-    return f"{'. '.join(told)}{f'; they show {where}' if where else ''}."
+    return f"{new_since(d)}{'. '.join(told)}{f'; they show {where}' if where else ''}."
 
 
 def _one_of_several(effect: dict, d: dict) -> str:
@@ -118,15 +129,15 @@ def _unknown(d: dict) -> str:
     size = moves({unknown.get("signal"): unknown.get("size")}, d)
     joined = ", and " if "," in where else " and "
     acts = joined.join(words for words in (f"acts {where}" if where else "", size) if words)
-    return f"{begin} is missing that no known effect explains.{f' It {acts}.' if acts else ''}"
+    return f"{begin} {lacking(d)} that no known effect explains.{f' It {acts}.' if acts else ''}"
 
 
 def _undecided(d: dict) -> str:
     if not d["mismatch"].get("detected", True):
         if d.get("subject") == "loop":
             return "This recording cannot show whether the valve sticks."
-        return "This recording cannot show whether anything is missing."
-    sentence = "Something is missing; the recording does not identify what."
+        return f"This recording cannot show whether anything {lacking(d)}."
+    sentence = f"Something {lacking(d)}; the recording does not identify what."
     where = brief_place(d, d["location"]["blocks"])
     if where:
         sentence += f" It acts {where}."

@@ -11,11 +11,14 @@ from typing import Any
 
 import numpy as np
 
+from sklvalve._telling import since_history
 from sklvalve.report import compared, figures, proof, rows
 from sklvalve.report.displays.base import Diagnosed
 from sklvalve.report.headline import glance, headline
 from sklvalve.report.intervals import interval_figures
 from sklvalve.report.signals import as_shown
+from sklvalve.report.since_history import section, settable
+from sklvalve.report.then_and_now import then_and_now_figures
 from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
 from sklvalve.report.words import either, lacks_sheet, verdict_words, with_units
@@ -101,6 +104,8 @@ def _words(d: dict) -> dict[str, Any]:
         "glance": glance(d),
         "verdict": d["verdict"],
         "verdict_words": verdict_words(d),
+        "since": section(d),
+        "settable": settable(),
         "explanations": rows.explanations(d),
         "unexplained": rows.unexplained(d),
         "places": rows.places(d),
@@ -131,6 +136,7 @@ def _pictures(d: dict, traces: dict) -> dict[str, Any]:
         "signatures": [],
         "maps": [],
         "unexplained_picture": None,
+        "since_pictures": [],
         "improvements": figures.improvement_figures(d),
         "intervals": interval_figures(d),
         "trends": None,
@@ -150,6 +156,7 @@ def _pictures(d: dict, traces: dict) -> dict[str, Any]:
         "signatures": figures.signature_figures(traces),
         "maps": figures.map_figures(traces),
         "unexplained_picture": unexplained_figure(d, traces),
+        "since_pictures": then_and_now_figures(d, traces) if since_history(d) else [],
         "trends": trends(traces),
     }
 
@@ -176,6 +183,8 @@ def simulated(d: dict) -> str:
         return "a stem that follows its command, with the loop's response fitted to this recording"
     if lacks_sheet(d):
         return "calibrated on this recording"
+    if since_history(d):
+        return "calibrated on this recording within what the history lets expect"
     return "by the data sheet, calibrated on this recording within its tolerances"
 
 

@@ -3,7 +3,7 @@
 
 from typing import NamedTuple
 
-from sklvalve._telling import untested
+from sklvalve._telling import since_history, untested
 from sklvalve.report.kinds import faults_first
 from sklvalve.report.noise import noise_told
 from sklvalve.report.parameters import parameters
@@ -145,7 +145,7 @@ def places(d: dict) -> list[tuple[str, str]]:
             return rows
         fitted = ": it was fitted to all rows alike" if d["verdict"] == "none_of_these" else ""
         return [*rows, ("Since", f"not known{fitted}")]
-    rows.append(("Since", since_words(location)))
+    rows.append(("Since", _since(d, location)))
     if location.get("intervals"):
         rows.append(("Present", intervals_words(location)))
     if any(each.get("assumed") for each in location.get("recordings") or []):
@@ -153,6 +153,13 @@ def places(d: dict) -> list[tuple[str, str]]:
             ("Clock", "each recording's time starts at its first row; they are joined in the order given")
         )
     return rows
+
+
+def _since(d: dict, location: dict) -> str:
+    """Since when; what was there from the start of a recording came between it and the history."""
+    words = since_words(location)
+    between = since_history(d) and location.get("onset") is None
+    return f"{words}: it came between the history and this recording" if between else words
 
 
 def models(d: dict) -> dict[str, str]:
@@ -315,6 +322,7 @@ def provenance(d: dict) -> list[tuple[str, str]]:
     }
     told = dict(d.get("provenance") or {})
     several = told.pop("recordings", [])
+    history = (told.pop("history", None) or {}) if since_history(d) else {}
     if several:
         told.pop("recording_sha256", None)
     rows = [
@@ -324,4 +332,6 @@ def provenance(d: dict) -> list[tuple[str, str]]:
     for each in several:
         checksum = f", SHA-256 {each['sha256']}" if each["sha256"] else ""
         rows.append((f"recording {each['source']}", f"{each['rows']} rows{checksum}"))
+    for each in history.get("recordings") or []:
+        rows.append((f"history {each['name']}", f"SHA-256 {each['sha256'] or 'unknown'}"))
     return rows

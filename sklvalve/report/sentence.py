@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first thing that a person reads: the diagnosis in one sentence."""
 
-from sklvalve._telling import no_sign
+from sklvalve._telling import lacking, no_sign, since_history
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, what_is_it
 from sklvalve.report.parameters import shown_parameters
 from sklvalve.report.place import located, onset_words, regions_words, since_known
@@ -30,6 +30,12 @@ _NO_FALL = 0.98
 NOTHING_TO_BE_TOLD = (
     "Nothing is missing, as far as a recording without a data sheet can show: with a trim estimated from it, "
     "simulation and recording agree within noise and tolerances"
+)
+
+# with a history its allowances stand in the place of the sheet's tolerances
+NOT_BEYOND_ALLOWED = (
+    "Nothing has changed since the history by more than is allowed: simulation and recording agree within "
+    "noise, what the history lets expect and what may change without a fault"
 )
 
 
@@ -78,6 +84,8 @@ def _agreement(d: dict) -> str:
     if d.get("subject") == "loop":
         reasons = d.get("reasons") or []
         return " ".join([f"Sticking of a relevant size is excluded{p_value}.", *reasons])
+    if since_history(d):
+        return f"{NOT_BEYOND_ALLOWED}{p_value}."
     if d["mismatch"].get("detected") or (None not in (level, chance) and chance <= level):
         return (
             f"Nothing relevant is missing: simulation and recording differ by more than noise{p_value}, but "
@@ -95,14 +103,19 @@ def _named(d: dict) -> str:
     if len(effects) == 1:
         effect = effects[0]
         return (
-            f"{begins(effect)} {what_is_it(effect)}{is_what(effect)} "
+            f"{new_since(d)}{begins(effect)} {what_is_it(effect)}{is_what(effect)} "
             f"({sure(effect)}): "
             f"{_size(effect, d)}acting {_place(d, effect['blocks'])}{_clause(d)}."
         )
     found = [f"{place}. {_one_of_several(effect, d)}" for place, effect in enumerate(effects, start=1)]
     groups = by_beginning(effects)
     told = ". ".join(f"{begin} {'; '.join(found[k - 1] for k, _ in group)}" for begin, group in groups)
-    return f"{told}; they show {_place(d, [])}{_clause(d)}."
+    return f"{new_since(d)}{told}; they show {_place(d, [])}{_clause(d)}."
+
+
+def new_since(d: dict) -> str:
+    """How a finding begins that was held against a history; empty without one."""
+    return "New since the history. " if since_history(d) else ""
 
 
 def _one_of_several(effect: dict, d: dict) -> str:
@@ -117,7 +130,7 @@ def _unknown(d: dict) -> str:
         besides = f"Besides {either([class_words(effect['members']) for effect in d['effects']], 'and')}, "
     lost = left_out(d)
     return (
-        f"{besides}{'something' if besides else 'Something'} is missing that no known effect explains: it "
+        f"{besides}{'something' if besides else 'Something'} {lacking(d)} that no known effect explains: it "
         f"acts {_place(d, d['location']['blocks'])} and {beyond_noise(d)} "
         f"({p_words(d['mismatch'].get('p_value'))}){f', but {lost}' if lost else _clause(d)}.{closest(d)}"
     )
@@ -160,11 +173,11 @@ def closest(d: dict) -> str:
 
 def _undecided(d: dict) -> str:
     if not d["mismatch"].get("detected", True):
-        what = "whether the valve sticks" if d.get("subject") == "loop" else "whether anything is missing"
+        what = "whether the valve sticks" if d.get("subject") == "loop" else f"whether anything {lacking(d)}"
         return " ".join([f"This recording cannot show {what}.", *(d.get("reasons") or [])])
     place = _place(d, d["location"]["blocks"])
     p_value = p_words(d["mismatch"].get("p_value"))
-    sentence = f"Something is missing ({p_value}); the recording does not identify what"
+    sentence = f"Something {lacking(d)} ({p_value}); the recording does not identify what"
     sentence += f": it acts {place}" if place else ""
     likely = likeliest_first(m for effect in d.get("effects") or [] for m in effect["members"])
     if likely:

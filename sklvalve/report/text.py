@@ -9,6 +9,7 @@ from textwrap import fill
 from sklvalve.report import compared, proof, rows
 from sklvalve.report.headline import glance, headline
 from sklvalve.report.sentence import summary_sentence
+from sklvalve.report.since_history import TITLE, allowances_words, section
 from sklvalve.report.words import either, with_units
 
 __all__ = ["summary_sentence", "to_markdown", "to_text"]
@@ -78,6 +79,7 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
         ]
     )
     lines += _block([line(label, words) for label, words in rows.places(d)])
+    lines += _block(_since_lines(d, line))
     lines += _block(_error_lines(d, line))
     lines += _block([line("Not testable" if first else "", words) for first, words in _numbered(_by_need(d))])
     lines += _block(
@@ -136,6 +138,7 @@ def to_markdown(d: dict) -> str:
         parts.append("### What no known effect explains\n\n" + _table(("what", "words"), rows.unexplained(d)))
     if rows.places(d):
         parts.append("### Where\n\n" + _table(("what", "where"), rows.places(d)))
+    parts += _since_parts(d)
     if rows.errors(d):
         cells = [(name, *values) for name, values in rows.errors(d)]
         table = _table((f"error {proof.heading(d)}", *rows.models(d).values()), cells)
@@ -195,6 +198,34 @@ def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
     for name, cells in table:
         lines.append(f"{'':<{_INDENT}}{name:<{width}} " + " ".join(f"{cell:>11}" for cell in cells))
     return lines + [line("", words) for words in rows.proof_notes(d)]
+
+
+def _since_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
+    """What changed since the history, and what that rests on; nothing without one."""
+    since = section(d)
+    if since is None:
+        return []
+    told = [f"{what}: {words}" for what, words in since["facts"]]
+    told += [
+        f"{name}: {then} then, {now} now (expected {expected}; {apart} standard deviations apart)"
+        for name, then, expected, now, apart in since["rows"]
+    ]
+    told += [since["caution"]] if since["rows"] else []
+    told += [f"May change without a fault. {allowances_words(d['since_history'])}", *since["cannot_say"]]
+    return [line("Since history" if first else "", words) for first, words in _numbered(told)]
+
+
+def _since_parts(d: dict) -> list[str]:
+    """The same as Markdown."""
+    since = section(d)
+    if since is None:
+        return []
+    parts = [f"### {TITLE}", _table(("what", "words"), since["facts"])]
+    if since["rows"]:
+        parts += [_table(since["head"], since["rows"]), _safe(since["caution"])]
+    listed = [f"- {_safe(words)}" for words in since["cannot_say"]]
+    listed.append(f"- May change without a fault. {_safe(allowances_words(d['since_history']))}")
+    return [*parts, "\n".join(listed)]
 
 
 def _compared_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:

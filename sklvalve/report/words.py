@@ -5,6 +5,8 @@ import re
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
+from sklvalve._telling import lacking, since_history
+
 # what effects need that only a data sheet can give, as `not_testable` has it
 _SHEET = "a data sheet that gives the trim's characteristic"
 
@@ -24,13 +26,22 @@ VERDICTS = {
     "cannot_tell": "something is missing; the recording does not identify what",
 }
 
+#: The same where the recording was held against a history.
+SINCE = {
+    "no_mismatch": "nothing has changed since the history",
+    "none_of_these": "a change since the history that no known effect explains",
+    "cannot_tell": "something has changed since the history; the recording does not identify what",
+}
+
 
 def verdict_words(d: dict) -> str:
     """Words for the verdict of a diagnosis."""
     if d["verdict"] == "cannot_tell" and not d["mismatch"].get("detected", True):
         if d.get("subject") == "loop":
             return "this recording cannot show whether the valve sticks"
-        return "this recording cannot show whether anything is missing"
+        return f"this recording cannot show whether anything {lacking(d)}"
+    if since_history(d) and d["verdict"] in SINCE:
+        return SINCE[d["verdict"]]
     levels = {(effect.get("grade") or {}).get("level") for effect in d.get("effects") or []}
     if d["verdict"] == "named" and levels == {"weak"}:
         return "possible cause, weak evidence"

@@ -47,7 +47,10 @@ def test_script_is_valid_and_names_every_command(script, shell, tmp_path):
         (["sklvalve", "di"], ["diagnose"]),
         (
             ["sklvalve", "diagnose", "--"],
-            ["--exit-code", "--help", "--history", "--json", "--out", "--seed", "--until", "--valve"],
+            [
+                *("--allow", "--exit-code", "--help", "--history", "--json", "--out", "--seed", "--until"),
+                "--valve",
+            ],
         ),
         (["sklvalve", "diagnose", "rec"], ["recording.csv"]),
         (["sklvalve", "diagnose", "recording.csv", "--valve", "v"], ["valve.toml"]),

@@ -151,6 +151,17 @@ def test_without_the_option_there_is_none(kept):
     assert _Kept.given is None
 
 
+def test_what_may_change_is_set_of_a_file_and_of_recordings(kept):
+    assert main([*DIAGNOSE, "--history", HISTORY, "--allow", "capacity=0.05", "flow_zero=0.002"]) == 0
+    of_file = _Kept.given
+    assert (of_file.allowance.capacity, of_file.allowance.flow_zero) == (0.05, 0.002)
+    assert main([*DIAGNOSE, "--history", "before.csv", "--allow", "capacity=0.05"]) == 0
+    assert _Kept.given.allowance.capacity == 0.05
+    # it widens what is expected
+    at = of_file.prior_.names.index("capacity")
+    assert of_file.prior_.covariance[at, at] > 4.0 * load_history(HISTORY).prior_.covariance[at, at]
+
+
 def test_files_and_recordings_are_joined(kept):
     table = (kept / "after.csv").read_text().splitlines(keepends=True)
     (kept / "first.csv").write_text("".join(table[:601]))
@@ -174,6 +185,9 @@ D = "diagnose after.csv --valve valve.toml --out out"
 L = "learn before.csv --valve valve.toml --out"
 REFUSED = {
     "no argument": (f"{D} --history", "argument --history: expected at least one argument"),
+    "nothing that is allowed": (f"{D} --history {HISTORY} --allow size=1", "NAME one of capacity, trim,"),
+    "no number": (f"{D} --history {HISTORY} --allow capacity=0", "a number above 0 for capacity; got '0'"),
+    "allowed without a history": (f"{D} --allow capacity=0.1", "--allow says what may change since a hist"),
     "no such file": (f"{D} --history no.history.skops", "no.history.skops: no such file; give the .history"),
     "no such recording": (f"{D} --history no.csv", "no.csv: no such file"),
     "a folder": (f"{D} --history .", "this is a folder"),

@@ -4,8 +4,8 @@
 import numpy as np
 import pytest
 
-from sklvalve.history.operating_range import COUNTED, OperatingRange, Visited
-from sklvalve.recording import Recording
+from sklvalve.history.operating_range import COUNTED, OperatingRange, Visited, limits_in_recorded_units
+from sklvalve.recording import Recording, Valve
 
 
 def recording(opening, flow=None, **more):
@@ -74,3 +74,16 @@ def test_a_signal_that_is_nothing_has_a_range():
     been = OperatingRange.of(recording(LOW, flow=np.zeros(200)))
     assert been.limits()["flow"] == (0.0, 1.0)
     assert OperatingRange().outside(recording(LOW)) == {}
+
+
+def test_limits_are_in_recorded_units_and_turned_round_by_a_sense_of_closing():
+    roles = {"opening": {"column": "X", "unit": "%"}, "p1": {"column": "P1", "unit": "bar"}}
+    roles["p2"] = {"column": "P2", "unit": "bar"}
+    columns = {"time": np.arange(200.0), "X": 100.0 * LOW, "P1": np.full(200, 6.0), "P2": np.full(200, 4.0)}
+    made = Recording.from_frame(columns, Valve.from_dict({"recording": roles}))
+    limits = limits_in_recorded_units(OperatingRange.of(made), made)
+    assert limits["opening"]["unit"] == "%"
+    assert limits["opening"]["low"] == pytest.approx(10.0, abs=2.0)
+    assert limits["opening"]["high"] == pytest.approx(30.0, abs=2.0)
+    assert limits["drop"]["unit"] == "bar"
+    assert limits["drop"]["low"] <= 2.0 <= limits["drop"]["high"]

@@ -147,6 +147,52 @@ def traces(n=3000, *, opening=True, pressures=True, flow=True):
     }
 
 
+_FROM_TO = {"low": 10.0, "high": 90.0, "unit": "%"}
+SINCE_HISTORY = {
+    "rows": 3600,
+    "days": 0.5,
+    "recordings": 2,
+    "first": "2024-01-03T00:00:00",
+    "last": "2024-02-11T06:00:00",
+    "allowances": [{"name": "capacity", "value": 0.002, "unit": "1", "words": "capacity, relative"}],
+    "changes": [],
+    "calibration": [
+        {"name": "capacity", "unit": "m3/h", "then": 40.0, "ci95": [39.0, 41.0], "now": 40.5}
+        | {"deviations": 0.98, "informed": True},
+        {"name": "position_zero", "unit": "1", "then": 0.001, "ci95": [-0.001, 0.003], "now": 0.002}
+        | {"deviations": 0.98, "informed": True},
+        {"name": "trim_2", "unit": "1", "then": 0.01, "ci95": [-0.01, 0.03], "now": 0.04}
+        | {"deviations": 2.94, "informed": True},
+        {"name": "knee", "unit": "1", "then": 12.0, "ci95": [3.0, 40.0], "now": 13.0}
+        | {"deviations": 0.1, "informed": False},
+    ],
+    "residuals": {"flow": {"unit": "m3/h", "history": 0.2, "by_then": 0.9, "by_now": 0.21}},
+    "cannot_say": {
+        "outside": [{"signal": "command", "share": 0.25, "history": _FROM_TO, "here": _FROM_TO}],
+        "not_informed": ["knee"],
+        "p_value_checked": False,
+    },
+}
+
+
+def since_history(made):
+    """The same diagnosis, made with a history."""
+    flow = {"value": 2.4, "unit": "m3/h", "ci95": [2.1, 2.7], "at_the_same": "opening"}
+    change = {"name": "", "parameter": "", "value": 0.8, "unit": "m3/h", "ci95": [0.7, 0.9], "flow": flow}
+    part = copy.deepcopy(SINCE_HISTORY) | {"changes": [copy.deepcopy(change) for _ in made["effects"]]}
+    recordings = [{"name": "before.csv", "sha256": "cd" * 32}]
+    provenance = made["provenance"] | {"history": {"rows": 3600, "recordings": recordings}}
+    return made | {"since_history": part, "provenance": provenance}
+
+
+def traces_since(**settings):
+    """Signals to draw, with those of the calibration that a history lets expect."""
+    made = traces(**settings)
+    then = {role: values.copy() for role, values in made["nominal"].items()}
+    scatter = {role: np.full(len(values), 0.1) for role, values in then.items()}
+    return made | {"then": then, "then_scatter": scatter}
+
+
 def diagnosis(made, **settings):
     """What `write_report` takes, of a made dict."""
     return SimpleNamespace(to_dict=lambda: made, traces=traces(**settings))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a diagnosis says, laid out as diagnosis.json has it, and the traces that pictures are drawn from."""
+"""What a diagnosis says, laid out as diagnosis.json has it."""
 
 from __future__ import annotations
 
@@ -22,9 +22,10 @@ from sklvalve.mismatch.next_test.suggestions import next_test
 from sklvalve.mismatch.proof.comparison import skills_ahead
 from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.referee_entry import referee_entry
+from sklvalve.mismatch.result.since_history import since_history
 from sklvalve.mismatch.search.events import events_of, named_by_events
 from sklvalve.mismatch.search.rivals import class_of
-from sklvalve.recording.calendar_time import begins_of, first_stamp
+from sklvalve.recording.calendar_time import begins_of
 from sklvalve.simulation.simulation import learnt_rest
 
 if TYPE_CHECKING:
@@ -37,7 +38,6 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.rivals import Finding
     from sklvalve.recording import Recording
-    from sklvalve.simulation import ValveSimulation
 
 # what strays within this share of a recording is taken to have been there before
 _AT_FIRST = 0.1
@@ -129,6 +129,7 @@ def content_of(
         "details": [plan.details] if plan is not None and plan.details and not mend else [],
         **_of_referee(whole, judgement),
         **_of_unknown(whole, problem, judgement),
+        **since_history(whole, problem, judgement),
     }
 
 
@@ -320,42 +321,3 @@ def _unknown_entry(whole: Recording, unknown: Unknown, judgement: Judgement) -> 
         told = abs(unit) * np.array(judgement.errors)
         entry["correction"] |= {"rmse_without": float(told[0]), "rmse_with": float(told[1])}
     return entry
-
-
-def traces_of(
-    whole: Recording,
-    flagged: np.ndarray,
-    used: int,
-    nominal: ValveSimulation,
-    corrected: ValveSimulation,
-) -> dict[str, Any]:
-    """Arrays for pictures, of every row, in the recording's own units.
-
-    Parameters
-    ----------
-    whole : Recording
-    flagged : ndarray of bool
-        Of the rows used.
-    used : int
-    nominal, corrected : ValveSimulation
-    """
-
-    def in_own_units(signals: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-        return {r: whole.in_recorded_units(r, v) for r, v in signals.items() if r in ("opening", "flow")}
-
-    roles = [r for r in ("command", "opening", "flow", "p1", "p2", "temperature") if r in whole]
-    shown = np.zeros(len(whole), dtype=bool)
-    shown[: len(flagged)] = flagged
-    return {
-        "time": whole.time - whole.time[0],
-        "units": {r: whole.unit(r) for r in roles},
-        "recorded": {r: whole.in_recorded_units(r, whole[r]) for r in roles},
-        "nominal": in_own_units(nominal.simulate(whole)),
-        "corrected": in_own_units(corrected.simulate(whole)),
-        "dp": whole["p1"] - whole["p2"] if "p1" in whole and "p2" in whole else None,
-        "pressure_ratio": nominal.chain_of(whole).pressure_ratio,
-        "flagged": shown,
-        "begins": [low for low, _ in whole.spans],
-        "until": None if used == len(whole) else used,
-        "first_stamp": first_stamp(whole),
-    }

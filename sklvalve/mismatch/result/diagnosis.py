@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from sklvalve._telling import BEGINS, UNKNOWN, no_sign, untested
+from sklvalve._telling import BEGINS, UNKNOWN, lacking, no_sign, since_history, untested
 from sklvalve.mismatch.decide.compare import Row
 from sklvalve.mismatch.result.diagnosis_file import read_diagnosis, write_diagnosis
 
@@ -180,25 +180,28 @@ def _finding(content: dict[str, Any]) -> str:
     """What was found in one sentence; a layer below the report, whose words are fuller."""
     verdict = content["verdict"]
     if verdict == "named":
-        return _named([entry for entry in content["effects"] if _may_be_named(entry)])
+        new = "New since the history. " if since_history(content) else ""
+        return new + _named([entry for entry in content["effects"] if _may_be_named(entry)])
     names = [_name(entry) for entry in content["effects"]]
     if verdict == "none_of_these":
         besides = f"Besides {'; '.join(names)}, something" if names else "Something"
-        return f"{besides} is missing that no known effect explains."
+        return f"{besides} {lacking(content)} that no known effect explains."
     return _undecided(content, names) if verdict == "cannot_tell" else _nothing_missing(content)
 
 
 def _undecided(content: dict[str, Any], names: list[str]) -> str:
     if not (content.get("mismatch") or {}).get("detected", True):
-        return "This recording cannot show whether anything is missing."
+        return f"This recording cannot show whether anything {lacking(content)}."
     likely = f" Most likely: {'; '.join(names)}." if names else ""
-    return f"Something is missing; the recording does not identify what.{likely}"
+    return f"Something {lacking(content)}; the recording does not identify what.{likely}"
 
 
 def _nothing_missing(content: dict[str, Any]) -> str:
     left = len(untested(content))
     besides = f"; {_counted(left)} could not be tested, see not_testable" if left else ""
-    return " ".join([f"Nothing relevant is missing{besides}.", *(content.get("reasons") or [])])
+    by_more = " by more than is allowed" if since_history(content) else ""
+    told = f"Nothing relevant {lacking(content)}{by_more}{besides}."
+    return " ".join([told, *(content.get("reasons") or [])])
 
 
 def _counted(effects: int) -> str:

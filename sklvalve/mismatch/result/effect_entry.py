@@ -112,13 +112,30 @@ def _in_units(
     quantity: Quantity, value: float, interval: Sequence[float] | None, recording: Recording
 ) -> dict[str, Any]:
     """A parameter with its interval; a flow or a pressure in the recording's own unit."""
-    unit, numbers = quantity.unit, [value, *(interval or ())]
+    unit, (value, *ends) = in_recorded_unit(quantity.unit, [value, *(interval or ())], recording)
+    return {"value": value, "unit": unit, "ci95": sorted(ends) if ends else None}
+
+
+def in_recorded_unit(unit: str, numbers: Sequence[float], recording: Recording) -> tuple[str, list[float]]:
+    """Differences in SI, and their unit; a flow or a pressure in the recording's own unit.
+
+    Parameters
+    ----------
+    unit : str
+        Of the numbers, in SI.
+    numbers : sequence of float
+    recording : Recording
+
+    Returns
+    -------
+    unit : str
+    numbers : list of float
+    """
     if unit == "Pa" and "p1" in recording:
-        numbers = [float(v * abs(recording.per_si("p1"))) for v in numbers]
+        numbers = [v * abs(recording.per_si("p1")) for v in numbers]
         unit = recording.unit("p1")
     if unit.startswith(("m3/s", "kg/s")):
         zero = recording.in_recorded_units("flow", np.zeros(1))[0]
         numbers = [float(recording.in_recorded_units("flow", np.array([v]))[0] - zero) for v in numbers]
         unit = recording.unit("flow") + ("/h" if unit.endswith("/s/h") else "")
-    value, *ends = numbers
-    return {"value": float(value), "unit": unit, "ci95": sorted(ends) if ends else None}
+    return unit, [float(v) for v in numbers]
