@@ -73,11 +73,15 @@ class Visited:
     def outside(self, values: np.ndarray) -> float:
         """Share of values, gaps left out, that are in no visited bin nor beside one."""
         seen = values[np.isfinite(values)]
-        if not len(seen):
-            return 0.0
+        return float(1.0 - np.mean(self.holds(seen))) if len(seen) else 0.0
+
+    def holds(self, values: np.ndarray) -> np.ndarray:
+        """Whether each value is in a visited bin or beside one; a gap is in none."""
         there = self.bins[self.rows >= _FEWEST]
         near = np.unique(np.concatenate([there - 1, there, there + 1]))
-        return float(1.0 - np.mean(np.isin(_bins(seen, self.step), near)))
+        known, held = np.isfinite(values), np.zeros(len(values), dtype=bool)
+        held[known] = np.isin(_bins(values[known], self.step), near)
+        return held
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,6 +147,25 @@ class OperatingRange:
         """
         signals = counted_in(recording)
         return {name: each.outside(signals[name]) for name, each in self.visited.items() if name in signals}
+
+    def met(self, recording: Recording, names: Iterable[str]) -> np.ndarray:
+        """Rows of a recording in which signals are where the valve has been.
+
+        Parameters
+        ----------
+        recording : Recording
+        names : iterable of str
+            Of `COUNTED`; those that either lacks are not asked.
+
+        Returns
+        -------
+        rows : ndarray of bool, shape (n,)
+        """
+        signals, rows = counted_in(recording), np.ones(len(recording), dtype=bool)
+        for name in names:
+            if name in signals and name in self.visited:
+                rows &= self.visited[name].holds(signals[name])
+        return rows
 
     def limits(self, share: float = 0.01) -> dict[str, tuple[float, float]]:
         """Signal -> values [SI] between which it stayed but for a share of the rows at either end."""

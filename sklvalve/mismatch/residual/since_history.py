@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 # a healthy simulation is wrong by about this share of what counts as an effect
 _WRONG = 0.1
 _FEWEST = 8
+# what drives a channel: where the history has not been, it says nothing of what a simulation leaves over
+_DRIVERS = {"opening": ("command",), "flow": ("opening", "drop")}
 
 
 def left_since(problem: Problem, model: Model) -> LeftOver | None:
@@ -27,7 +29,8 @@ def left_since(problem: Problem, model: Model) -> LeftOver | None:
     .. math:: \frac{r}{\sqrt{h^2 + (0.1 c)^2}}
 
     with r and h the rms of the residual's means over stretches in which the signal moves little, now and in
-    the median window of the history, and c what counts in the channel.
+    the median window of the history, and c what counts in the channel. Now only rows count that are where
+    the history has been.
 
     Parameters
     ----------
@@ -53,7 +56,9 @@ def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: 
         return None
     span = problem.spans[channel]
     before = history.slowly_left(channel) / span
-    means = slow_means(problem.residuals(model)[channel], moves_little(model.predictions[channel], span))
+    known = history.range_.met(problem.recording, _DRIVERS[channel])
+    keep = known & moves_little(model.predictions[channel], span)
+    means = slow_means(problem.residuals(model)[channel], keep)
     if np.isfinite(means).sum() < _FEWEST or not np.isfinite(before):
         return None
     usual = float(np.hypot(before, _WRONG * problem.least(channel)))
