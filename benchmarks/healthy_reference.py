@@ -240,6 +240,8 @@ def recordings_of(rows, history):
     """What the recordings of a reference were, in a sentence."""
     seeds = [row["seed"] for row in rows]
     told = f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}, through the whole search"
+    if any(row.get("kind") for row in rows):
+        told += ", half of them with noise of other kinds"
     return f"{told}, each held against the hour before it" if history else told
 
 
