@@ -64,6 +64,11 @@ class Diagnosis:
         """Names of the effects found, each class as a tuple, the most probable member first."""
         return tuple(tuple(m["name"] for m in e["members"]) for e in self.content["effects"])
 
+    @property
+    def finding(self) -> str:
+        """What was found, in a sentence."""
+        return _finding(self.content)
+
     def to_dict(self) -> dict[str, Any]:
         """Plain dict, as diagnosis.json has it; changing it leaves the diagnosis as it is."""
         return self.content

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a diagnosis of a history's recordings by themselves said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+VERDICTS = ("no_mismatch", "named", "none_of_these", "cannot_tell")
+
+
+@dataclass(frozen=True)
+class ByItself:
+    """Verdict on the recordings of a history, held against the data sheet alone.
+
+    Parameters
+    ----------
+    verdict : {"no_mismatch", "named", "none_of_these", "cannot_tell"}
+    finding : str
+        The same in words.
+    held : bool
+        Whether all that was named is among the effects that the history holds.
+    """
+
+    verdict: str
+    finding: str
+    held: bool = False
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing was missing."""
+        return self.verdict == "no_mismatch"
+
+    @property
+    def sentence(self) -> str:
+        """What a later diagnosis says of it; empty where nothing was missing."""
+        if self.clean:
+            return ""
+        began = f"The history was not sound: {self.finding}"
+        if self.held:
+            return f"{began} What is told here is what changed since."
+        return (
+            f"{began} That cannot be held in a later recording: what was there already may pass for a change, "
+            "or hide one."
+        )
