@@ -17,12 +17,15 @@ class ByItself:
     verdict : {"no_mismatch", "named", "none_of_these", "cannot_tell"}
     finding : str
         The same in words.
-    held : bool
+    reason : str, default=""
+        Why nothing was named.
+    held : bool, default=False
         Whether all that was named is among the effects that the history holds.
     """
 
     verdict: str
     finding: str
+    reason: str = ""
     held: bool = False
 
     @property
@@ -35,10 +38,11 @@ class ByItself:
         """What a later diagnosis says of it; empty where nothing was missing."""
         if self.clean:
             return ""
-        began = f"The history was not sound: {self.finding}"
+        found = "found sound" if self.verdict == "cannot_tell" else "sound"
+        begin = f"The history was not {found}: {self.finding}"
         if self.held:
-            return f"{began} What is told here is what changed since."
+            return f"{begin} What is told here is what changed since."
         return (
-            f"{began} That cannot be held in a later recording: what was there already may pass for a change, "
-            "or hide one."
+            f"{begin} This history does not hold that: what was there already may pass for a change, or "
+            "hide one."
         )

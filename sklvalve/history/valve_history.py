@@ -186,7 +186,9 @@ class ValveHistory(BaseEstimator):
         self.windows_ = list(self.windows_)
         for recording in recordings:
             for piece in pieces_of(recording):
-                self.windows_ += windows_of(self._chain(piece, onsets), self._groups_, self.values_, tolerance)
+                self.windows_ += windows_of(
+                    self._chain(piece, onsets), self._groups_, self.values_, tolerance
+                )
         self.range_ = self.range_.merged(OperatingRange.of(recordings))
         self.prior_ = self._expected()
         return self

@@ -15,7 +15,7 @@ from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
 from sklvalve._refits import whole_or_nothing
-from sklvalve.history import ByItself, ValveHistory
+from sklvalve.history import ValveHistory
 from sklvalve.history.compatible import require_compatible
 from sklvalve.history.learnable import recordings_of, require_no_loop
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
@@ -35,6 +35,7 @@ from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.next_test.suggestions import plan_of
+from sklvalve.mismatch.result.by_itself import by_itself
 from sklvalve.mismatch.result.contents import content_of, flagged_rows
 from sklvalve.mismatch.result.diagnosis import Diagnosis
 from sklvalve.mismatch.result.fit_entries import fit_entries
@@ -255,12 +256,10 @@ class MissingPhysicsFinder(BaseEstimator):
         joined = join_recordings(recordings)
         self.fit(joined)
         require_no_loop(joined)
-        found, terms = self.diagnosis_, ()
-        if found.verdict == "named":
-            terms = lasting(self._leading, joined)
+        found = self.diagnosis_
+        terms = lasting(self._leading, joined) if found.verdict == "named" else []
         history = self._learnt(recordings, terms)
-        held = bool(terms) and len(terms) == len(self._leading)
-        history.by_itself_ = ByItself(found.verdict, found.finding, held)
+        history.by_itself_ = by_itself(found, bool(terms) and len(terms) == len(self._leading))
         return history
 
     @property

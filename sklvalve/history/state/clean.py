@@ -12,12 +12,12 @@ from sklvalve.history.by_itself import VERDICTS, ByItself
 if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
 
-_KEYS = {"verdict", "finding", "held"}
+_KEYS = {"verdict", "finding", "reason", "held"}
 _LONGEST = 2_000
 
 
 def told(history: ValveHistory) -> dict[str, Any]:
-    """Verdict, finding in words, and whether it is held; empty where nothing was diagnosed."""
+    """Verdict, finding and reason in words, and whether it is held; empty where nothing was diagnosed."""
     return {} if history.by_itself_ is None else asdict(history.by_itself_)
 
 
@@ -32,8 +32,8 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
         return
     if set(part) != _KEYS or part["verdict"] not in VERDICTS or not isinstance(part["held"], bool):
         raise ValueError("what it holds by itself is no diagnosis")
-    finding = part["finding"]
-    if not isinstance(finding, str) or len(finding) > _LONGEST or not finding.isprintable():
-        raise ValueError("what it holds by itself is not in words")
+    for words in (part["finding"], part["reason"]):
+        if not isinstance(words, str) or len(words) > _LONGEST or not words.isprintable():
+            raise ValueError("what it holds by itself is not in words")
     if part["held"] and (part["verdict"] != "named" or not effects):
         raise ValueError("what it holds by itself is no effect of it")

@@ -28,8 +28,9 @@ def held_entries(
 ) -> list[dict[str, Any]]:
     """Effects of the history, then and now.
 
-    It has changed where its size has left its intervals of then and now, and that moves a signal by as much
-    as counts; it is gone where what is left of it moves none by as much.
+    It has changed where its sizes of then and now lie further apart than their intervals, added as
+    independent errors are, and that moves a signal by as much as counts. It is gone where what is left of it
+    moves none by as much, or may be none.
 
     Parameters
     ----------
@@ -44,16 +45,12 @@ def held_entries(
     -------
     entries : list of dict
         ``name``; ``parameter``, the first one, with its ``unit``; ``then`` and ``now``, each with ``value``
-        and ``ci95``, None where the recording tells none; ``change``, "none", "less", "more" or "gone", and
+        and ``ci95``, None where the recording tells none; ``change``, "none", "changed" or "gone", and
         None where the recording does not tell; ``sentence``.
     """
     expected = {each.name: each for each in expected_of(history)}
     keys = {effect.key for effect in history.effects}
-    return [
-        _entry(whole, problem, term, model, expected)
-        for term in problem.held
-        if term.effect.key in keys
-    ]
+    return [_entry(whole, problem, term, model, expected) for term in problem.held if term.effect.key in keys]
 
 
 def _entry(
@@ -69,7 +66,7 @@ def _entry(
     moved = problem.counts(problem.change(model, problem.simulate(model.terms, then)))
     others = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
     left = problem.counts(problem.change(model, apart.simulate(others, model.values)))
-    change = _change(was, now, ends, moved, left)
+    change = _change(was, now, ends, first.null, moved, left)
     sizes = [was.value, was.low, was.high, now, *(ends or ())]
     unit, told = in_recorded_unit(first.unit, sizes, whole)
     entry = {
@@ -86,11 +83,17 @@ def _entry(
 def _told_apart(problem: Problem, term: Term, model: Model) -> tuple[Problem, Model]:
     """Problem and model in which a held effect is one of the hypothesis, as intervals ask for it."""
     others = tuple(m for m in problem.held if m.effect.key != term.effect.key)
-    return replace(problem, held=others), replace(model, terms=(*model.terms, term))
+    spreads = model.spreads
+    if not any(name.startswith(f"{term.effect.key}.") for name in spreads):
+        # a model that was simulated and not fitted knows none
+        spreads = problem.fit(model.terms, start=model).spreads
+    return replace(problem, held=others), replace(model, terms=(*model.terms, term), spreads=spreads)
 
 
-def _change(was: Expected, now: float, ends: Sequence[float] | None, moved: bool, left: bool) -> str | None:
-    """How an effect's size has changed."""
+def _change(
+    was: Expected, now: float, ends: Sequence[float] | None, null: float | None, moved: bool, left: bool
+) -> str | None:
+    """How an effect's size has changed; `moved` and `left` say whether its change and what is left count."""
     if ends is None:
         return None
     if now >= was.value:
@@ -99,21 +102,19 @@ def _change(was: Expected, now: float, ends: Sequence[float] | None, moved: bool
         half = np.hypot(was.value - was.low, ends[1] - now)
     if not moved or abs(now - was.value) <= half:
         return "none"
-    if not left:
-        return "gone"
-    return "more" if now > was.value else "less"
+    return "changed" if left and not (null is not None and ends[0] <= null <= ends[1]) else "gone"
 
 
 def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity) -> str:
     words, (then, now) = _shown(entry, quantity)
     name = term.effect.words or entry["name"].replace("_", " ")
-    began = f"{name[:1].upper()}{name[1:]} was there in the history already; its {words}"
+    began = f"{name[:1].upper()}{name[1:]} was there in the history already"
     if entry["change"] is None:
-        return f"{began} was {then}, and this recording does not tell what it is now."
+        return f"{began} ({words} {then}); this recording does not tell what it is now."
     if entry["change"] == "none":
-        return f"{began} has not changed by as much as counts: {then} then, {now} now."
-    gone = ", too little to count: it is gone" if entry["change"] == "gone" else ""
-    return f"{began} went from {then} to {now}{gone}."
+        return f"{began}, and no change of it counts: {words} {then} then, {now} now."
+    gone = ": it is gone, or too small to count" if entry["change"] == "gone" else ""
+    return f"{began}; it went from {words} {then} to {now}{gone}."
 
 
 def _shown(entry: dict[str, Any], quantity: Quantity) -> tuple[str, list[str]]:

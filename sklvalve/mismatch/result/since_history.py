@@ -54,8 +54,9 @@ def since_history(whole: Recording, problem: Problem, judgement: Judgement) -> d
     part : dict
         ``since_history``: ``rows``, ``days``, ``recordings``, ``first`` and ``last`` stamp of the history;
         ``allowances``; ``by_itself``, what the history lacked by itself, None where that was not asked;
-        ``held``, what it had already, then and now; ``changes``, one for each entry of ``effects``; ``calibration``, then and now;
-        ``residuals`` by channel; ``cannot_say``. Empty where no history was given.
+        ``held``, what it had already, then and now; ``changes``, one for each entry of ``effects``;
+        ``calibration``, then and now; ``residuals`` by channel; ``cannot_say``. Empty where no history was
+        given.
     """
     history = problem.history
     if history is None:
@@ -89,7 +90,7 @@ def of_history(part: dict[str, Any]) -> list[str]:
     since = part.get("since_history") or {}
     by_itself = since.get("by_itself") or {}
     told = [by_itself["sentence"]] if by_itself.get("sentence") else []
-    return told + [each["sentence"] for each in since.get("held") or []]
+    return told + [each["sentence"] for each in since.get("held") or [] if each["change"] != "none"]
 
 
 def _by_itself(history: ValveHistory) -> dict[str, Any] | None:
