@@ -30,8 +30,24 @@ def no_sign(content: dict) -> bool:
     """
     p_value, level = content["mismatch"].get("p_value"), content["mismatch"].get("alpha") or 0.0
     return (
-        content["verdict"] == "no_mismatch" and p_value is not None and p_value >= _COMMON and p_value > level
+        content["verdict"] == "no_mismatch"
+        and not changed_before(content)
+        and p_value is not None
+        and p_value >= _COMMON
+        and p_value > level
     )
+
+
+def changed_before(content: dict) -> list[dict]:
+    """What a history had already and has changed since, or is gone: entries of ``held``.
+
+    Examples
+    --------
+    >>> changed_before({"since_history": {"held": [{"name": "seat_leakage", "change": "gone"}]}})
+    [{'name': 'seat_leakage', 'change': 'gone'}]
+    """
+    held = (content.get("since_history") or {}).get("held") or []
+    return [each for each in held if each["change"] in ("changed", "gone")]
 
 
 def since_history(content: dict) -> bool:

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.concealed.draw import HISTORY
-from benchmarks.concealed.methods import WITH_HISTORY, method, public
+from benchmarks.concealed.methods import learner, method, public
 from benchmarks.concealed.methods.rows import spans_of
 from sklvalve import read_recording
 
@@ -46,13 +46,12 @@ def line_of(place, name, *, valve="valve.toml", cache=None):
         "load": round(os.getloadavg()[0], 1),
     }
     _forget_peak()
-    began, worked = time.perf_counter(), time.process_time()
     try:
+        more = _learnt(place, name, valve, line)
+        began, worked = time.perf_counter(), time.process_time()
         recording = read_recording(place / "recording.csv.gz", place / valve)
-        more = {"history": [read_recording(place / HISTORY, place / valve)]} if name in WITH_HISTORY else {}
         found = method(name)(recording, folder=cache, **more)
-        line["seconds"] = round(time.perf_counter() - began, 2)
-        line["cpu_seconds"] = round(time.process_time() - worked, 2)
+        _timed(line, "", began, worked)
         line["found"] = public(found)
         # what it has found is judged by it as well: a simulation that breaks is its own
         line["peak_mb"] = _peak()
@@ -66,6 +65,22 @@ def line_of(place, name, *, valve="valve.toml", cache=None):
         line["failed"] = f"{type(error).__name__}: {error}".replace(f"{place}{os.sep}", "")
     line["truth"] = json.loads((place / "truth.json").read_text(encoding="utf-8"))
     return line
+
+
+def _learnt(place, name, valve, line):
+    """History for a method that takes one; what that takes is told apart, as it is a command of its own."""
+    learn = learner(name)
+    if learn is None:
+        return {}
+    began, worked = time.perf_counter(), time.process_time()
+    history = learn([read_recording(place / HISTORY, place / valve)])
+    _timed(line, "learn_", began, worked)
+    return {"history": history}
+
+
+def _timed(line, prefix, began, worked):
+    line[f"{prefix}seconds"] = round(time.perf_counter() - began, 2)
+    line[f"{prefix}cpu_seconds"] = round(time.process_time() - worked, 2)
 
 
 def _forget_peak():

@@ -73,7 +73,9 @@ def add_parser(commands) -> None:
     )
     parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the random draws (default: 0)")
     parser.add_argument(
-        "--exit-code", action="store_true", help="end with status 1 unless the verdict is no_mismatch"
+        "--exit-code",
+        action="store_true",
+        help="end with status 1 unless the verdict is no_mismatch and nothing that --history had has changed",
     )
     add_json_argument(parser, "diagnosis.json")
     parser.set_defaults(run=run)
@@ -81,6 +83,7 @@ def add_parser(commands) -> None:
 
 def run(args: Namespace) -> int:
     """Diagnose a recording."""
+    from sklvalve._telling import changed_before
     from sklvalve.cli.staging import Staging
     from sklvalve.mismatch.loop import is_loop, loop_signals
     from sklvalve.recording import join_recordings, read_recording, require_diagnosable
@@ -118,7 +121,7 @@ def run(args: Namespace) -> int:
             show(_NO_MODEL)
         if hint := to_fill_in(known, first, loop=loop):
             show(hint)
-    return int(args.exit_code and found["verdict"] != "no_mismatch")
+    return int(args.exit_code and (found["verdict"] != "no_mismatch" or bool(changed_before(found))))
 
 
 def diagnose(

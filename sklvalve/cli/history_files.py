@@ -23,7 +23,8 @@ def add_history_argument(parser) -> None:
         metavar="FILE",
         nargs="+",
         help="earlier recordings in which nothing was missing, or what sklvalve learn made of them "
-        f"(NAME{ENDING}): the diagnosis then tells what has changed since",
+        f"(NAME{ENDING}): the diagnosis then tells what has changed since. Recordings are taken to "
+        "be sound; sklvalve learn diagnoses them first",
     )
 
 

@@ -20,10 +20,11 @@ def add_parser(commands) -> None:
     """Declare the command."""
     parser = commands.add_parser(
         "learn",
-        help="learn a valve from recordings in which nothing is missing",
+        help="learn a valve from its own recordings, best from those in which nothing is missing",
         description="Calibrate the valve's simulation on recordings of its sound operation, and keep what "
         "each part of them says. A later diagnosis that is given the file tells what has changed since. The "
-        "recordings are diagnosed by themselves first.",
+        "recordings are diagnosed by themselves first: what that names is kept as known, so that a later "
+        "diagnosis tells how it has changed.",
         epilog=_EXAMPLES,
         formatter_class=RawDescriptionHelpFormatter,
     )

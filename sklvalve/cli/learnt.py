@@ -33,6 +33,7 @@ def content_of(history: "ValveHistory", recording: "Recording", diagnosis: dict)
     from sklvalve.report.headline import headline
 
     effects = [each["members"][0]["name"] for each in diagnosis.get("effects") or [] if each.get("members")]
+    held = [{"name": each.name, "onset": (history.onsets or {}).get(each.key)} for each in history.effects]
     return {
         "rows": history.rows,
         "days": history.days,
@@ -49,7 +50,9 @@ def content_of(history: "ValveHistory", recording: "Recording", diagnosis: dict)
         },
         "calibration": _calibration(history),
         "clean": diagnosis["verdict"] == "no_mismatch",
-        "diagnosis": {"verdict": diagnosis["verdict"], "effects": effects, "finding": headline(diagnosis)},
+        "held": held,
+        "diagnosis": {"verdict": diagnosis["verdict"], "effects": effects, "finding": headline(diagnosis)}
+        | {"reasons": list(diagnosis.get("reasons") or [])},
     }
 
 
@@ -99,12 +102,18 @@ def lines_of(content: dict[str, Any], asked: list[dict[str, Any]], width: int) -
 
 def _by_itself(content: dict[str, Any]) -> str:
     """One sentence on whether the history is clean, and what follows where it is not."""
+    from sklvalve.report.words import either, spoken
+
     if content["clean"]:
         return "The recordings are clean: their diagnosis finds nothing missing in the simulation."
+    found = f"The recordings are not clean. {content['diagnosis']['finding']}"
+    names = either([spoken(each["name"]) for each in content["held"]], "and")
+    if names and len(content["held"]) == len(content["diagnosis"]["effects"]):
+        return f"{found} The history holds {names}: a later diagnosis tells what has changed since."
+    beside = f"The history holds {names} and nothing else of it" if names else "The history cannot hold that"
     return (
-        f"The recordings are not clean. {content['diagnosis']['finding']} A later diagnosis with this "
-        "history tells what has changed since less surely: it may take what was there already for a change. "
-        "Learn from sound recordings if there are any."
+        f"{found} {beside}, so that a later diagnosis may take what was there already for a change, or "
+        "overlook one. Learn from sound recordings if there are any."
     )
 
 

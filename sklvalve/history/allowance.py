@@ -83,6 +83,12 @@ class Allowance:
             return self.trim
         if name.startswith("rise_"):
             return self.unseen_drop * max(parameter.spread or 0.0, parameter.start)
+        if "." in name:
+            # an effect that is known already is a fault or a property, and none that changes for no reason:
+            # it gets no more than a capacity does. That keeps what it was sharp; in a later recording it is
+            # calibrated without a prior (`ValveHistory.prior_of`), so that its own change is told as such
+            # and is not taken for another effect.
+            return self.capacity * (1.0 if parameter.log else _reach(parameter))
         open_to_it = parameter.spread or _reach(parameter)
         return open_to_it if name in _OF_THE_PROGRAMME else self.response * open_to_it
 

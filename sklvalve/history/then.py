@@ -147,5 +147,4 @@ def _simulation(history: ValveHistory, values: dict[str, float]) -> ValveSimulat
         history.values_ | values,
         choking="choked_flow" in history.valve_.physics,
         effects=history.effects,
-        onsets=history.onsets,
     )

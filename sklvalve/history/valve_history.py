@@ -16,6 +16,7 @@ from sklearn.utils.validation import check_is_fitted
 from sklvalve._refits import whole_or_nothing
 from sklvalve.history import state as plain
 from sklvalve.history.allowance import Allowance
+from sklvalve.history.by_itself import ByItself
 from sklvalve.history.compatible import require_same_signals, require_same_valve
 from sklvalve.history.learnable import (
     recordings_of,
@@ -64,7 +65,8 @@ class ValveHistory(BaseEstimator):
     effects : sequence of Effect, default=()
         Physics beyond the sheet that the valve is known to have had in the history.
     onsets : dict, default=None
-        Effect key -> absolute time [s] from which on it acts.
+        Effect key -> absolute time [s] from which on it acts: the rows before tell the sound valve. A later
+        recording has it from its first row on.
 
     Attributes
     ----------
@@ -85,6 +87,9 @@ class ValveHistory(BaseEstimator):
         Whether flow was recorded by mass.
     trim_ : Trim
     valve_ : Valve
+    by_itself_ : ByItself or None
+        What a diagnosis of the recordings by themselves said; None where none was made, as in `fit`.
+        `MissingPhysicsFinder.history_of` makes one.
 
     Examples
     --------
@@ -140,13 +145,14 @@ class ValveHistory(BaseEstimator):
         self.trim_ = choose_trim(joined, self.valve_, tolerance)
         self.roles_, self.mass_flow_ = tuple(joined), joined.mass_flow
         self.spans_ = spans_of(joined)
-        chain = self._chain(joined)
+        chain = self._chain(joined, self.onsets or {})
         self._groups_ = groups_of(chain, tolerance)
         self.values_ = calibrated_on(chain, self._groups_, tolerance)
         self.windows_: list[Window] = []
         self.recordings_: list[Source] = []
         self.range_ = OperatingRange()
-        return self.update(recordings)
+        self.by_itself_: ByItself | None = None
+        return self._learn(recordings, self.onsets or {})
 
     @whole_or_nothing
     def update(self, X: Recording | Iterable[Recording]) -> ValveHistory:
@@ -166,16 +172,23 @@ class ValveHistory(BaseEstimator):
             If a recording is of another valve or other signals, too short, or in the history already.
         """
         check_is_fitted(self, "values_")
-        tolerance = self.tolerance or Tolerance()
         recordings = recordings_of(X, self.valve_)
         for recording in recordings:
             require_same_valve(self, self.valve or recording.valve, recording.source)
             require_same_signals(self, recording)
+        # seconds of a further recording may have another zero; dates have not
+        dated = all(isinstance(recording.stamps[0], str) for recording in recordings)
+        return self._learn(recordings, (self.onsets or {}) if dated else {})
+
+    def _learn(self, recordings: Sequence[Recording], onsets: dict[str, Any]) -> ValveHistory:
+        tolerance = self.tolerance or Tolerance()
         self.recordings_ = [*self.recordings_, *require_further(recordings, self.recordings_)]
         self.windows_ = list(self.windows_)
         for recording in recordings:
             for piece in pieces_of(recording):
-                self.windows_ += windows_of(self._chain(piece), self._groups_, self.values_, tolerance)
+                self.windows_ += windows_of(
+                    self._chain(piece, onsets), self._groups_, self.values_, tolerance
+                )
         self.range_ = self.range_.merged(OperatingRange.of(recordings))
         self.prior_ = self._expected()
         return self
@@ -199,6 +212,9 @@ class ValveHistory(BaseEstimator):
         self.windows_ = [*self.windows_, *moved(self, other)]
         self.recordings_ = [*self.recordings_, *other.recordings_]
         self.range_ = self.range_.merged(other.range_)
+        asked = [each.by_itself_ for each in (self, other) if each.by_itself_ is not None]
+        # one that was not sound goes before one that was
+        self.by_itself_ = min(asked, key=lambda each: each.clean, default=None)
         self.prior_ = self._expected()
         return self
 
@@ -267,7 +283,8 @@ class ValveHistory(BaseEstimator):
         Parameters
         ----------
         parameters : iterable of Parameter
-            As the sheet has them; those that the history does not know stay as they are.
+            As the sheet has them; those that the history does not know stay as they are, and those of its
+            effects begin where they were, and are free: what they have become is what is asked.
 
         Returns
         -------
@@ -315,7 +332,7 @@ class ValveHistory(BaseEstimator):
         values : dict
             Of the same names.
         """
-        known = [p for name, p in self._known.items() if name in values]
+        known = [p for name, p in self._known.items() if name in values and p.joint is not None]
         if not known:
             return values
         vector = ParameterVector(known)
@@ -336,8 +353,10 @@ class ValveHistory(BaseEstimator):
             low, high = p.low, p.high
             if p.name in _ZEROS:
                 low, high = min(low, mean - 4.0 * size[at]), max(high, mean + 4.0 * size[at])
+            # how large an effect was does not tell how large it is
+            joint = None if "." in p.name else self.prior_
             known[p.name] = replace(
-                p, low=low, high=high, start=float(np.clip(start, low, high)), joint=self.prior_
+                p, low=low, high=high, start=float(np.clip(start, low, high)), joint=joint
             )
         return known
 
@@ -374,13 +393,13 @@ class ValveHistory(BaseEstimator):
             covariance[size[k] : size[k + 1], size[k] : size[k + 1]] = part
         return JointPrior(tuple(names), np.concatenate(means), covariance)
 
-    def _chain(self, recording: Recording) -> Chain:
+    def _chain(self, recording: Recording, onsets: dict[str, Any]) -> Chain:
         choking = "choked_flow" in self.valve_.physics and {"p1", "p2"} <= set(recording)
         return chain_for(
             recording,
             self.valve_,
             self.trim_,
             effects=tuple(self.effects),
-            onsets=dict(self.onsets or {}),
+            onsets=dict(onsets),
             choking=choking,
         )

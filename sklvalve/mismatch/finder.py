@@ -21,7 +21,7 @@ from sklvalve.history.learnable import recordings_of, require_no_loop
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
-from sklvalve.mismatch.data.preparation import candidates, prepared_problem, rows_to_use
+from sklvalve.mismatch.data.preparation import candidates, lasting, prepared_problem, rows_to_use
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.behind import judged_behind
 from sklvalve.mismatch.decide.compare import compared
@@ -35,12 +35,14 @@ from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.next_test.suggestions import plan_of
+from sklvalve.mismatch.result.by_itself import by_itself
 from sklvalve.mismatch.result.contents import content_of, flagged_rows
 from sklvalve.mismatch.result.diagnosis import Diagnosis
 from sklvalve.mismatch.result.fit_entries import fit_entries
 from sklvalve.mismatch.result.traces import traces_of
 from sklvalve.mismatch.search.events import effects_to_search, evident_events
 from sklvalve.mismatch.search.explain import explain
+from sklvalve.mismatch.search.rivals import leading_term
 from sklvalve.recording import (
     InputError,
     Recording,
@@ -57,7 +59,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.decide.null_reference import Covariates
     from sklvalve.mismatch.effects import Effect
-    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.hypothesis import Model, Term
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.events import Events
     from sklvalve.mismatch.search.explain import Explanation
@@ -240,7 +242,9 @@ class MissingPhysicsFinder(BaseEstimator):
         Returns
         -------
         history : ValveHistory
-            What the recordings lacked by themselves, `diagnosis_` says; the history does not hold it.
+            What the diagnosis of the recordings names is among its effects, the leading name of each class
+            with its onset, unless it grows, comes and goes, or begins in recordings whose distances in time
+            are not known; ``by_itself_`` keeps the verdict.
 
         Raises
         ------
@@ -248,8 +252,14 @@ class MissingPhysicsFinder(BaseEstimator):
             If the recordings lack what a diagnosis or a history needs.
         """
         recordings = recordings_of(X)
-        self.fit(join_recordings(recordings))
-        return self._learnt(recordings)
+        joined = join_recordings(recordings)
+        self.fit(joined)
+        require_no_loop(joined)
+        found = self.diagnosis_
+        terms = lasting(self._leading, joined) if found.verdict == "named" else []
+        history = self._learnt(recordings, terms)
+        history.by_itself_ = by_itself(found, bool(terms) and len(terms) == len(self._leading))
+        return history
 
     @property
     def comparison_(self) -> Any:
@@ -289,8 +299,10 @@ class MissingPhysicsFinder(BaseEstimator):
             return self.history
         return self._learnt(self.history)
 
-    def _learnt(self, recordings: Any) -> ValveHistory:
-        return ValveHistory(tolerance=self.tolerance).fit(recordings)
+    def _learnt(self, recordings: Any, known: Sequence[Term] = ()) -> ValveHistory:
+        effects = tuple(term.effect for term in known)
+        onsets = {term.effect.key: term.onset for term in known if term.onset is not None}
+        return ValveHistory(tolerance=self.tolerance, effects=effects, onsets=onsets or None).fit(recordings)
 
     def _fit_valve(
         self,
@@ -312,6 +324,7 @@ class MissingPhysicsFinder(BaseEstimator):
         judged, forward = (judged, None) if mend or spoilt else refereed(problem, judged)
         judged = judged if mend else dated(problem, judged, float(self.alpha))
         self.evidence_ = judged.evidence
+        self._leading = [leading_term(finding) for finding in judged.findings]
         self.nominal_simulation_ = _simulation_of(problem, judged.nominal, None, external)
         self.corrected_simulation_ = _simulation_of(problem, judged.model, judged.correction, external)
         self._say("proving on held-out rows", 0.85)

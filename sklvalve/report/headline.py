@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The top of a report: the finding in one short sentence, how sure it is, what it brings, what to do next."""
 
-from sklvalve._telling import lacking, no_sign, since_history
+from sklvalve._telling import changed_before, lacking, no_sign, since_history
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, to_be_declared, what_is_it
 from sklvalve.report.place import brief_place
 from sklvalve.report.proof import left_out
 from sklvalve.report.rows import moves
 from sklvalve.report.sentence import (
-    NOT_BEYOND_ALLOWED,
     NOTHING_TO_BE_TOLD,
     beyond_noise,
     closest,
     gain,
     helped,
     new_since,
+    not_beyond_allowed,
     size_words,
 )
 from sklvalve.report.words import (
@@ -83,7 +83,7 @@ def _agreement(d: dict) -> str:
     if d.get("subject") == "loop":
         return "Sticking of a relevant size is excluded."
     if since_history(d):
-        return f"{NOT_BEYOND_ALLOWED}."
+        return f"{not_beyond_allowed(d)}."
     if _differs(d):
         return (
             "Nothing relevant is missing: simulation and recording differ by less than the data-sheet "
@@ -211,6 +211,10 @@ def _times(p_value: float) -> str:
 
 def _next(d: dict) -> str:
     test = d.get("next_test") or ""
+    if d["verdict"] == "no_mismatch" and changed_before(d):
+        return " ".join(
+            ["Look at the valve for what has changed.", *([f"To learn more: {test}"] if test else [])]
+        )
     if d["verdict"] == "no_mismatch":
         first = (
             "Give the data sheet's capacity and characteristic. Without the data sheet, wear or a leak "

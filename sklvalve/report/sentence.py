@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The first thing that a person reads: the diagnosis in one sentence."""
 
-from sklvalve._telling import lacking, no_sign, since_history
+from sklvalve._telling import changed_before, lacking, no_sign, since_history
 from sklvalve.report.kinds import begins, by_beginning, faults_first, is_what, what_is_it
 from sklvalve.report.parameters import shown_parameters
 from sklvalve.report.place import located, onset_words, regions_words, since_known
@@ -85,7 +85,7 @@ def _agreement(d: dict) -> str:
         reasons = d.get("reasons") or []
         return " ".join([f"Sticking of a relevant size is excluded{p_value}.", *reasons])
     if since_history(d):
-        return f"{NOT_BEYOND_ALLOWED}{p_value}."
+        return f"{not_beyond_allowed(d)}{p_value}."
     if d["mismatch"].get("detected") or (None not in (level, chance) and chance <= level):
         return (
             f"Nothing relevant is missing: simulation and recording differ by more than noise{p_value}, but "
@@ -96,6 +96,14 @@ def _agreement(d: dict) -> str:
     return (
         f"Nothing is missing: simulation and recording agree within noise and data-sheet tolerances{p_value}."
     )
+
+
+def not_beyond_allowed(d: dict) -> str:
+    """That nothing has changed since a history, or nothing but what it had already."""
+    if changed_before(d):
+        rest = NOT_BEYOND_ALLOWED.removeprefix("Nothing")
+        return f"What the history had already has changed. Nothing else{rest}"
+    return NOT_BEYOND_ALLOWED
 
 
 def _named(d: dict) -> str:

@@ -3,6 +3,7 @@
 
 from typing import Any
 
+from sklvalve._telling import changed_before
 from sklvalve.report import calibration
 from sklvalve.report.parameters import shown_parameters
 from sklvalve.report.place import duration
@@ -63,7 +64,7 @@ def section(d: dict) -> dict[str, Any] | None:
 def facts(d: dict) -> list[tuple[str, str]]:
     """What the recording was held against, what changed and by how much, what is left over then and now."""
     since = d["since_history"]
-    return [("History", _history(since)), *_changes(d, since), *_left(since)]
+    return [("History", _history(since)), *_known(since), *_changes(d, since), *_left(since)]
 
 
 def allowances(since: dict) -> list[tuple[str, str]]:
@@ -107,6 +108,16 @@ def _history(since: dict) -> str:
     return f"{words}, from {first} to {last}" if dated else words
 
 
+def _known(since: dict) -> list[tuple[str, str]]:
+    """What the history lacked by itself, and what it had already, then and now."""
+    found = since.get("by_itself")
+    by_itself = "Its recordings were not diagnosed by themselves"
+    if found:
+        by_itself = " ".join(found[key] for key in ("finding", "reason") if found[key])
+    told = [("The history by itself", by_itself)] if "by_itself" in since else []
+    return told + [("There already", item["sentence"]) for item in since.get("held") or []]
+
+
 def _changes(d: dict, since: dict) -> list[tuple[str, str]]:
     """Size of every change, in the unit of its parameter and in flow."""
     effects, changes = d.get("effects") or [], since.get("changes") or []
@@ -126,7 +137,7 @@ def _changes(d: dict, since: dict) -> list[tuple[str, str]]:
 def _nameless(d: dict) -> str:
     """What is said of a change where no effect is a candidate."""
     if d["verdict"] == "no_mismatch":
-        return "Nothing by more than is allowed"
+        return f"Nothing{' else' if changed_before(d) else ''} by more than is allowed"
     if d["verdict"] == "none_of_these":
         return "Something that no known effect explains"
     if not d["mismatch"].get("detected", True):

@@ -5,7 +5,7 @@ import re
 from collections.abc import Iterable, Sequence
 from math import isfinite
 
-from sklvalve._telling import lacking, since_history
+from sklvalve._telling import changed_before, lacking, since_history
 
 # what effects need that only a data sheet can give, as `not_testable` has it
 _SHEET = "a data sheet that gives the trim's characteristic"
@@ -40,6 +40,8 @@ def verdict_words(d: dict) -> str:
         if d.get("subject") == "loop":
             return "this recording cannot show whether the valve sticks"
         return f"this recording cannot show whether anything {lacking(d)}"
+    if d["verdict"] == "no_mismatch" and changed_before(d):
+        return "what the history had already has changed, and nothing else"
     if since_history(d) and d["verdict"] in SINCE:
         return SINCE[d["verdict"]]
     levels = {(effect.get("grade") or {}).get("level") for effect in d.get("effects") or []}

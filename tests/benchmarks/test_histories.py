@@ -15,7 +15,7 @@ from benchmarks.concealed.histories import ROWS, Kind, history_of, kind_of_histo
 from benchmarks.concealed.histories.add import BEFORE, add_histories
 from benchmarks.concealed.histories.changes import CHANGES
 from benchmarks.concealed.histories.recordings import as_recordings
-from benchmarks.concealed.methods import METHODS, WITH_HISTORY, method
+from benchmarks.concealed.methods import METHODS, WITH_HISTORY, learner, method
 from benchmarks.concealed.plant import EFFECTS
 from benchmarks.concealed.record import make
 
@@ -208,13 +208,24 @@ def test_the_method_is_given_the_history_and_the_others_are_not(folders, monkeyp
         return {"verdict": "no_mismatch", "mismatch": {"p_value": 0.5}, "effects": []}
 
     monkeypatch.setattr(judging, "method", lambda name: stand_in)
+    monkeypatch.setattr(judging, "learner", lambda name: list if name in WITH_HISTORY else None)
     place = next(folders[1].glob("record_*"))
     line = judging.line_of(place, "sklvalve_history")
     assert line["found"]["verdict"] == "no_mismatch"
     assert [len(recording) for recording in given["history"]] == [ROWS]
     assert line["truth"]["history"]["clean"] in (True, False)
-    judging.line_of(place, "sklvalve")
+    # learning is a command of its own, and its time is told apart
+    assert min(line[key] for key in ("seconds", "cpu_seconds", "learn_seconds", "learn_cpu_seconds")) >= 0.0
+    assert "learn_seconds" not in judging.line_of(place, "sklvalve")
     assert given["history"] is None
+
+
+def test_what_is_given_is_learnt_after_a_diagnosis_by_itself(monkeypatch):
+    from benchmarks.concealed.methods import with_history as module
+
+    monkeypatch.setattr(module.MissingPhysicsFinder, "history_of", lambda finder, recordings: recordings)
+    assert learner("sklvalve_history")(["hour"]) == ["hour"]
+    assert learner("sklvalve") is None
 
 
 def test_the_finder_is_given_the_history(monkeypatch):

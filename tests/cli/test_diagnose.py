@@ -33,7 +33,9 @@ def test_json_alone_on_standard_output(folder, capsys):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("make", "status"), [(examples.named, 1), (examples.no_mismatch, 0)])
+@pytest.mark.parametrize(
+    ("make", "status"), [(examples.named, 1), (examples.no_mismatch, 0), (examples.changed_before, 1)]
+)
 def test_exit_code_tells_of_a_mismatch_only_when_asked(folder, monkeypatch, make, status):
     monkeypatch.setattr(stand_in.Finder, "found", staticmethod(make))
     assert main(DIAGNOSE) == 0

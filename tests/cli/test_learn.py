@@ -12,8 +12,8 @@ import sklvalve.mismatch
 from sklvalve.cli import main
 from sklvalve.datasets import make_valve_recording
 from sklvalve.datasets.concealed import to_toml
-from sklvalve.history import ValveHistory
-from sklvalve.mismatch import load_history
+from sklvalve.history import ByItself, ValveHistory
+from sklvalve.mismatch import CATALOGUE, load_history
 from tests.cli import stand_in
 from tests.cli.refusal import refused
 from tests.report import examples
@@ -21,6 +21,7 @@ from tests.report import examples
 for module in ("pandas", "jinja2", "matplotlib", "skops"):
     pytest.importorskip(module, reason='needs pip install "sklvalve[all]"')
 
+LEAK = next(effect for effect in CATALOGUE if effect.key == "seat_leakage")
 HISTORY = "fv101.history.skops"
 LEARN = ["learn", "before.csv", "--valve", "valve.toml", "--out", HISTORY]
 DIAGNOSE = ["diagnose", "after.csv", "--valve", "valve.toml", "--out", "out"]
@@ -85,7 +86,27 @@ def test_what_is_not_clean_is_said_so(here, capsys, monkeypatch):
     assert main(LEARN) == 0
     words = " ".join(capsys.readouterr().out.split())
     assert "By itself The recordings are not clean. Likely fault: the seat leaks" in words
-    assert "A later diagnosis with this history tells what has changed since" in words
+    # the stand-in learns without what it names
+    assert "The history cannot hold that, so that a later diagnosis may take what was there" in words
+
+
+def test_what_is_held_is_said_so(here, capsys, monkeypatch):
+    def history_of(finder, recordings):
+        finder.fit(recordings[0])
+        history = ValveHistory(effects=(LEAK,), onsets={LEAK.key: 100.0}).fit(recordings)
+        history.by_itself_ = ByItself("named", "Likely fault: seat leakage.", held=True)
+        return history
+
+    monkeypatch.setattr(stand_in.Finder, "history_of", history_of)
+    monkeypatch.setattr(stand_in.Finder, "found", staticmethod(examples.named))
+    assert main(LEARN) == 0
+    words = " ".join(capsys.readouterr().out.split())
+    assert "The history holds seat leakage: a later diagnosis tells what has changed since." in words
+    assert load_history(HISTORY).by_itself_.held
+    assert main([*LEARN, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["held"] == [{"name": "seat_leakage", "onset": 100.0}]
+    assert (told["clean"], told["diagnosis"]["verdict"]) == (False, "named")
 
 
 def test_json_has_the_same(here, capsys):
@@ -99,6 +120,7 @@ def test_json_has_the_same(here, capsys):
     assert told["noise"]["opening"]["unit"] == "%"
     assert told["calibration"]["capacity"]["value"] == pytest.approx(41.0, abs=1.0)
     assert told["diagnosis"]["verdict"] == "no_mismatch"
+    assert told["held"] == []
 
 
 def test_a_finder_that_learns_itself_is_asked_to(here, monkeypatch):

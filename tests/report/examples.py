@@ -184,6 +184,23 @@ def since_history(made):
     return made | {"since_history": part, "provenance": provenance}
 
 
+def changed_before(change="changed"):
+    """Nothing but what the history had already has changed, or not even that."""
+    size = {"value": 0.5, "ci95": [0.4, 0.6]}
+    held = {"name": "seat_leakage", "parameter": "leak_kv", "unit": "m3/h", "then": size, "now": size}
+    said = "Seat leakage was there in the history already; it went from leak Kv 0.5 m3/h to 0.9 m3/h."
+    found = {"verdict": "named", "finding": "Likely fault: seat leakage.", "reason": "", "held": True}
+    sentence = (
+        "The history was not sound: Likely fault: seat leakage. What is told here is what changed since."
+    )
+    made = since_history(no_mismatch())
+    made["since_history"] |= {
+        "by_itself": found | {"sentence": sentence},
+        "held": [held | {"change": change, "sentence": said}],
+    }
+    return made | {"reasons": [sentence, said]}
+
+
 def traces_since(**settings):
     """Signals to draw, with those of the calibration that a history lets expect."""
     made = traces(**settings)

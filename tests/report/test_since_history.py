@@ -113,6 +113,37 @@ def test_the_page_has_the_section_with_its_tables():
     assert "Since the history" not in render(Diagnosis(examples.named(), {}))
 
 
+@pytest.mark.parametrize("change", ["changed", "gone"])
+def test_a_change_of_what_was_there_already_is_said_first(change):
+    made = examples.changed_before(change)
+    told = "What the history had already has changed. Nothing else has changed since the history by more than"
+    for words in (headline(made), summary_sentence(made)):
+        assert words.startswith(told)
+    assert "What the history had already has changed. Nothing else relevant" in Diagnosis(made).finding
+    assert verdict_words(made) == "what the history had already has changed, and nothing else"
+    known = dict(facts(made))
+    assert known["The history by itself"] == "Likely fault: seat leakage."
+    assert known["There already"].endswith("it went from leak Kv 0.5 m3/h to 0.9 m3/h.")
+    assert known["Changed"] == "Nothing else by more than is allowed"
+    words = _flat(to_text(made))
+    assert "The history was not sound: Likely fault: seat leakage." in words
+    assert "Look at the valve for what has changed." in words
+    assert "No sign of a fault" not in words
+
+
+@pytest.mark.parametrize("change", ["none", None])
+def test_what_was_there_already_and_is_as_it_was_is_no_change(change):
+    made = examples.changed_before(change)
+    assert headline(made).startswith("Nothing has changed since the history by more than is allowed: ")
+    assert "There already" in dict(facts(made))
+
+
+def test_a_history_that_was_not_diagnosed_is_said_so():
+    made = examples.changed_before()
+    made["since_history"] |= {"by_itself": None, "held": []}
+    assert dict(facts(made))["The history by itself"] == "Its recordings were not diagnosed by themselves"
+
+
 def test_no_text_of_it_becomes_html():
     pytest.importorskip("jinja2", reason='needs pip install "sklvalve[report]"')
     text = json.dumps(examples.since_history(examples.named()))
@@ -121,3 +152,8 @@ def test_no_text_of_it_becomes_html():
         page = render(Diagnosis(json.loads(changed), {}))
         assert "<script>alert" not in page, own
         assert "<img" not in page, own
+    text = json.dumps(examples.changed_before())
+    for own in ("Likely fault: seat leakage.", "it went from leak Kv"):
+        page = render(Diagnosis(json.loads(text.replace(own, EVIL)), {}))
+        assert "<script>alert" not in page, own
+        assert "&lt;script&gt;alert" in page, own

@@ -2,9 +2,10 @@
 """What the benchmark judges: this package's finder, and the baselines that it is held against.
 
 Each module has ``diagnose(recording, *, folder=None) -> found``; those of `WITH_HISTORY` take ``history``
-besides, a list of recordings. `found` is laid out as diagnosis.json, as far as the method knows: ``verdict``,
-``mismatch``, ``effects``, ``location``. Under the keys of `PRIVATE` it holds what is no plain data:
-simulations (``Recording -> {"flow", "opening"}`` in SI) and rows.
+besides, what their ``learn(recordings)`` made of recordings from before. `found` is laid out as
+diagnosis.json, as far as the method knows: ``verdict``, ``mismatch``, ``effects``, ``location``. Under the
+keys of `PRIVATE` it holds what is no plain data: simulations (``Recording -> {"flow", "opening"}`` in SI) and
+rows.
 """
 
 from importlib import import_module
@@ -34,9 +35,18 @@ def method(name):
     ValueError
         If there is no such method.
     """
+    return _module(name).diagnose
+
+
+def learner(name):
+    """The function `learn` of a method; None of one that takes no history."""
+    return _module(name).learn if name in WITH_HISTORY else None
+
+
+def _module(name):
     if name not in METHODS:
         raise ValueError(f"expected one of the methods {', '.join(METHODS)}; got {name!r}")
-    return import_module(f"{__name__}.{METHODS[name]}").diagnose
+    return import_module(f"{__name__}.{METHODS[name]}")
 
 
 def public(found):
@@ -44,4 +54,4 @@ def public(found):
     return {key: value for key, value in found.items() if key not in PRIVATE}
 
 
-__all__ = ["METHODS", "PRIVATE", "WITH_HISTORY", "method", "public"]
+__all__ = ["METHODS", "PRIVATE", "WITH_HISTORY", "learner", "method", "public"]

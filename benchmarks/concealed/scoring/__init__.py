@@ -3,7 +3,7 @@
 
 A *line* is one record as one method saw it, a plain dict:
 
-    {"record", "folder", "method", "code", "seconds", "peak_mb", "load", "failed",
+    {"record", "folder", "method", "code", "seconds", "learn_seconds", "peak_mb", "load", "failed",
      "found": {"verdict", "mismatch", "location", "effects"},     as diagnosis.json has them
      "rows": {"told", "boxes", "true", "of"},                     spans of rows, [begin, end)
      "errors": {"flow": {"nominal", "corrected", "oracle", "floor"}, "opening": {...}},

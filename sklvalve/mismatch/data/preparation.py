@@ -126,8 +126,33 @@ def _held(simulation: ValveSimulation | ValveHistory, recording: Recording) -> t
             f"the {what} given has an onset for {strange[0]!r}, which is none of its effects "
             f"({', '.join(sorted(keys)) or 'it has none'})"
         )
+    if isinstance(simulation, ValveHistory):
+        # a later recording has from its first row on what began in the history
+        growing = {effect.key for effect in simulation.effects if effect.grows}
+        onsets = {key: times for key, times in onsets.items() if key in growing}
     times = going_on(simulation.effects, onsets, getattr(simulation, "seen_", None), recording)
     return tuple(begun(effect, times.get(effect.key)) for effect in simulation.effects)
+
+
+def lasting(terms: Iterable[Term], recording: Recording) -> list[Term]:
+    """Terms found in a history that a later recording may be taken to have as well.
+
+    What grows, or comes and goes, is another size in every recording. Where nobody knows how far apart
+    recordings are that were joined, an onset tells nothing of any of them alone.
+
+    Parameters
+    ----------
+    terms : iterable of Term
+    recording : Recording
+        In which they were found.
+
+    Returns
+    -------
+    terms : list of Term
+    """
+    assumed = any(piece.assumed for piece in recording.pieces)
+    steady = [term for term in terms if not term.effect.grows and not term.switches]
+    return [term for term in steady if term.onset is None or not assumed]
 
 
 def _made_by_the_drop(problem: Problem) -> tuple[str, ...]:

@@ -22,7 +22,7 @@ from sklvalve.mismatch.next_test.suggestions import next_test
 from sklvalve.mismatch.proof.comparison import skills_ahead
 from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.referee_entry import referee_entry
-from sklvalve.mismatch.result.since_history import since_history
+from sklvalve.mismatch.result.since_history import of_history, since_history
 from sklvalve.mismatch.search.events import events_of, named_by_events
 from sklvalve.mismatch.search.rivals import class_of
 from sklvalve.recording.calendar_time import begins_of
@@ -108,6 +108,7 @@ def content_of(
     judgement = replace(judgement, verdict=verdict)
     unexplained = _unexplained(judgement)
     classes = [class_of(f) for f in judgement.findings]
+    since = since_history(whole, problem, judgement)
     return {
         "schema": "sklvalve.diagnosis/1",
         "subject": "valve",
@@ -125,11 +126,11 @@ def content_of(
         "units": {role: whole.unit(role) for role in whole},
         "spans": _spans(whole, problem),
         "rules": plain_records(asked),
-        "reasons": reasons_of(judgement, mend, problem, doubts),
+        "reasons": [*reasons_of(judgement, mend, problem, doubts), *of_history(since)],
         "details": [plan.details] if plan is not None and plan.details and not mend else [],
         **_of_referee(whole, judgement),
         **_of_unknown(whole, problem, judgement),
-        **since_history(whole, problem, judgement),
+        **since,
     }
 
 
@@ -212,6 +213,8 @@ def _of_history(problem: Problem) -> dict[str, Any]:
             "rows": history.rows,
             "days": round(history.days, 4),
             "recordings": [{"name": each.name, "sha256": each.sha256} for each in history.recordings_],
+            "verdict": None if history.by_itself_ is None else history.by_itself_.verdict,
+            "effects": [effect.name for effect in history.effects],
             "outside": {name: round(share, 4) for name, share in outside.items()},
         }
     }

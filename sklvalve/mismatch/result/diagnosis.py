@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from sklvalve._telling import BEGINS, UNKNOWN, lacking, no_sign, since_history, untested
+from sklvalve._telling import BEGINS, UNKNOWN, changed_before, lacking, no_sign, since_history, untested
 from sklvalve.mismatch.decide.compare import Row
 from sklvalve.mismatch.result.diagnosis_file import read_diagnosis, write_diagnosis
 
@@ -63,6 +63,11 @@ class Diagnosis:
     def effects(self) -> tuple[tuple[str, ...], ...]:
         """Names of the effects found, each class as a tuple, the most probable member first."""
         return tuple(tuple(m["name"] for m in e["members"]) for e in self.content["effects"])
+
+    @property
+    def finding(self) -> str:
+        """What was found, in a sentence."""
+        return _finding(self.content)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain dict, as diagnosis.json has it; changing it leaves the diagnosis as it is."""
@@ -200,7 +205,8 @@ def _nothing_missing(content: dict[str, Any]) -> str:
     left = len(untested(content))
     besides = f"; {_counted(left)} could not be tested, see not_testable" if left else ""
     by_more = " by more than is allowed" if since_history(content) else ""
-    told = f"Nothing relevant {lacking(content)}{by_more}{besides}."
+    begin = "What the history had already has changed. Nothing else" if changed_before(content) else "Nothing"
+    told = f"{begin} relevant {lacking(content)}{by_more}{besides}."
     return " ".join([told, *(content.get("reasons") or [])])
 
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import asdict, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +15,7 @@ from sklvalve.history.then import expected_of, simulation_then
 from sklvalve.mismatch.describe.intervals import interval_of
 from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.result.effect_entry import in_recorded_unit
+from sklvalve.mismatch.result.held import held_entries
 from sklvalve.mismatch.search.rivals import class_of
 
 if TYPE_CHECKING:
@@ -52,8 +53,10 @@ def since_history(whole: Recording, problem: Problem, judgement: Judgement) -> d
     -------
     part : dict
         ``since_history``: ``rows``, ``days``, ``recordings``, ``first`` and ``last`` stamp of the history;
-        ``allowances``; ``changes``, one for each entry of ``effects``; ``calibration``, then and now;
-        ``residuals`` by channel; ``cannot_say``. Empty where no history was given.
+        ``allowances``; ``by_itself``, what the history lacked by itself, None where that was not asked;
+        ``held``, what it had already, then and now; ``changes``, one for each entry of ``effects``;
+        ``calibration``, then and now; ``residuals`` by channel; ``cannot_say``. Empty where no history was
+        given.
     """
     history = problem.history
     if history is None:
@@ -66,12 +69,34 @@ def since_history(whole: Recording, problem: Problem, judgement: Judgement) -> d
             "first": history.recordings_[0].first,
             "last": history.recordings_[-1].last,
             "allowances": _allowances(history),
+            "by_itself": _by_itself(history),
+            "held": held_entries(whole, problem, history, judgement.model),
             "changes": [_change(whole, problem, finding) for finding in judgement.findings],
             "calibration": _calibration(history, judgement.model, whole),
             "residuals": _residuals(history, problem, judgement.model, whole),
             "cannot_say": _cannot_say(history, problem, whole),
         }
     }
+
+
+def of_history(part: dict[str, Any]) -> list[str]:
+    """Sentences on a history that was not sound, and on what of it has changed since.
+
+    Parameters
+    ----------
+    part : dict
+        Of `since_history`.
+    """
+    since = part.get("since_history") or {}
+    by_itself = since.get("by_itself") or {}
+    told = [by_itself["sentence"]] if by_itself.get("sentence") else []
+    return told + [each["sentence"] for each in since.get("held") or [] if each["change"] != "none"]
+
+
+def _by_itself(history: ValveHistory) -> dict[str, Any] | None:
+    """What a diagnosis of the history itself said."""
+    found = history.by_itself_
+    return None if found is None else asdict(found) | {"sentence": found.sentence}
 
 
 def _allowances(history: ValveHistory) -> list[dict[str, Any]]:

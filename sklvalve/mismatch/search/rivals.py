@@ -230,6 +230,11 @@ def _touch_the_same(problem: Problem, effect: Effect, other: Effect) -> bool:
     return bool(set(problem.channels_touched(effect)) & set(problem.channels_touched(other)))
 
 
+def leading_term(finding: Finding) -> Term:
+    """The most probable member of the class of a finding, which gives it its name."""
+    return next(iter(class_of(finding).values()))[1]
+
+
 def class_of(finding: Finding) -> dict[str, tuple[float, Term, Model]]:
     """Members of the smallest class that most likely holds the truth: name -> (probability, Term, Model).
 

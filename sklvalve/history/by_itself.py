@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a diagnosis of a history's recordings by themselves said."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+VERDICTS = ("no_mismatch", "named", "none_of_these", "cannot_tell")
+
+
+@dataclass(frozen=True)
+class ByItself:
+    """Verdict on the recordings of a history, held against the data sheet alone.
+
+    Parameters
+    ----------
+    verdict : {"no_mismatch", "named", "none_of_these", "cannot_tell"}
+    finding : str
+        The same in words.
+    reason : str, default=""
+        Why nothing was named.
+    held : bool, default=False
+        Whether all that was named is among the effects that the history holds.
+    """
+
+    verdict: str
+    finding: str
+    reason: str = ""
+    held: bool = False
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing was missing."""
+        return self.verdict == "no_mismatch"
+
+    @property
+    def sentence(self) -> str:
+        """What a later diagnosis says of it; empty where nothing was missing."""
+        if self.clean:
+            return ""
+        found = "found sound" if self.verdict == "cannot_tell" else "sound"
+        begin = f"The history was not {found}: {self.finding}"
+        if self.held:
+            return f"{begin} What is told here is what changed since."
+        return (
+            f"{begin} This history does not hold that: what was there already may pass for a change, or "
+            "hide one."
+        )

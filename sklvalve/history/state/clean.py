@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Whether the recordings of a history were sound by themselves, as far as that was asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from sklvalve.history.by_itself import VERDICTS, ByItself
+
+if TYPE_CHECKING:
+    from sklvalve.history.valve_history import ValveHistory
+
+_KEYS = {"verdict", "finding", "reason", "held"}
+_LONGEST = 2_000
+
+
+def told(history: ValveHistory) -> dict[str, Any]:
+    """Verdict, finding and reason in words, and whether it is held; empty where nothing was diagnosed."""
+    return {} if history.by_itself_ is None else asdict(history.by_itself_)
+
+
+def put_back(history: ValveHistory, part: dict[str, Any]) -> None:
+    """Set it again."""
+    history.by_itself_ = ByItself(**part) if part else None
+
+
+def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence[Any]) -> None:
+    """Refuse a finding that no diagnosis has; ``ValueError``."""
+    if not part:
+        return
+    if set(part) != _KEYS or part["verdict"] not in VERDICTS or not isinstance(part["held"], bool):
+        raise ValueError("what it holds by itself is no diagnosis")
+    for words in (part["finding"], part["reason"]):
+        if not isinstance(words, str) or len(words) > _LONGEST or not words.isprintable():
+            raise ValueError("what it holds by itself is not in words")
+    if part["held"] and (part["verdict"] != "named" or not effects):
+        raise ValueError("what it holds by itself is no effect of it")

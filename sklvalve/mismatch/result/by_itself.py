@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a history keeps of the diagnosis of its own recordings."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from sklvalve.history import ByItself
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.result.diagnosis import Diagnosis
+
+# reasons are sentences; a file of a history takes no longer ones
+_LONGEST = 2_000
+
+
+def by_itself(diagnosis: Diagnosis, held: bool) -> ByItself:
+    """Verdict, finding and reasons of a diagnosis.
+
+    Parameters
+    ----------
+    diagnosis : Diagnosis
+        Of the recordings of the history.
+    held : bool
+        Whether the history holds all that it names.
+    """
+    content = diagnosis.content
+    nameless = diagnosis.verdict in ("none_of_these", "cannot_tell")
+    told = (diagnosis.finding, " ".join(content.get("reasons") or []) if nameless else "")
+    # a line each, whatever a caller's own effect is called
+    finding, reason = (" ".join(words.split())[:_LONGEST] for words in told)
+    return ByItself(diagnosis.verdict, finding, reason, held)

@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What was there in the history already: what it was then and what it is now."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sklvalve.history.then import Expected, expected_of
+from sklvalve.mismatch.describe.intervals import interval_of
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.result.effect_entry import in_recorded_unit
+from sklvalve.mismatch.result.known_effects import quantity_named
+
+if TYPE_CHECKING:
+    from sklvalve.history import ValveHistory
+    from sklvalve.mismatch.effects.base import Quantity
+    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.recording import Recording
+
+
+def held_entries(
+    whole: Recording, problem: Problem, history: ValveHistory, model: Model
+) -> list[dict[str, Any]]:
+    """Effects of the history, then and now.
+
+    It has changed where its sizes of then and now lie further apart than their intervals, added as
+    independent errors are, and that moves a signal by as much as counts. It is gone where what is left of it
+    moves none by as much, or may be none.
+
+    Parameters
+    ----------
+    whole : Recording
+        For the units.
+    problem : Problem
+    history : ValveHistory
+    model : Model
+        Of the diagnosis.
+
+    Returns
+    -------
+    entries : list of dict
+        ``name``; ``parameter``, the first one, with its ``unit``; ``then`` and ``now``, each with ``value``
+        and ``ci95``, None where the recording tells none; ``change``, "none", "changed" or "gone", and
+        None where the recording does not tell; ``sentence``.
+    """
+    expected = {each.name: each for each in expected_of(history)}
+    keys = {effect.key for effect in history.effects}
+    return [_entry(whole, problem, term, model, expected) for term in problem.held if term.effect.key in keys]
+
+
+def _entry(
+    whole: Recording, problem: Problem, term: Term, model: Model, expected: dict[str, Expected]
+) -> dict[str, Any]:
+    first = term.effect.quantities(model.chain)[0]
+    key = f"{term.effect.key}.{first.name}"
+    was, now = expected[key], model.values[key]
+    apart, fitted = _told_apart(problem, term, model)
+    ends = interval_of(apart, term, fitted, first)
+    before = {p.name: expected[f"{term.effect.key}.{p.name}"].value for p in term.effect.parameters}
+    then = model.values | {f"{term.effect.key}.{name}": value for name, value in before.items()}
+    moved = problem.counts(problem.change(model, problem.simulate(model.terms, then)))
+    others = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
+    left = problem.counts(problem.change(model, apart.simulate(others, model.values)))
+    change = _change(was, now, ends, first.null, moved, left)
+    sizes = [was.value, was.low, was.high, now, *(ends or ())]
+    unit, told = in_recorded_unit(first.unit, sizes, whole)
+    entry = {
+        "name": term.effect.name,
+        "parameter": first.name,
+        "unit": unit,
+        "then": {"value": told[0], "ci95": sorted(told[1:3])},
+        "now": {"value": told[3], "ci95": sorted(told[4:]) or None},
+        "change": change,
+    }
+    return entry | {"sentence": _sentence(entry, term, first)}
+
+
+def _told_apart(problem: Problem, term: Term, model: Model) -> tuple[Problem, Model]:
+    """Problem and model in which a held effect is one of the hypothesis, as intervals ask for it."""
+    others = tuple(m for m in problem.held if m.effect.key != term.effect.key)
+    spreads = model.spreads
+    if not any(name.startswith(f"{term.effect.key}.") for name in spreads):
+        # a model that was simulated and not fitted knows none
+        spreads = problem.fit(model.terms, start=model).spreads
+    return replace(problem, held=others), replace(model, terms=(*model.terms, term), spreads=spreads)
+
+
+def _change(
+    was: Expected, now: float, ends: Sequence[float] | None, null: float | None, moved: bool, left: bool
+) -> str | None:
+    """How an effect's size has changed; `moved` and `left` say whether its change and what is left count."""
+    if ends is None:
+        return None
+    if now >= was.value:
+        half = np.hypot(was.high - was.value, now - ends[0])
+    else:
+        half = np.hypot(was.value - was.low, ends[1] - now)
+    if not moved or abs(now - was.value) <= half:
+        return "none"
+    return "changed" if left and not (null is not None and ends[0] <= null <= ends[1]) else "gone"
+
+
+def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity) -> str:
+    words, (then, now) = _shown(entry, quantity)
+    name = term.effect.words or entry["name"].replace("_", " ")
+    began = f"{name[:1].upper()}{name[1:]} was there in the history already"
+    if entry["change"] is None:
+        return f"{began} ({words} {then}); this recording does not tell what it is now."
+    if entry["change"] == "none":
+        return f"{began}, and no change of it counts: {words} {then} then, {now} now."
+    gone = ": it is gone, or too small to count" if entry["change"] == "gone" else ""
+    return f"{began}; it went from {words} {then} to {now}{gone}."
+
+
+def _shown(entry: dict[str, Any], quantity: Quantity) -> tuple[str, list[str]]:
+    """Words for the parameter, and what it was and is, as a plant engineer writes them."""
+    known = quantity_named(entry["name"], quantity.name, quantity.unit) or quantity
+    told, unit = known.shown, "" if entry["unit"] == "1" else entry["unit"]
+    words = " ".join({"kv": "Kv"}.get(word, word) for word in quantity.name.split("_"))
+    if told is not None:
+        words, unit = told.words, told.unit
+
+    def turned(value: float) -> float:
+        if told is None:
+            return value
+        return told.turn(value) if callable(told.turn) else told.turn * value
+
+    return words, [" ".join(_written(entry[when], unit, turned)) for when in ("then", "now")]
+
+
+def _written(size: dict[str, Any], unit: str, turned: Any) -> Iterator[str]:
+    yield f"{turned(size['value']):.3g}"
+    if unit:
+        yield unit
+    if size["ci95"]:
+        low, high = sorted(turned(end) for end in size["ci95"])
+        yield f"[{low:.3g} to {high:.3g}]"

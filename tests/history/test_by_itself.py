@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a history keeps of the diagnosis of its own recordings."""
+
+import copy
+
+import pytest
+
+from sklvalve.history import ByItself, ValveHistory
+from sklvalve.history.state import require_sound_history
+
+SOUND = ByItself("no_mismatch", "Nothing relevant is missing.")
+LEAKS = ByItself("named", "Likely fault: seat leakage.", held=True)
+OPEN = ByItself("cannot_tell", "Something is missing.", "It is short.")
+
+
+def test_nothing_is_said_of_a_sound_history():
+    assert SOUND.clean
+    assert SOUND.sentence == ""
+
+
+@pytest.mark.parametrize(
+    ("found", "words"),
+    [
+        (LEAKS, "not sound: Likely fault: seat leakage. What is told here is what changed since."),
+        (ByItself("named", "Likely fault: drift."), "may pass for a change, or hide one."),
+        (ByItself("none_of_these", "Something is missing."), "may pass for a change, or hide one."),
+        (OPEN, "The history was not found sound: Something is missing. This history does not hold that"),
+    ],
+)
+def test_one_sentence_on_a_history_that_is_not(found, words):
+    assert not found.clean
+    assert words in found.sentence
+
+
+def test_it_is_not_known_unless_it_was_asked(learnt):
+    assert learnt.by_itself_ is None
+    assert learnt.to_state()["clean"] == {}
+
+
+@pytest.mark.parametrize("found", [SOUND, OPEN])
+def test_it_comes_back(learnt, found):
+    history = copy.deepcopy(learnt)
+    history.by_itself_ = found
+    state = history.to_state()
+    require_sound_history(state, ())
+    assert ValveHistory.from_state(history.valve_, state).by_itself_ == found
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "both"),
+    [(None, None, None), (SOUND, None, SOUND), (None, OPEN, OPEN), (SOUND, OPEN, OPEN), (OPEN, SOUND, OPEN)],
+)
+def test_of_two_histories_the_one_that_was_not_sound_is_told(learnt, learnt_after, one, other, both):
+    first, second = copy.deepcopy(learnt), copy.deepcopy(learnt_after)
+    first.by_itself_, second.by_itself_ = one, other
+    assert first.merge(second).by_itself_ == both
+
+
+LIES = {
+    "another verdict": {"verdict": "fine"},
+    "a key more": {"more": 1},
+    "held by nothing": {"verdict": "named", "held": True},
+    "held, and no truth value": {"held": 1},
+    "no words": {"finding": 3},
+    "words of control": {"finding": "\x1b[2J"},
+    "a book": {"reason": "x" * 3_000},
+}
+
+
+@pytest.mark.parametrize("lie", LIES.values(), ids=LIES)
+def test_a_lie_is_refused(learnt, lie):
+    state = copy.deepcopy(learnt.to_state())
+    state["clean"] = {"verdict": "no_mismatch", "finding": "", "reason": "", "held": False} | lie
+    with pytest.raises(ValueError, match="what it holds by itself is"):
+        require_sound_history(state, ())

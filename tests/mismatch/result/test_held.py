@@ -1,0 +1,140 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a history had already is held later on, and how it has changed is told."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from sklvalve.datasets import make_valve_recording
+from sklvalve.history import ValveHistory
+from sklvalve.mismatch import MissingPhysicsFinder, load_history, save_history
+from sklvalve.recording import Recording, Valve
+from sklvalve.report import to_text
+from tests.history.plant import changed
+
+ROWS = 1_200
+
+
+@cache
+def recorded(limit, onset=0.0):
+    """One plant whose trim lets the plug open as far as to 1 - limit, the first rows and those behind."""
+    name = "clogging" if limit else None
+    made = make_valve_recording(
+        name, limit or None, onset=onset, loop="wide", n_samples=2 * ROWS, n_later=0, random_state=3
+    )
+    whole = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    return whole.slice(0, ROWS), whole.slice(ROWS, 2 * ROWS)
+
+
+@cache
+def clogged(onset=0.0):
+    """A history of a clogged valve, diagnosed by itself."""
+    return MissingPhysicsFinder(n_jobs=1).history_of(recorded(0.3, onset)[0])
+
+
+def diagnosed(history, later, **settings):
+    return MissingPhysicsFinder(n_jobs=1, history=history, **settings).fit(later).diagnosis_
+
+
+def test_what_a_diagnosis_names_is_held_by_the_history():
+    history = clogged()
+    assert (history.by_itself_.verdict, history.by_itself_.held) == ("named", True)
+    assert history.by_itself_.finding == "Likely fault: clogging."
+    assert ([e.name for e in history.effects], history.onsets) == (["clogging"], None)
+    assert history.values_["clogging.limit"] == pytest.approx(0.7, abs=0.02)
+
+
+def test_what_was_there_and_is_as_it_was_is_no_mismatch():
+    earlier, later = recorded(0.3)
+    # without holding it, it would be named
+    assert diagnosed(ValveHistory().fit(earlier), later).effects == (("clogging",),)
+    content = diagnosed(clogged(), later).content
+    assert content["verdict"] == "no_mismatch"
+    (held,) = content["since_history"]["held"]
+    assert (held["name"], held["parameter"], held["change"]) == ("clogging", "limit", "none")
+    for when in ("then", "now"):
+        low, high = held[when]["ci95"]
+        assert low < held[when]["value"] < high
+        assert low < 0.7 < high
+    said = "The history was not sound: Likely fault: clogging. What is told here is what changed since."
+    assert said in content["reasons"]
+    assert held["sentence"] not in content["reasons"]
+    assert said in " ".join(to_text(content).split())
+    assert content["provenance"]["history"]["verdict"] == "named"
+    assert content["provenance"]["history"]["effects"] == ["clogging"]
+
+
+@pytest.mark.parametrize(("limit", "change", "now"), [(0.4, "changed", 0.6), (0.0, "gone", None)])
+def test_what_was_there_and_has_changed_is_told(limit, change, now):
+    content = diagnosed(clogged(), recorded(limit)[1]).content
+    (held,) = content["since_history"]["held"]
+    assert held["change"] == change
+    if now is not None:
+        assert held["now"]["ci95"][0] < now < held["now"]["ci95"][1]
+    assert "was there in the history already; it went from" in held["sentence"]
+    assert held["sentence"] in content["reasons"]
+    words = " ".join(to_text(content).split())
+    assert words.startswith(
+        "Finding What the history had already has changed. Nothing else has changed since"
+    )
+    assert held["sentence"] in words
+    assert "No sign of a fault" not in words
+    assert "Nothing needs to be done" not in words
+
+
+def test_what_comes_beside_it_is_named():
+    later = recorded(0.3)[1]
+    biased = changed(later, flow=later["flow"] + 0.04 * np.ptp(later["flow"]))
+    content = diagnosed(clogged(), biased).content
+    assert content["verdict"] == "named"
+    assert "flow_meter_bias" in [member["name"] for member in content["effects"][0]["members"]]
+    assert [held["change"] for held in content["since_history"]["held"]] == ["none"]
+
+
+def test_what_began_in_the_history_is_held_from_the_first_row_on():
+    history = clogged(600.0)
+    (onset,) = history.onsets.values()
+    assert onset == pytest.approx(638.0, abs=60.0)
+    # the clock of a later recording may begin at zero again
+    later = recorded(0.3)[1]
+    anew = replace(later, time=later.time - later.time[0], stamps=later.stamps - later.stamps[0])
+    content = diagnosed(history, anew).content
+    assert content["verdict"] == "no_mismatch"
+    assert content["since_history"]["held"][0]["now"]["value"] == pytest.approx(0.7, abs=0.02)
+
+
+def test_it_is_the_same_from_a_file(tmp_path):
+    pytest.importorskip("skops")
+    history = clogged(600.0)
+    save_history(tmp_path / "a.history.skops", history)
+    back = load_history(tmp_path / "a.history.skops")
+    assert back.by_itself_ == history.by_itself_
+    assert ([e.key for e in back.effects], back.onsets) == (["clogging"], history.onsets)
+    found = [diagnosed(each, recorded(0.3)[1], max_effects=0).content for each in (history, back)]
+    assert found[0] == found[1]
+
+
+def test_a_history_without_a_name_says_so_in_later_diagnoses():
+    made = make_valve_recording(
+        "flow_meter_bias", 0.03, onset=0.0, loop="wide", n_samples=2 * ROWS, n_later=0, random_state=3
+    )
+    whole = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    history = MissingPhysicsFinder(n_jobs=1).history_of(whole.slice(0, ROWS))
+    assert history.by_itself_.verdict == "none_of_these"
+    assert history.by_itself_.reason
+    assert tuple(history.effects) == ()
+    content = diagnosed(history, whole.slice(ROWS, 2 * ROWS), max_effects=0).content
+    assert content["since_history"]["by_itself"]["verdict"] == "none_of_these"
+    (said,) = [reason for reason in content["reasons"] if reason.startswith("The history was not sound: ")]
+    assert said.endswith("what was there already may pass for a change, or hide one.")
+
+
+def test_a_sound_history_and_one_that_was_not_diagnosed_say_nothing():
+    earlier, later = recorded(0.0)
+    for history in (MissingPhysicsFinder(n_jobs=1).history_of(earlier), ValveHistory().fit(earlier)):
+        content = diagnosed(history, later, max_effects=0).content
+        assert content["since_history"]["held"] == []
+        assert not [reason for reason in content["reasons"] if "history" in reason]
+    assert content["since_history"]["by_itself"] is None
