@@ -36,7 +36,7 @@ def temperature(gain: float) -> float:
     --------
     >>> from sklvalve.mismatch.inference.posterior import temperature
     >>> round(temperature(20.0), 2), round(temperature(2000.0), 1)
-    (1.26, 26.6)
+    (1.4, 41.0)
     """
     return 1.0 + 2.0 * SHARE_WRONG**2 * max(gain, 0.0)
 
@@ -60,7 +60,7 @@ def posterior(scores: np.ndarray, gain: float) -> np.ndarray:
     --------
     >>> from sklvalve.mismatch.inference.posterior import posterior
     >>> posterior([-100.0, -103.0], gain=20.0).round(2)
-    array([0.92, 0.08])
+    array([0.89, 0.11])
     >>> posterior([-100.0, -103.0], gain=20_000.0).round(2)
     array([0.5, 0.5])
     """
