@@ -100,8 +100,7 @@ class MissingPhysicsFinder(BaseEstimator):
     history : ValveHistory, Recording or list of Recording, default=None
         What is known of the valve from before, or recordings of it in which nothing was missing, from which
         that is learnt here. It takes the place of the data sheet's tolerance: what is named has changed since
-        then, and what counts is how much it changes. How often such names hold, and how often such a p-value
-        alarms in vain, was not yet checked as it is for recordings without a history (docs/history.md).
+        then, and what counts is how much it changes. Its p-value has a null law of its own (docs/history.md).
 
     Attributes
     ----------

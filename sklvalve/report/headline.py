@@ -169,8 +169,6 @@ def _sureness(d: dict) -> str:
         parts.append("No sign of a fault.")
     elif p_value is not None:
         parts.append(f"A difference as large comes by chance in {_times(p_value)} ({p_words(p_value)}).")
-        if (d.get("provenance") or {}).get("history"):
-            parts.append("That was measured without a history; with one it was not checked.")
     if d["verdict"] == "none_of_these":
         parts += [f"It {beyond_noise(d)}.", closest(d).strip()]
     # what must be mended first is both the reason and what to do; a grade's reason is said already

@@ -92,8 +92,6 @@ def cannot_say(d: dict) -> list[str]:
         rest = len(blind) - _NAMED
         names = [*blind[:_NAMED], f"{rest} more"] if rest > 1 else blind
         told.append(f"It says no more than the data sheet of: {either(names, 'and')}.")
-    if not limits.get("p_value_checked"):
-        told.append("How often such a p-value alarms in vain was not checked with a history.")
     return told
 
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from benchmarks.concealed.inject import damadics, make, refinery
 from benchmarks.concealed.inject.effects import BY_KEY, EFFECTS, possible
-from benchmarks.concealed.inject.judge import outcome, table
+from benchmarks.concealed.inject.judge import other_stretches, outcome, table
 from benchmarks.concealed.inject.noise import COUNTS, DETECTABLE, Ruler, autoregression
 from benchmarks.concealed.inject.passage import Fluid, Trim, flow
 from benchmarks.concealed.inject.plan import of_stretches, of_windows
@@ -305,3 +305,19 @@ def test_real_recordings(data_folder, tmp_path):
         assert json.loads(text)["twin"] in names
     with pytest.raises(FileExistsError, match="without records"):
         make(tmp_path / "one", data_folder, 4, {"damadics": 1})
+
+
+def test_the_history_of_a_record_is_the_untouched_other_stretches_of_its_valve():
+    stretch = lambda base, kind="healthy", of="watersafe": {  # noqa: E731
+        "base": base, "kind": kind, "generator": f"injected/{of}",
+    }  # fmt: skip
+    truths = {
+        Path("a"): stretch("VA_1, 0 to 9 s"),
+        Path("b"): stretch("VA_1, 9 to 18 s"),
+        Path("c"): stretch("VA_1, 0 to 9 s", "single"),
+        Path("d"): stretch("VA_2, 0 to 9 s"),
+        Path("e"): stretch("loop 3, 0 to 9 s", of="refinery"),
+        Path("f"): stretch("loop 3, 9 to 18 s", of="refinery"),
+    }
+    others = {Path("a"): [Path("b")], Path("b"): [Path("a")], Path("c"): [Path("b")]}
+    assert other_stretches(truths) == others

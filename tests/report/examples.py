@@ -170,7 +170,6 @@ SINCE_HISTORY = {
     "cannot_say": {
         "outside": [{"signal": "command", "share": 0.25, "history": _FROM_TO, "here": _FROM_TO}],
         "not_informed": ["knee"],
-        "p_value_checked": False,
     },
 }
 

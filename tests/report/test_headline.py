@@ -36,13 +36,6 @@ def test_finding_in_one_sentence():
     }
 
 
-def test_a_p_value_with_a_history_is_told_as_not_checked():
-    made, caution = examples.named(), "That was measured without a history; with one it was not checked."
-    assert caution not in _glance(made)["How sure"]
-    made["provenance"] = {**made["provenance"], "history": {"rows": 3600}}
-    assert _glance(made)["How sure"].endswith(caution)
-
-
 def test_one_cause_alone_has_the_frequency_of_its_kind():
     made = examples.named()
     made["effects"] = [examples.PLAY | {"probability": 0.94}]

@@ -3,7 +3,8 @@
 
 Lines of JSON go to scores_<method>.jsonl in FOLDER as soon as a record is diagnosed; started again, it goes
 on where it stopped. A record is judged against its untouched twin: a name counts as right where the twin has
-it not, and only names that the twin has not are wrong ones.
+it not, and only names that the twin has not are wrong ones. A method that is given a history gets the
+untouched other stretches of the same valve; loops of the refinery have none, and are left out.
 """
 
 import argparse
@@ -12,13 +13,14 @@ import time
 from collections import Counter, defaultdict
 from pathlib import Path
 
+from benchmarks.concealed.methods import WITH_HISTORY
 from benchmarks.concealed.run import whole_lines
 
 OUTCOMES = ("right", "wrong name", "cannot tell", "none of these", "missed", "in the base already", "failed")
 
 
-def diagnosed(folder, method):
-    """One line of scores."""
+def diagnosed(folder, method, history=()):
+    """One line of scores; `history` are folders of records of the same valve."""
     from benchmarks.concealed.methods import method as of
     from benchmarks.concealed.methods import public
     from sklvalve import read_recording
@@ -27,13 +29,35 @@ def diagnosed(folder, method):
     began = time.process_time()
     try:
         recording = read_recording(folder / "recording.csv.gz", folder / "valve.toml")
-        line["found"] = public(of(method)(recording, folder=folder.parent / "learnt"))
+        more = {}
+        if history:
+            # by the sheet of the record: each stretch of a valve without one has its own
+            more["history"] = [read_recording(h / "recording.csv.gz", folder / "valve.toml") for h in history]
+        line["found"] = public(of(method)(recording, folder=folder.parent / "learnt", **more))
     except Exception as error:
         # a diagnosis that breaks is an outcome too, and no reason to leave the others undone
         line["failed"] = f"{type(error).__name__}: {error}"
     line["seconds"] = round(time.process_time() - began, 1)
     line["truth"] = json.loads((folder / "truth.json").read_text(encoding="utf-8"))
     return line
+
+
+def other_stretches(truths):
+    """Folder of a record -> folders of the untouched other stretches of its valve, those that have any.
+
+    Parameters
+    ----------
+    truths : dict
+        Folder -> truth of the record.
+    """
+    untouched = {folder: truth["base"] for folder, truth in truths.items() if truth["kind"] == "healthy"}
+    found = {}
+    for folder, truth in truths.items():
+        valve = truth["base"].split(",")[0]
+        others = [f for f, base in untouched.items() if base.split(",")[0] == valve and base != truth["base"]]
+        if others and truth["generator"] != "injected/refinery":
+            found[folder] = sorted(others)
+    return found
 
 
 def names_of(line):
@@ -113,9 +137,15 @@ def main(arguments=None):
         from benchmarks.concealed.methods.random_forest import learn
 
         learn(options.folder / "learnt")
+    others = {}
+    if options.method in WITH_HISTORY:
+        others = other_stretches(
+            {path.parent: json.loads(path.read_text(encoding="utf-8")) for path in truths}
+        )
+        truths = [path for path in truths if path.parent in others]
     for folder in (path.parent for path in truths):
         if folder.name not in done:
-            lines.append(diagnosed(folder, options.method))
+            lines.append(diagnosed(folder, options.method, others.get(folder, ())))
             with out.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(lines[-1]) + "\n")
     by_name = {line["record"]: line for line in lines}

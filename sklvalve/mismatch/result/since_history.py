@@ -189,7 +189,7 @@ def _residuals(
 
 
 def _cannot_say(history: ValveHistory, problem: Problem, whole: Recording) -> dict[str, Any]:
-    """Ranges and parameters that the history does not know, and what was not checked with one."""
+    """Ranges and parameters that the history does not know."""
     limits = limits_in_recorded_units(history.range_, whole)
     here = limits_in_recorded_units(OperatingRange.of(problem.recording), whole)
     outside = history.range_.outside(problem.recording)
@@ -200,7 +200,6 @@ def _cannot_say(history: ValveHistory, problem: Problem, whole: Recording) -> di
             if share >= _OUTSIDE
         ],
         "not_informed": [each.name for each in expected_of(history) if not each.informed],
-        "p_value_checked": False,
     }
 
 
