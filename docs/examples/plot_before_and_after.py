@@ -101,7 +101,8 @@ for ax in (left, right):
 # ----------------
 
 (change,) = since.content["since_history"]["changes"]
-pd.DataFrame({"wear, Kv": change, "flow, rms": change["flow"]}).T[["value", "ci95", "unit"]]
+sizes = {"wear, Kv [m3/h]": change, "flow where it acts, rms [m3/h]": change["flow"]}
+pd.DataFrame({k: [v["value"], *v["ci95"]] for k, v in sizes.items()}, ["size", "95 % from", "to"]).T.round(2)
 
 # %%
 # A history says nothing of where the valve has not been. The hour has been nearly everywhere, and its first
