@@ -207,7 +207,7 @@ def _since_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:
         return []
     told = [f"{what}: {words}" for what, words in since["facts"]]
     told += [
-        f"{name}: {then} then, {now} now (expected {expected}; {apart} standard deviation{"" if apart == "1" else "s"} apart)"
+        f"{name}: {then} then, {now} now (expected {expected}; off by {apart} times its standard deviation)"
         for name, then, expected, now, apart in since["rows"]
     ]
     told += [since["caution"]] if since["rows"] else []
