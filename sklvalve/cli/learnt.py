@@ -105,7 +105,10 @@ def _by_itself(content: dict[str, Any]) -> str:
     from sklvalve.report.words import either, spoken
 
     if content["clean"]:
-        return "The recordings are clean: their diagnosis finds nothing missing in the simulation."
+        return (
+            "The recordings are clean: their diagnosis finds nothing missing in the simulation, within what "
+            "the data sheet allows."
+        )
     found = f"The recordings are not clean. {content['diagnosis']['finding']}"
     names = either([spoken(each["name"]) for each in content["held"]], "and")
     if names and len(content["held"]) == len(content["diagnosis"]["effects"]):
