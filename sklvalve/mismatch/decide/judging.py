@@ -224,9 +224,6 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
     """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
     nominal = case.explanation.nominal
     findings, unknown, weighed = _by_evidence(case, findings, model)
-    if findings and unknown is not None and unknown.period is None and not _is_rare(case, weighed.evidence):
-        # what chance leaves over as often takes no name away
-        unknown = None
     why: list[str] = []
     explained = 0.0
     asked = [rules.rarity(weighed.p_value, case.alpha)]
@@ -286,23 +283,32 @@ def _by_evidence(
 def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
     """What is left beside findings, and the evidence for a mismatch with its p-values."""
     rest = case.residual_of(model)
-    unknown = rest.unknown
     strengths = effect_strengths(case.explanation, case.problem)
     law = law_for(case.problem)
     evidence = Evidence(law.effects.relative(strengths), rest.strong, case.covariates, strengths, law)
     p_value = mismatch_p_value(evidence)
+    rare = _is_rare(case, evidence)
+    # what chance leaves over as often takes no name away
+    unknown = _beside(findings, rest.unknown, rare)
+    new = rest.new if rare else None
+    if new is not None and new.size < case.problem.least(new.channel):
+        new = None
     by_chance = None
     # what was found is larger than what counts: where it is rare among healthy recordings that is enough
-    new = rest.new is not None and rest.new.size >= case.problem.least(rest.new.channel)
-    new &= _is_rare(case, evidence)
-    if unknown is None and not new and not any(map(case.is_rare, findings)):
+    if unknown is None and new is None and not any(map(case.is_rare, findings)):
         by_chance = p_value_of_what_counts(findings, case.explanation.tried, case.problem)
     elif unknown is not None and unknown.period is not None:
         # a cycle is told by a law of its own
         p_value = min(p_value, unknown.p_value)
     counts = by_chance is None or by_chance <= case.alpha
     enough = counts and p_value <= case.alpha
-    return _Weighed(unknown, evidence, p_value, by_chance, enough, rest.new if new and enough else None)
+    return _Weighed(unknown, evidence, p_value, by_chance, enough, new if enough else None)
+
+
+def _beside(findings: Sequence[Finding], unknown: Unknown | None, rare: bool) -> Unknown | None:
+    """An unknown, where it is rare among healthy recordings or no finding stands beside it."""
+    cycle = unknown is not None and unknown.period is not None
+    return unknown if rare or cycle or not findings else None
 
 
 def _against_noise(case: Case, judged: Judgement) -> Judgement:
