@@ -79,19 +79,11 @@ def prepared_problem(
         If the sheet or the simulation names what is no effect, or an effect needs a role that is missing.
     """
     valve = recording.valve
-    held: tuple[Term, ...] = ()
-    values: dict[str, float] = {}
     if simulation is not None:
         tolerance = tolerance or simulation.tolerance
         if simulation.valve is not None:
             valve = replace(simulation.valve, roles=valve.roles, time=valve.time)
-    for holder in (simulation, history):
-        # what both hold is held once, as the history has it
-        terms = () if holder is None else _held(holder, recording)
-        held = (*(m for m in held if not is_in(m.effect, terms)), *terms)
-        keys = tuple(f"{m.effect.key}." for m in terms)
-        known = getattr(holder, "values_", {})
-        values |= {name: value for name, value in known.items() if keys and name.startswith(keys)}
+    held, values = _held_by([holder for holder in (simulation, history) if holder is not None], recording)
     strange = [name for name in valve.physics if name not in _NAMES]
     if strange:
         raise InputError(
@@ -100,13 +92,47 @@ def prepared_problem(
         )
     tolerance = tolerance or Tolerance()
     trim = history.trim_ if history is not None else trim
-    known = {"held": held, "held_values": values, "history": history}
-    return Problem.of(recording, tolerance, valve.physics, valve=valve, trim=trim, **known)
+    return Problem.of(
+        recording,
+        tolerance,
+        valve.physics,
+        valve=valve,
+        trim=trim,
+        held=held,
+        held_values=values,
+        history=history,
+    )
+
+
+def _held_by(
+    holders: Iterable[ValveSimulation | ValveHistory], recording: Recording
+) -> tuple[tuple[Term, ...], dict[str, float]]:
+    """Effects that are held, and the values of theirs to begin with; the last one's go before the others'."""
+    held: tuple[Term, ...] = ()
+    values: dict[str, float] = {}
+    for holder in holders:
+        terms = _held(holder, recording)
+        held = (*(m for m in held if not is_in(m.effect, terms)), *terms)
+        keys = tuple(f"{m.effect.key}." for m in terms)
+        known = getattr(holder, "values_", {})
+        values |= {name: value for name, value in known.items() if keys and name.startswith(keys)}
+    return held, values
 
 
 def _held(simulation: ValveSimulation | ValveHistory, recording: Recording) -> tuple[Term, ...]:
-    what = "history" if isinstance(simulation, ValveHistory) else "simulation"
+    _require_able(simulation, recording)
     onsets = simulation.onsets or {}
+    if isinstance(simulation, ValveHistory):
+        # a later recording has from its first row on what began in the history
+        growing = {effect.key for effect in simulation.effects if effect.grows}
+        onsets = {key: times for key, times in onsets.items() if key in growing}
+    times = going_on(simulation.effects, onsets, getattr(simulation, "seen_", None), recording)
+    return tuple(begun(effect, times.get(effect.key)) for effect in simulation.effects)
+
+
+def _require_able(simulation: ValveSimulation | ValveHistory, recording: Recording) -> None:
+    """Refuse effects that are none, that need what is not recorded, and onsets of others."""
+    what = "history" if isinstance(simulation, ValveHistory) else "simulation"
     for effect in simulation.effects:
         if not isinstance(effect, Effect):
             raise InputError(
@@ -120,18 +146,12 @@ def _held(simulation: ValveSimulation | ValveHistory, recording: Recording) -> t
                 f"{' and '.join(missing)}; record it, or leave the effect out of the {what}"
             )
     keys = {effect.key for effect in simulation.effects}
-    strange = sorted(set(onsets) - keys)
+    strange = sorted(set(simulation.onsets or {}) - keys)
     if strange:
         raise InputError(
             f"the {what} given has an onset for {strange[0]!r}, which is none of its effects "
             f"({', '.join(sorted(keys)) or 'it has none'})"
         )
-    if isinstance(simulation, ValveHistory):
-        # a later recording has from its first row on what began in the history
-        growing = {effect.key for effect in simulation.effects if effect.grows}
-        onsets = {key: times for key, times in onsets.items() if key in growing}
-    times = going_on(simulation.effects, onsets, getattr(simulation, "seen_", None), recording)
-    return tuple(begun(effect, times.get(effect.key)) for effect in simulation.effects)
 
 
 def lasting(terms: Iterable[Term], recording: Recording) -> list[Term]:
