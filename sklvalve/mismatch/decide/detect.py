@@ -188,6 +188,11 @@ def mismatch_p_value(evidence: Evidence) -> float:
     return float(np.clip(min(p_values), _LEAST_P_VALUE, 1.0))
 
 
+def p_value_of_effects(evidence: Evidence) -> float:
+    """Share of healthy recordings whose strongest effect is as strong as that of this one, or stronger."""
+    return survival(evidence.law.effects, evidence.effects, evidence.covariates)
+
+
 def p_value_of_rest(evidence: Evidence) -> float:
     """Share of healthy recordings whose learnt rest is as strong as that of this one, or stronger.
 

@@ -14,6 +14,7 @@ from sklvalve.mismatch.decide.detect import (
     effect_strengths,
     law_for,
     mismatch_p_value,
+    p_value_of_effects,
     p_value_of_one,
     p_value_of_rest,
     p_value_of_what_counts,
@@ -255,8 +256,13 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
         suspects=_suspects(case.explanation),
         why=tuple(why),
         rules=tuple(asked),
-        left=None if case.explanation.findings else weighed.new,
+        left=None if findings else _of_none(case, weighed),
     )
+
+
+def _of_none(case: Case, weighed: _Weighed) -> LeftOver | None:
+    """What is new and follows from no effect: one that is rare itself comes near to explaining it."""
+    return weighed.new if p_value_of_effects(weighed.evidence) > case.alpha else None
 
 
 def _is_rare(case: Case, evidence: Evidence) -> bool:
@@ -274,8 +280,10 @@ def _by_evidence(
     # effects too weak to be told from chance must not hide a residual that is not; what decides is what is
     # told beside it
     alone = _weighed(case, [], case.explanation.nominal)
-    # where the mismatch is told anyway, what is rare among healthy recordings may say what it is
-    if alone.enough and any(map(case.is_rare, findings)):
+    # where the mismatch is told anyway, what is rare among healthy recordings may say what it is, and so may
+    # what leaves nothing new since the history
+    explains = alone.new is not None and not _is_rare(case, weighed.evidence)
+    if alone.enough and (explains or any(map(case.is_rare, findings))):
         return findings, weighed.unknown, alone
     return [], alone.unknown, alone
 
