@@ -110,7 +110,8 @@ def of_histories(told, numbers):
     odds = [probability_of(replace(each.grounds, history=False), numbers) for each in told]
     rows = np.array([[1.0, np.log(p / (1.0 - p))] for p in odds])
     right = np.array([each.right for each in told], dtype=float)
-    return _logistic(rows, right, np.array([0.0, 1.0]), _SPREAD_OF_SLOPE)
+    # few records have histories: the sealed numbers are believed until these say otherwise
+    return _logistic(rows, right, np.array([0.0, 1.0]), _SPREAD_OF_SLOPE, free=0)
 
 
 def _others_say(each, held):
@@ -120,11 +121,11 @@ def _others_say(each, held):
     return log_odds_of_name(each.grounds.leading, others)
 
 
-def _logistic(rows, right, about, spread):
-    """Coefficients of least log loss; the first, the intercept, is free, others have a prior."""
+def _logistic(rows, right, about, spread, free=1):
+    """Coefficients of least log loss; the first, the intercept, is `free`, others have a prior."""
 
     def loss(values):
-        odds, off = rows @ values, (values - about)[1:] / spread
+        odds, off = rows @ values, (values - about)[free:] / spread
         return np.sum(np.logaddexp(0.0, odds) - right * odds) + 0.5 * off @ off
 
     return minimize(loss, about).x

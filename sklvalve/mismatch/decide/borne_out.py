@@ -91,4 +91,7 @@ SEALED = Numbers(
         "viscous_flow": (15, 15),
         "wrong_characteristic": (31, 34),
     },
+    # of 73 classes told of 195 development records with a history, 70 held a true name; printed by the same
+    # command with --histories
+    with_history=(0.214, 1.299),
 )
