@@ -54,7 +54,7 @@ def test_interval_of_an_onset_covers(size):
     # 95 % of 30; the chance of fewer than 25 is one in 500
     assert held >= 25
     # and a larger effect says more
-    assert np.median(widths) < {0.7: 600, 2.0: 60, 6.0: 25}[size]
+    assert np.median(widths) < {0.7: 700, 2.0: 60, 6.0: 25}[size]
 
 
 def test_end_and_spells_are_found_with_intervals():
