@@ -42,10 +42,12 @@ class Outcome:
 
 
 def _peak():
-    """Peak of memory of this program [MiB]; what getrusage tells holds that of the parent it came from too."""
+    """Peak of memory of this program [MiB]; that of getrusage holds the process it came from as well."""
     with suppress(OSError, StopIteration):
         status = Path("/proc/self/status").read_text(encoding="utf-8").splitlines()
         return float(next(row for row in status if row.startswith("VmHWM")).split()[1]) / 1024.0
+    import resource
+
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
 
 
