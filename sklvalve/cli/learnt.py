@@ -122,18 +122,16 @@ def _by_itself(content: dict[str, Any]) -> str:
 
 def _calibration(history: "ValveHistory") -> dict[str, dict[str, Any]]:
     """Parameter -> what is expected of it in the next recording, in SI (capacity in m3/h)."""
-    import numpy as np
+    from sklvalve.history.then import expected_of
 
-    known = {p.name: p for p in history.parameters}
-    prior, found = history.prior_, {}
-    for name, mean, spread in zip(prior.names, prior.mean, np.sqrt(np.diag(prior.covariance)), strict=True):
-        value = float(np.exp(mean)) if known[name].log else float(mean)
-        found[name] = {
-            "value": value,
-            "sd": float(spread * value if known[name].log else spread),
-            "unit": known[name].unit,
+    return {
+        each.name: {
+            "value": each.value,
+            "sd": each.spread * each.value if each.log else each.spread,
+            "unit": each.unit,
         }
-    return found
+        for each in expected_of(history)
+    }
 
 
 def asked_of(history: "ValveHistory", recording: "Recording") -> list[dict[str, Any]]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+#: What a verdict may be, and how long a text beside it.
+LONGEST = 2_000
 VERDICTS = ("no_mismatch", "named", "none_of_these", "cannot_tell")
 
 

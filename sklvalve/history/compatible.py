@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
 # no stage of a simulation asks for these
 _BESIDE = ("setpoint", "process_value")
-# where a valve is: a fault of the stem moves only one of the first two, and one of the trim, in a closed
-# loop, both of them and not the flow
-_WHERE = ("command", "opening", "flow")
+# where a valve is, by the first that is known: a fault of the stem moves only one of the first two, and one
+# of the trim, in a closed loop, both of them and not the flow
+_WHERE = ("opening", "command", "flow")
 _KINDS = {True: "mass", False: "volume"}
 
 
@@ -152,7 +152,7 @@ def _require_met(history: ValveHistory, recording: Recording) -> None:
     outside = history.range_.outside(recording)
     where = [name for name in _WHERE if name in outside]
     if where and all(outside[name] >= 1.0 for name in where):
-        name = next((name for name in ("opening", "command") if name in where), "flow")
+        name = where[0]
         been = *history.range_.limits(0.0)[name], float(np.nanmedian(recording[name]))
         low, high, here = (_written(recording, name, value) for value in been)
         raise InputError(

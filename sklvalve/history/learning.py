@@ -170,7 +170,6 @@ def windows_of(
     spans = spans_of(chain.recording, predictions)
     for low, high in pairwise(edges):
         rows = slice(low, high)
-        slow = {c: slow_size(left[c][rows], predictions[c][rows], spans[c]) for c in left}
         yield Window(
             begins=chain.recording.stamps[low],
             rows=int(high - low),
@@ -179,7 +178,7 @@ def windows_of(
                 _information(e, s, g, n, rows) for e, s, g in zip(errors, slopes, groups, strict=True)
             ),
             left={c: _rms(left[c][rows]) for c in left},
-            slow={c: np.nan if size is None else size for c, size in slow.items()},
+            slow={c: slow_size(left[c][rows], predictions[c][rows], spans[c]) for c in left},
             noise={c: parts_of(noise[c]) for c in predictions},
         )
 

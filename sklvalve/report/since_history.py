@@ -30,6 +30,12 @@ _CAUTION = (
 )
 
 
+_NOT_BLIND = (
+    "The blind tests of how often a name is right were made without a history; 195 simulated recordings with "
+    "one, which were not blind, correct them."
+)
+
+
 def section(d: dict) -> dict[str, Any] | None:
     """What the section holds; None where the diagnosis was made without a history.
 
@@ -93,6 +99,8 @@ def cannot_say(d: dict) -> list[str]:
         rest = len(blind) - _NAMED
         names = [*blind[:_NAMED], f"{rest} more"] if rest > 1 else blind
         told.append(f"It says no more than the data sheet of: {either(names, 'and')}.")
+    if any(effect.get("probability") is not None for effect in d.get("effects") or []):
+        told.append(_NOT_BLIND)
     return told
 
 

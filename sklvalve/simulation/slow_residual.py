@@ -52,8 +52,8 @@ def by_stretches(values: np.ndarray) -> np.ndarray:
     return values[: many * LENGTH].reshape(many, LENGTH)
 
 
-def slow_size(residual: np.ndarray, simulated: np.ndarray, span: float) -> float | None:
-    """Rms of the slow means of a residual, in its unit; None where no stretch is slow."""
+def slow_size(residual: np.ndarray, simulated: np.ndarray, span: float) -> float:
+    """Rms of the slow means of a residual, in its unit; NaN where no stretch is slow."""
     means = slow_means(residual, moves_little(simulated, span))
     means = means[np.isfinite(means)]
-    return float(np.sqrt(np.mean(means**2))) if len(means) else None
+    return float(np.sqrt(np.mean(means**2))) if len(means) else np.nan

@@ -7,13 +7,12 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
-from sklvalve.history.by_itself import VERDICTS, ByItself
+from sklvalve.history.by_itself import LONGEST, VERDICTS, ByItself
 
 if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
 
 _KEYS = {"verdict", "finding", "reason", "held"}
-_LONGEST = 2_000
 
 
 def told(history: ValveHistory) -> dict[str, Any]:
@@ -33,7 +32,7 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
     if set(part) != _KEYS or part["verdict"] not in VERDICTS or not isinstance(part["held"], bool):
         raise ValueError("what it holds by itself is no diagnosis")
     for words in (part["finding"], part["reason"]):
-        if not isinstance(words, str) or len(words) > _LONGEST or not words.isprintable():
+        if not isinstance(words, str) or len(words) > LONGEST or not words.isprintable():
             raise ValueError("what it holds by itself is not in words")
     if part["held"] and (part["verdict"] != "named" or not effects):
         raise ValueError("what it holds by itself is no effect of it")

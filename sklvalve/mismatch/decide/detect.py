@@ -47,7 +47,8 @@ class Evidence:
         The strongest that any effect makes of it, relative to what is usual for that effect among healthy
         recordings; zero where none was tried.
     rest : float or None
-        What the learnt rest makes of it; None where no rest could be learnt.
+        What the learnt rest makes of it, or, beside a history, how many times what that left over is left
+        over now; None where neither is known.
     covariates : Covariates
         What chance depends on.
     effect_strengths : dict, default={}
@@ -194,7 +195,7 @@ def p_value_of_effects(evidence: Evidence) -> float:
 
 
 def p_value_of_rest(evidence: Evidence) -> float:
-    """Share of healthy recordings whose learnt rest is as strong as that of this one, or stronger.
+    """Share of healthy recordings of which as much is left over as of this one, or more.
 
     Parameters
     ----------
@@ -203,7 +204,7 @@ def p_value_of_rest(evidence: Evidence) -> float:
     Returns
     -------
     p_value : float
-        1 where no rest could be learnt.
+        1 where that is not known.
     """
     return 1.0 if evidence.rest is None else survival(evidence.law.rest, evidence.rest, evidence.covariates)
 

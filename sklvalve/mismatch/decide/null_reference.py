@@ -135,7 +135,7 @@ class NullLaw:
     Parameters
     ----------
     effects, rest : Table
-        Of the strongest effect, and of the learnt rest.
+        Of the strongest effect, and of what is left over, as `Evidence` has it.
     """
 
     effects: Table

@@ -38,7 +38,8 @@ _CLEARLY = 0.05
 # where no effect was found at all, wander of a meter is likelier: it may be so many times the quick noise,
 # and the alarm, which nothing else raises, asks for this share of alpha
 _WANDER, _OF_ALPHA = 1.5, 0.1
-_FEWEST = 8
+#: A slow residual is known from so many stretches at least.
+FEWEST = 8
 # what is left over says nothing against a judgement, makes it doubtful, or refutes it
 FINE, DOUBTFUL, REFUTED = "fine", "doubtful", "refuted"
 # correlations below this are chance
@@ -194,7 +195,7 @@ def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None
     shown = model.predictions["flow"] / span
     quiet = moves_little(shown, 1.0)
     slow = slow_means(residual, quiet)
-    if np.isfinite(slow).sum() < _FEWEST:
+    if np.isfinite(slow).sum() < FEWEST:
         return None
     noise = _quick_noise(recording, residual, quiet, span)
     if noise is None:
@@ -241,7 +242,7 @@ def effective_number(series: np.ndarray) -> float:
         both = np.sum(known[lag:] & known[:-lag])
         correlation = np.sum(filled[lag:] * filled[:-lag]) / max(both * variance, 1e-300)
         # beyond the first lag at which nothing is left there is chance only
-        if both < _FEWEST // 2 or correlation < _CHANCE:
+        if both < FEWEST // 2 or correlation < _CHANCE:
             break
         squares += correlation**2
     return float(known.sum() / (1.0 + 2.0 * squares))
@@ -255,7 +256,7 @@ def _quick_noise(recording: Recording, residual: np.ndarray, quiet: np.ndarray, 
         return steady / span
     variances = _variances_about_lines(np.where(quiet, residual, np.nan))
     # what a hypothesis gets wrong of the quick movement is no noise: the calmer stretches tell
-    return float(np.sqrt(np.quantile(variances, 0.25))) if len(variances) >= _FEWEST else None
+    return float(np.sqrt(np.quantile(variances, 0.25))) if len(variances) >= FEWEST else None
 
 
 def _variances_about_lines(values: np.ndarray) -> np.ndarray:

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.residual.goodness_of_fit import LeftOver, effective_number
+from sklvalve.mismatch.residual.goodness_of_fit import FEWEST, LeftOver, effective_number
+from sklvalve.mismatch.search.relevance import WRONG
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.slow_residual import moves_little, slow_means
 
@@ -16,9 +17,6 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
 
-# a healthy simulation is wrong by about this share of what counts as an effect
-_WRONG = 0.1
-_FEWEST = 8
 # what drives a channel: where the history has not been, it says nothing of what a simulation leaves over
 _DRIVERS = {"opening": ("command",), "flow": ("opening", "drop")}
 
@@ -59,8 +57,8 @@ def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: 
     known = history.range_.met(problem.recording, _DRIVERS[channel])
     keep = known & moves_little(model.predictions[channel], span)
     means = slow_means(problem.residuals(model)[channel], keep)
-    if np.isfinite(means).sum() < _FEWEST or not np.isfinite(before):
+    if np.isfinite(means).sum() < FEWEST or not np.isfinite(before):
         return None
-    usual = float(np.hypot(before, _WRONG * problem.least(channel)))
+    usual = float(np.hypot(before, WRONG * problem.least(channel)))
     size = float(np.sqrt(np.nanmean((means / span) ** 2)))
     return LeftOver(channel, size, before, usual, effective_number(means))

@@ -5,13 +5,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from sklvalve.history import ByItself
+from sklvalve.history.by_itself import LONGEST, ByItself
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.result.diagnosis import Diagnosis
-
-# reasons are sentences; a file of a history takes no longer ones
-_LONGEST = 2_000
 
 
 def by_itself(diagnosis: Diagnosis, held: bool) -> ByItself:
@@ -28,5 +25,5 @@ def by_itself(diagnosis: Diagnosis, held: bool) -> ByItself:
     nameless = diagnosis.verdict in ("none_of_these", "cannot_tell")
     told = (diagnosis.finding, " ".join(content.get("reasons") or []) if nameless else "")
     # a line each, whatever a caller's own effect is called
-    finding, reason = (" ".join(words.split())[:_LONGEST] for words in told)
+    finding, reason = (" ".join(words.split())[:LONGEST] for words in told)
     return ByItself(diagnosis.verdict, finding, reason, held)

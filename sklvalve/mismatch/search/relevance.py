@@ -24,8 +24,8 @@ SPREADS = 2.0
 _OF_A_RIVAL = 0.5
 # an explanation that needs all that is physically possible speaks against itself: share of its range
 _AT_AN_END = 1e-3
-# a healthy simulation is wrong by about this share of what counts as an effect
-_WRONG = 0.1
+#: A healthy simulation is wrong by about this share of what counts as an effect.
+WRONG = 0.1
 
 
 def is_relevant(problem: Problem, model: Model, without: Model, threshold: float) -> bool:
@@ -147,4 +147,4 @@ def effect_strength(deviations: float, size: float) -> float:
     """
     if not (deviations > 0.0 and size > 0.0):
         return 0.0
-    return float(1.0 / np.hypot(1.0 / deviations, _WRONG / size))
+    return float(1.0 / np.hypot(1.0 / deviations, WRONG / size))

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.signals.steady import LENGTH, Floor, steady_floor, steady_starts
+from sklvalve.mismatch.signals.steady import Floor, steady_floor, steady_starts
 from sklvalve.recording.noise import noise_floor
+from sklvalve.simulation.slow_residual import LENGTH
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.signals.steady import Driver

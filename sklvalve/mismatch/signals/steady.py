@@ -10,9 +10,10 @@ import numpy as np
 
 from sklvalve.recording import Recording
 from sklvalve.recording.noise import noise_floor
+from sklvalve.simulation.slow_residual import LENGTH
 
-# rows of a stretch, and rows of rest before it that let everything settle
-LENGTH, SETTLING = 40, 20
+# rows of rest before a stretch that let everything settle
+SETTLING = 20
 # a driver rests where it scatters about a straight line by no more than this many times its own variance,
 # and goes no further than this share of its range
 _STILL, _FURTHEST = 1.5, 0.02
