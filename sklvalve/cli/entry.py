@@ -37,11 +37,10 @@ def main(argv: Sequence[str] | None = None) -> int:
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a diagnosis
     try:
-        with signals_as_interruption():
-            status = _run(argv)
-            if sys.stdout is not None:
-                sys.stdout.flush()  # else a full disk would be told only while Python shuts down
-            return status
+        status = _run(argv)
+        if sys.stdout is not None:
+            sys.stdout.flush()  # else a full disk would be told only while Python shuts down
+        return status
     except KeyboardInterrupt as interruption:
         with suppress(OSError):  # the terminal may be gone
             show(sentence(), file=sys.stderr)
@@ -70,7 +69,7 @@ def _run(argv: Sequence[str] | None) -> int:
     from sklvalve.recording import InputError
 
     try:
-        with _plain_warnings():
+        with _plain_warnings(), signals_as_interruption():
             return args.run(args)
     except InputError as error:
         return _complain(str(error))

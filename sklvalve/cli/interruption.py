@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Signals that end a run: Ctrl-C, a request to terminate, a terminal that went away; all end it alike."""
 
+import _thread
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -10,6 +12,7 @@ from types import FrameType
 
 # a system that has no hang-up lacks its name
 _ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+_A_MOMENT = 0.05  # [s]: enough for compiled code to be left
 _written: list[Path] = []
 
 
@@ -23,27 +26,46 @@ class Interrupted(KeyboardInterrupt):
 
 @contextmanager
 def signals_as_interruption() -> Iterator[None]:
-    """Let a request to terminate, and a hang-up, end the run as Ctrl-C does: with what was begun removed.
+    """Let Ctrl-C, a request to terminate and a hang-up end the run alike: with what was begun removed.
 
-    A signal that is ignored stays so: nohup asks for that.
+    A signal that is ignored stays so: nohup asks for that. A library into whose work the signal falls may
+    drop the exception (a callback from compiled code can raise none) or make another of it: the first is
+    raised again a moment later, the second stays an interruption.
     """
     _written.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
         return
+    came: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        raise Interrupted(number)
+
+    def again(dropped: "sys.UnraisableHookArgs") -> None:
+        if issubclass(dropped.exc_type, Interrupted):
+            timer = threading.Timer(_A_MOMENT, _thread.interrupt_main, [came[-1]])
+            timer.daemon = True
+            timer.start()
+        else:
+            hook(dropped)
+
+    hook = sys.unraisablehook
     before = {}
-    for number in _ENDING[1:]:
-        if signal.getsignal(number) == signal.SIG_DFL:
-            before[number] = signal.signal(number, _interrupt)
+    for number in _ENDING:
+        if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+            before[number] = signal.signal(number, interrupt)
+    sys.unraisablehook = again
     try:
         yield
+    except Exception:
+        if came:
+            raise Interrupted(came[-1]) from None
+        raise
     finally:
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _interrupt(number: int, frame: FrameType | None) -> None:
-    raise Interrupted(number)
 
 
 @contextmanager

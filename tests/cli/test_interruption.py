@@ -93,3 +93,28 @@ def test_an_interruption_while_the_commands_are_loaded_is_told_in_a_sentence():
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
     assert (done.returncode, done.stdout) == (130, "")
     assert done.stderr == "interrupted; nothing was written\n"
+
+
+@pytest.mark.parametrize("falls", ["into a callback that can raise nothing", "where it becomes another error"])
+def test_an_interruption_that_a_library_drops_or_turns_into_an_error_ends_the_run_all_the_same(falls):
+    code = (
+        "import ctypes, os, signal, sys, time\n"
+        "from sklvalve.cli import demo, main\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "def strike():\n"
+        "    os.kill(os.getpid(), signal.SIGINT)\n"
+        "    time.sleep(1)\n"
+        "def dropped(args):\n"
+        "    ctypes.CFUNCTYPE(None)(strike)()\n"
+        "    for _ in range(300):\n"
+        "        time.sleep(0.05)\n"
+        "def turned(args):\n"
+        "    try:\n"
+        "        strike()\n"
+        "    except KeyboardInterrupt:\n"
+        "        raise SystemError('returned a result with an exception set') from None\n"
+        f"demo.run = {'dropped' if 'callback' in falls else 'turned'}\n"
+        "sys.exit(main(['demo']))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20)
+    assert (done.returncode, done.stderr) == (130, "interrupted; nothing was written\n")
