@@ -11,6 +11,7 @@ from sklvalve.cli.as_json import add_json_argument, as_json
 from sklvalve.cli.history_files import (
     add_allow_argument,
     add_history_argument,
+    learnt_history,
     read_history,
     require_history,
 )
@@ -103,12 +104,18 @@ def run(args: Namespace) -> int:
             loop_signals(used)
         else:
             require_diagnosable(used)
-        history = read_history(args.history, known.valve, args.allow)
+        history = read_history(args.history, known.valve, args.allow or ())
         require_history(history, used)
     with Staging(args.out, RESULTS) as staging:
         tell(known)
         finder = diagnose(
-            recording, staging, until=rows, seed=args.seed, assumed=known.assumed, history=history
+            recording,
+            staging,
+            until=rows,
+            seed=args.seed,
+            assumed=known.assumed,
+            history=history,
+            allowed=args.allow or (),
         )
         written = staging.commit()
     found = finder.diagnosis_.to_dict()
@@ -132,11 +139,12 @@ def diagnose(
     seed: int,
     assumed: Sequence[dict[str, object]] = (),
     history: "ValveHistory | list[Recording] | None" = None,
+    allowed: Sequence[tuple[str, float]] = (),
 ) -> "MissingPhysicsFinder":
     """Diagnose a recording and lay the results down in a staging folder; a loop has no corrected model.
 
     What was `assumed` of the valve goes before the findings about the data. With a `history` the diagnosis
-    tells what has changed since.
+    tells what has changed since, beyond what is `allowed`.
     """
     from threadpoolctl import threadpool_limits
 
@@ -147,7 +155,9 @@ def diagnose(
     # thousands of fits of small matrices: on a busy machine the threads of BLAS wait for each other, and the
     # same work took three to ten times as long with two of them as with one
     with progress() as callback, threadpool_limits(1, user_api="blas"):
-        finder = MissingPhysicsFinder(random_state=seed, callback=callback, history=history)
+        learner = MissingPhysicsFinder(random_state=seed, callback=callback)
+        known = learnt_history(history, learner, allowed)
+        finder = MissingPhysicsFinder(random_state=seed, callback=callback, history=known)
         finder.fit(recording, until=until)
         if assumed:
             finder.diagnosis_ = _with_assumed(finder.diagnosis_, assumed)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from sklvalve.history import ValveHistory
+    from sklvalve.mismatch import MissingPhysicsFinder
     from sklvalve.recording import Recording, Valve
 
 #: How the file of a history is named.
@@ -22,9 +23,9 @@ def add_history_argument(parser) -> None:
         "--history",
         metavar="FILE",
         nargs="+",
-        help="earlier recordings in which nothing was missing, or what sklvalve learn made of them "
-        f"(NAME{ENDING}): the diagnosis then tells what has changed since. Recordings are taken to "
-        "be sound; sklvalve learn diagnoses them first",
+        help="earlier recordings, or what sklvalve learn made of them "
+        f"(NAME{ENDING}): the diagnosis then tells what has changed since. Recordings are diagnosed "
+        "first, as sklvalve learn does it; a file spares that",
     )
 
 
@@ -58,7 +59,7 @@ def _allowed(text: str) -> tuple[str, float]:
 
 
 def read_history(
-    files: Sequence[str] | None, valve: "Valve", allowed: Sequence[tuple[str, float]] | None = None
+    files: Sequence[str] | None, valve: "Valve", allowed: Sequence[tuple[str, float]] = ()
 ) -> "ValveHistory | list[Recording] | None":
     """Read what ``--history`` names.
 
@@ -68,14 +69,13 @@ def read_history(
         Recordings, files of `save_history`, or both.
     valve : Valve
         By which the recordings are read.
-    allowed : sequence of (str, float), default=None
-        Of ``--allow``; each takes the place of what the history, or the default, allows.
+    allowed : sequence of (str, float), default=()
+        Of ``--allow``.
 
     Returns
     -------
     history : ValveHistory, list of Recording or None
-        Recordings alone are for the finder to learn from, unless something is allowed; None where nothing was
-        given.
+        Recordings alone are for a finder to learn from; None where nothing was given.
 
     Raises
     ------
@@ -83,7 +83,6 @@ def read_history(
         If a file cannot be read, nothing can be learnt from it, they do not belong together, or something is
         allowed and there is no history.
     """
-    from sklvalve.history import Allowance, ValveHistory
     from sklvalve.history.learnable import require_learnable
     from sklvalve.mismatch import load_history
     from sklvalve.recording import InputError, read_recording
@@ -96,13 +95,36 @@ def read_history(
     read = [read_recording(file, valve) for file in files if Path(file).suffix != _SKOPS]
     if not learnt:
         require_learnable(read)
-        return ValveHistory(allowance=Allowance(**dict(allowed))).fit(read) if allowed else read
+        return read
     history, *others = learnt
     for other in others:
         history.merge(other)
-    if allowed:
-        history.allowing(replace(history.allowance or Allowance(), **dict(allowed)))
     return history.update(read) if read else history
+
+
+def learnt_history(
+    history: "ValveHistory | list[Recording] | None",
+    finder: "MissingPhysicsFinder",
+    allowed: Sequence[tuple[str, float]] = (),
+) -> "ValveHistory | None":
+    """Learn from what `read_history` has read, as far as it is not learnt yet.
+
+    Parameters
+    ----------
+    history : ValveHistory, list of Recording or None
+    finder : MissingPhysicsFinder
+        Diagnoses recordings first; it has no history.
+    allowed : sequence of (str, float), default=()
+        Of ``--allow``; each takes the place of what the history, or the default, allows.
+    """
+    from sklvalve.history import Allowance
+
+    if history is None:
+        return None
+    learnt = finder.history_of(history) if isinstance(history, list) else history
+    if allowed:
+        learnt.allowing(replace(learnt.allowance or Allowance(), **dict(allowed)))
+    return learnt
 
 
 def require_history(history: "ValveHistory | list[Recording] | None", recording: "Recording") -> None:

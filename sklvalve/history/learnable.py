@@ -76,6 +76,20 @@ def require_learnable(recordings: Sequence[Recording]) -> None:
         raise InputError(f"no history can be learnt from this: {error}") from None
 
 
+def is_learnable(recording: Recording) -> bool:
+    """Whether a valve can be learnt from one recording.
+
+    Parameters
+    ----------
+    recording : Recording
+    """
+    try:
+        require_learnable([recording])
+    except InputError:
+        return False
+    return True
+
+
 def require_no_loop(recording: Recording) -> None:
     """Refuse a recording of a loop that is known by command and value only.
 

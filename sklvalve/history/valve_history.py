@@ -35,6 +35,7 @@ from sklvalve.history.learning import (
 from sklvalve.history.merging import moved, require_mergeable
 from sklvalve.history.operating_range import OperatingRange
 from sklvalve.history.posterior import expected
+from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.history.sources import Source
 from sklvalve.history.state.settings import settings_of
 from sklvalve.recording import Recording, Valve
@@ -90,6 +91,8 @@ class ValveHistory(BaseEstimator):
     by_itself_ : ByItself or None
         What a diagnosis of the recordings by themselves said; None where none was made, as in `fit`.
         `MissingPhysicsFinder.history_of` makes one.
+    rehearsals_ : list of Rehearsal
+        How far later parts of the recordings lie from earlier ones; none unless `history_of` made them.
 
     Examples
     --------
@@ -152,6 +155,7 @@ class ValveHistory(BaseEstimator):
         self.recordings_: list[Source] = []
         self.range_ = OperatingRange()
         self.by_itself_: ByItself | None = None
+        self.rehearsals_: list[Rehearsal] = []
         return self._learn(recordings, self.onsets or {})
 
     @whole_or_nothing
@@ -211,6 +215,7 @@ class ValveHistory(BaseEstimator):
         require_mergeable(self, other)
         self.windows_ = [*self.windows_, *moved(self, other)]
         self.recordings_ = [*self.recordings_, *other.recordings_]
+        self.rehearsals_ = [*self.rehearsals_, *other.rehearsals_]
         self.range_ = self.range_.merged(other.range_)
         asked = [each.by_itself_ for each in (self, other) if each.by_itself_ is not None]
         # one that was not sound goes before one that was

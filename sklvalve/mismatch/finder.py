@@ -8,7 +8,8 @@ from dataclasses import replace
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from sklearn.base import BaseEstimator, _fit_context
+import numpy as np
+from sklearn.base import BaseEstimator, _fit_context, clone
 from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import HasMethods, Interval
 from sklearn.utils.validation import check_is_fitted
@@ -17,7 +18,8 @@ from threadpoolctl import threadpool_limits
 from sklvalve._refits import whole_or_nothing
 from sklvalve.history import ValveHistory
 from sklvalve.history.compatible import require_compatible
-from sklvalve.history.learnable import recordings_of, require_no_loop
+from sklvalve.history.learnable import is_learnable, recordings_of, require_no_loop
+from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
@@ -30,6 +32,7 @@ from sklvalve.mismatch.decide.detect import covariates_of
 from sklvalve.mismatch.decide.judging import Case, blocked, judge
 from sklvalve.mismatch.decide.late import before, late_event, with_late_event
 from sklvalve.mismatch.decide.referee import refereed
+from sklvalve.mismatch.decide.rehearsing import rehearsed
 from sklvalve.mismatch.decide.stretches import over_the_whole, stretches_of
 from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.mismatch.inference.calibrating import calibrated
@@ -51,11 +54,10 @@ from sklvalve.recording import (
     screen_recording,
 )
 from sklvalve.simulation import Tolerance, ValveSimulation
+from sklvalve.simulation.chain import clock_of
 from sklvalve.simulation.parallel_map import with_threads
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.decide.null_reference import Covariates
     from sklvalve.mismatch.effects import Effect
@@ -100,9 +102,10 @@ class MissingPhysicsFinder(BaseEstimator):
     callback : callable, default=None
         Called as ``callback(stage, done)`` with a plain word and the share done.
     history : ValveHistory, Recording or list of Recording, default=None
-        What is known of the valve from before, or recordings of it in which nothing was missing, from which
-        that is learnt here. It takes the place of the data sheet's tolerance: what is named has changed since
-        then, and what counts is how much it changes. Its p-value has a null law of its own (docs/history.md).
+        What is known of the valve from before, or recordings of it, from which that is learnt here, as
+        `history_of` does it. It takes the place of the data sheet's tolerance: what is named has changed
+        since then, and what counts is how much it changes. Its p-value has a null law of its own, with what
+        the valve did by itself (docs/history.md).
 
     Attributes
     ----------
@@ -244,7 +247,8 @@ class MissingPhysicsFinder(BaseEstimator):
         history : ValveHistory
             What the diagnosis of the recordings names is among its effects, the leading name of each class
             with its onset, unless it grows, comes and goes, or begins in recordings whose distances in time
-            are not known; ``by_itself_`` keeps the verdict.
+            are not known; ``by_itself_`` keeps the verdict. ``rehearsals_`` keeps how far each half of the
+            recordings lies from the other: what the valve does by itself is no fault in a later one.
 
         Raises
         ------
@@ -259,6 +263,7 @@ class MissingPhysicsFinder(BaseEstimator):
         terms = lasting(self._leading, joined) if found.verdict == "named" else []
         history = self._learnt(recordings, terms)
         history.by_itself_ = by_itself(found, bool(terms) and len(terms) == len(self._leading))
+        history.rehearsals_ = self._rehearsed(joined, terms)
         return history
 
     @property
@@ -297,7 +302,43 @@ class MissingPhysicsFinder(BaseEstimator):
         """What is known of the valve; learnt here where recordings are given."""
         if self.history is None or isinstance(self.history, ValveHistory):
             return self.history
-        return self._learnt(self.history)
+        return clone(self).set_params(history=None).history_of(self.history)
+
+    def _rehearsed(self, joined: Recording, known: Sequence[Term]) -> list[Rehearsal]:
+        """Each half of a history held against the other as a later recording would be; none of short ones.
+
+        The rows before an effect begins are unlike those after it, and tell nothing of what a valve does by
+        itself.
+        """
+        onsets = [term.onset for term in known if term.onset is not None]
+        begin = int(np.searchsorted(clock_of(joined), max(onsets, default=-np.inf)))
+        middle = (begin + len(joined)) // 2
+        halves = [joined.slice(begin, middle), joined.slice(middle, len(joined))]
+        if not all(map(is_learnable, halves)):
+            return []
+        steady = [replace(term, onset=None) for term in known]
+        both = [self._held_against(self._learnt(a, steady), b) for a, b in (halves, halves[::-1])]
+        return [each for each in both if each is not None]
+
+    def _held_against(self, history: ValveHistory, recording: Recording) -> Rehearsal | None:
+        """A part of a history held against another part; None where its data spoil it."""
+        stretches = stretches_of(recording, self.search_rows)
+        data = with_seized_stems(screen_recording(stretches), stretches)
+        if blocking(data):
+            return None
+        _, stretches = masked(stretches, stretches, data)
+        ours = self.simulation if isinstance(self.simulation, ValveSimulation) else None
+        problem = prepared_problem(stretches, ours, self.tolerance, history=history)
+        effects, _ = candidates(problem, self.effects, data)
+        effects = effects_to_search(effects, None) if self.max_effects else []
+        return rehearsed(
+            problem,
+            effects,
+            data,
+            threshold=self.evidence,
+            alpha=float(self.alpha),
+            random_state=self._seed(),
+        )
 
     def _learnt(self, recordings: Any, known: Sequence[Term] = ()) -> ValveHistory:
         effects = tuple(term.effect for term in known)

@@ -95,7 +95,9 @@ def test_an_interruption_while_the_commands_are_loaded_is_told_in_a_sentence():
     assert done.stderr == "interrupted; nothing was written\n"
 
 
-@pytest.mark.parametrize("falls", ["into a callback that can raise nothing", "where it becomes another error"])
+@pytest.mark.parametrize(
+    "falls", ["into a callback that can raise nothing", "where it becomes another error"]
+)
 def test_an_interruption_that_a_library_drops_or_turns_into_an_error_ends_the_run_all_the_same(falls):
     code = (
         "import ctypes, os, signal, sys, time\n"

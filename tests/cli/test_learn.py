@@ -5,6 +5,7 @@ import json
 import os
 import shlex
 import shutil
+from typing import ClassVar
 
 import pytest
 
@@ -141,16 +142,22 @@ class _Kept(stand_in.Finder):
     """Keeps the history that it is given."""
 
     given = None
+    diagnosed: ClassVar[list] = []
 
     def __init__(self, **settings):
         super().__init__(**settings)
         type(self).given = self.history
+
+    def fit(self, recording, until=None):
+        self.diagnosed.append(recording.source)
+        return super().fit(recording, until)
 
 
 @pytest.fixture
 def kept(here, monkeypatch):
     monkeypatch.setattr(sklvalve.mismatch, "MissingPhysicsFinder", _Kept)
     monkeypatch.setattr(_Kept, "given", None)
+    monkeypatch.setattr(_Kept, "diagnosed", [])
     return here
 
 
@@ -162,10 +169,10 @@ def test_a_history_file_goes_to_the_finder(kept, capsys):
     assert _Kept.asked["until"] == 1000
 
 
-def test_recordings_go_to_the_finder_as_they_are(kept):
+def test_recordings_are_diagnosed_first(kept):
     assert main([*DIAGNOSE, "--history", "before.csv"]) == 0
-    (given,) = _Kept.given
-    assert (given.source, len(given)) == ("before.csv", 1200)
+    assert _Kept.diagnosed == ["before.csv", "after.csv"]
+    assert _Kept.given.rows == 1200
 
 
 def test_without_the_option_there_is_none(kept):

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from sklvalve.history.state import calibration, clean, recordings, settings, visited, windows
+from sklvalve.history.state import calibration, clean, recordings, rehearsed, settings, visited, windows
 from sklvalve.simulation.state import mapping
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ PARTS: dict[str, Any] = {
     "recordings": recordings,
     "range": visited,
     "clean": clean,
+    "rehearsals": rehearsed,
 }
 
 

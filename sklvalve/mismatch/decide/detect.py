@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import chi2
 
+from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
 
 # share of the level that the effects get; the rest is for the learnt rest, which seldom sees what they do not
 _FOR_EFFECTS = 0.75
-# no reference of some hundred recordings is that good
-_LEAST_P_VALUE = 1e-12
 
 
 @dataclass(frozen=True)
@@ -67,7 +66,7 @@ class Evidence:
 
 def law_for(problem: Problem) -> NullLaw:
     """Law of recordings that are held against the same thing: a data sheet, or a history of the valve."""
-    return AGAINST_SHEET if problem.history is None else AGAINST_HISTORY
+    return AGAINST_SHEET if problem.history is None else AGAINST_HISTORY.with_own(problem.history.rehearsals_)
 
 
 def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, float]:
@@ -186,7 +185,7 @@ def mismatch_p_value(evidence: Evidence) -> float:
         -np.expm1(np.log1p(-min(survival(table, strongest, evidence.covariates), 1.0 - 1e-16)) / weight)
         for table, strongest, weight in looks
     ]
-    return float(np.clip(min(p_values), _LEAST_P_VALUE, 1.0))
+    return float(np.clip(min(p_values), LEAST_P_VALUE, 1.0))
 
 
 def p_value_of_effects(evidence: Evidence) -> float:
@@ -238,4 +237,4 @@ def p_value_of_what_counts(
     for gain, sizes, parameters in seen:
         beyond = max(max(1.0 - least(c) / size, 0.0) if size > 0.0 else 0.0 for c, size in sizes.items())
         p_values.append(float(chi2.sf(2.0 * max(gain, 0.0) * beyond**2, parameters + 1)))
-    return max(min(p_values), _LEAST_P_VALUE)
+    return max(min(p_values), LEAST_P_VALUE)

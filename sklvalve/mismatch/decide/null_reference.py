@@ -4,10 +4,16 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 from importlib.resources import files
+from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.stats import norm
+
+if TYPE_CHECKING:
+    from sklvalve.history.rehearsal import Rehearsal
 
 
 @dataclass(frozen=True)
@@ -59,6 +65,10 @@ class Covariates:
         return "noise_without_drop" if self.no_drop else "noise"
 
 
+# so many rehearsals of one valve count as much as all valves of the reference: what it did once by itself is
+# then rare at no usual level, and what is far beyond that stays as rare as it was
+_REFERENCE_COUNTS = 10.0
+_TINY = 1e-300
 #: Covariates that are held within their range in the reference, besides the noise.
 EDGED = ("travel", "held_opening", "held_flow")
 
@@ -94,6 +104,8 @@ class Table:
         Share of the reference above the threshold, the last quantile.
     scale, shape : float
         Of the tail.
+    own : tuple of float, default=()
+        The same of rehearsals of the valve in question, each relative to what is typical in its covariates.
     usual : dict, default={}
         Effect key -> how strong it gets by chance, relative to all effects together. Of two effects that look
         as strong the one that seldom does among healthy recordings is the rarer evidence. What the table
@@ -109,10 +121,17 @@ class Table:
     scale: float
     shape: float
     usual: dict[str, float] = field(default_factory=dict)
+    own: tuple[float, ...] = ()
 
     def relative(self, effect_strengths: dict[str, float]) -> float:
         """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
         return relative_to(self.usual, effect_strengths)
+
+    @property
+    def scatter(self) -> float:
+        """Scatter of the logarithm of the relative strength, from its median to the threshold."""
+        median = np.interp(0.5, np.linspace(self.above, 1.0, len(self.quantiles)), self.quantiles[::-1])
+        return float(np.log(self.quantiles[-1] / median))
 
     def typical(self, covariates: Covariates) -> float:
         """Typical strength of healthy recordings."""
@@ -141,6 +160,19 @@ class NullLaw:
     effects: Table
     rest: Table
 
+    def with_own(self, rehearsals: Iterable[Rehearsal]) -> NullLaw:
+        """The same law, with what one valve made of parts of its own history.
+
+        Parameters
+        ----------
+        rehearsals : iterable of Rehearsal
+        """
+        several = list(rehearsals)
+        rests = tuple(each.rest for each in several if each.rest is not None)
+        return NullLaw(
+            replace(self.effects, own=tuple(each.effects for each in several)), replace(self.rest, own=rests)
+        )
+
 
 def _law_of(name: str) -> NullLaw:
     """Law of a file beside this one, which says by which command it was made."""
@@ -154,7 +186,13 @@ AGAINST_HISTORY = _law_of("null_reference_with_history.json")
 
 
 def survival(table: Table, strength: float, covariates: Covariates) -> float:
-    """Share of healthy recordings whose strength is at least this.
+    r"""Share of healthy recordings whose strength is at least this.
+
+    Where the valve has rehearsals of its own, n of them, they are pooled with the reference as a Dirichlet
+    process has it (Ferguson, Annals of Statistics 1, 1973), the reference counting as much as k = 10, and
+    each :math:`v_i` smoothed by the scatter h of logarithms in the reference:
+
+    .. math:: \frac{k P(v) + \sum_i \Phi((\log v_i - \log v) / h)}{k + n}
 
     Parameters
     ----------
@@ -169,6 +207,13 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
         Between 0, never reached, and 1; falls with the strength, without a step.
     """
     relative = strength / table.typical(covariates)
+    own = np.log(np.maximum([relative, *table.own], _TINY))
+    above = float(np.sum(norm.cdf((own[1:] - own[0]) / table.scatter)))
+    return (_REFERENCE_COUNTS * _in_reference(table, relative) + above) / (_REFERENCE_COUNTS + len(table.own))
+
+
+def _in_reference(table: Table, relative: float) -> float:
+    """Share of the reference whose relative strength is at least this."""
     threshold = table.quantiles[-1]
     if relative <= threshold:
         chances = np.linspace(1.0, table.above, len(table.quantiles))

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import chi2
 
+from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.signals.step_search import StepSearch
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.noise_of_pieces import noise_of
@@ -127,7 +128,7 @@ def change_in(problem: Problem, model: Model, channel: str) -> Change | None:
     if size is None or (not response_too and size * np.mean(made[row:]) <= 0.0):
         return None
     slope = search.response / max(float(np.nanstd(shown)), 1e-12) if response_too else 0.0
-    return Change(channel, row, within, size, slope, max(p_value, 1e-12), spread)
+    return Change(channel, row, within, size, slope, max(p_value, LEAST_P_VALUE), spread)
 
 
 def size_of(left: np.ndarray, shown: np.ndarray, row: int) -> float | None:

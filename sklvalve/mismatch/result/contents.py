@@ -108,7 +108,7 @@ def content_of(
     judgement = replace(judgement, verdict=verdict)
     unexplained = _unexplained(judgement)
     classes = [class_of(f) for f in judgement.findings]
-    since = since_history(whole, problem, judgement)
+    since = since_history(whole, problem, judgement, alpha)
     return {
         "schema": "sklvalve.diagnosis/1",
         "subject": "valve",

@@ -12,6 +12,7 @@ import numpy as np
 from sklvalve.history import Allowance
 from sklvalve.history.operating_range import OperatingRange, limits_in_recorded_units
 from sklvalve.history.then import expected_of, simulation_then
+from sklvalve.mismatch.decide.detect import mismatch_p_value
 from sklvalve.mismatch.describe.intervals import interval_of
 from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.result.effect_entry import in_recorded_unit
@@ -39,7 +40,7 @@ _ALLOWED = {
 }
 
 
-def since_history(whole: Recording, problem: Problem, judgement: Judgement) -> dict[str, Any]:
+def since_history(whole: Recording, problem: Problem, judgement: Judgement, alpha: float) -> dict[str, Any]:
     """The part of a diagnosis that a history makes.
 
     Parameters
@@ -48,15 +49,18 @@ def since_history(whole: Recording, problem: Problem, judgement: Judgement) -> d
         For the units.
     problem : Problem
     judgement : Judgement
+    alpha : float
+        Level of the test.
 
     Returns
     -------
     part : dict
         ``since_history``: ``rows``, ``days``, ``recordings``, ``first`` and ``last`` stamp of the history;
         ``allowances``; ``by_itself``, what the history lacked by itself, None where that was not asked;
-        ``held``, what it had already, then and now; ``changes``, one for each entry of ``effects``;
-        ``calibration``, then and now; ``residuals`` by channel; ``cannot_say``. Empty where no history was
-        given.
+        ``rehearsals``, how far its halves lie from each other, and ``rehearsed``, a sentence where that is
+        why nothing is told; ``held``, what it had already, then and now; ``changes``, one for each entry of
+        ``effects``; ``calibration``, then and now; ``residuals`` by channel; ``cannot_say``. Empty
+        where no history was given.
     """
     history = problem.history
     if history is None:
@@ -70,6 +74,8 @@ def since_history(whole: Recording, problem: Problem, judgement: Judgement) -> d
             "last": history.recordings_[-1].last,
             "allowances": _allowances(history),
             "by_itself": _by_itself(history),
+            "rehearsals": [asdict(each) for each in history.rehearsals_],
+            "rehearsed": _rehearsed(judgement, alpha),
             "held": held_entries(whole, problem, history, judgement.model),
             "changes": [_change(whole, problem, finding) for finding in judgement.findings],
             "calibration": _calibration(history, judgement.model, whole),
@@ -90,6 +96,7 @@ def of_history(part: dict[str, Any]) -> list[str]:
     since = part.get("since_history") or {}
     by_itself = since.get("by_itself") or {}
     told = [by_itself["sentence"]] if by_itself.get("sentence") else []
+    told += [since["rehearsed"]] if since.get("rehearsed") else []
     return told + [each["sentence"] for each in since.get("held") or [] if each["change"] != "none"]
 
 
@@ -97,6 +104,20 @@ def _by_itself(history: ValveHistory) -> dict[str, Any] | None:
     """What a diagnosis of the history itself said."""
     found = history.by_itself_
     return None if found is None else asdict(found) | {"sentence": found.sentence}
+
+
+def _rehearsed(judgement: Judgement, alpha: float) -> str | None:
+    """Why nothing is told where the reference alone would have found something rare."""
+    evidence = judgement.evidence
+    if evidence is None or judgement.verdict != "no_mismatch":
+        return None
+    by_reference = mismatch_p_value(replace(evidence, law=evidence.law.with_own(())))
+    if by_reference > alpha:
+        return None
+    return (
+        f"A difference as large occurs in {100.0 * by_reference:.2g} % of healthy recordings, and yet it is "
+        "no change: one half of the history, held against the other, differs from it about as much."
+    )
 
 
 def _allowances(history: ValveHistory) -> list[dict[str, Any]]:

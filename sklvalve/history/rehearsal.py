@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How far a later part of a valve's history lies from an earlier one of it: what no fault has made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Rehearsal:
+    """Evidence against one part of a history that was held against another, by the whole search.
+
+    Parameters
+    ----------
+    effects : float
+        The strongest that any effect makes of it, relative to what is typical of healthy valves [1].
+    rest : float or None
+        The same of what is left over; None where that is not known.
+    """
+
+    effects: float
+    rest: float | None = None

@@ -1,0 +1,39 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""How far parts of the recordings of a history lie from each other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import TYPE_CHECKING, Any
+
+from sklvalve.history.rehearsal import Rehearsal
+from sklvalve.simulation.state import number
+
+if TYPE_CHECKING:
+    from sklvalve.history.valve_history import ValveHistory
+
+_KEYS = {"effects", "rest"}
+
+
+def told(history: ValveHistory) -> dict[str, Any]:
+    """Strengths of each rehearsal [1]."""
+    return {"each": [asdict(rehearsal) for rehearsal in history.rehearsals_]}
+
+
+def put_back(history: ValveHistory, part: dict[str, Any]) -> None:
+    """Set them again."""
+    history.rehearsals_ = [Rehearsal(**each) for each in part["each"]]
+
+
+def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence[Any]) -> None:
+    """Refuse strengths that are none; ``ValueError``."""
+    several = part.get("each")
+    if not isinstance(several, list | tuple):
+        raise ValueError("its rehearsals are none")
+    for each in several:
+        if not isinstance(each, dict) or set(each) != _KEYS:
+            raise ValueError("a rehearsal of it is none")
+        number(each["effects"], "the strength of a rehearsal", 0.0)
+        if each["rest"] is not None:
+            number(each["rest"], "what a rehearsal left over", 0.0)

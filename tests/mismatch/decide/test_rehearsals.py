@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a valve does by itself is no fault: its own rehearsals in the null law, and in a diagnosis."""
+
+from dataclasses import replace
+
+import pytest
+
+from sklvalve import MissingPhysicsFinder, Recording, Valve
+from sklvalve.datasets import make_valve_recording
+from sklvalve.history.rehearsal import Rehearsal
+from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
+from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY, Covariates, survival
+from sklvalve.mismatch.decide.rehearsing import rehearsal_of
+
+SOMEWHERE = Covariates(noise=0.0, travel=0.5, no_opening=0.0, no_drop=0.0)
+TABLE = AGAINST_HISTORY.effects
+
+
+def chance(times, *own):
+    table = replace(TABLE, own=own)
+    return survival(table, times * table.typical(SOMEWHERE), SOMEWHERE)
+
+
+def test_without_any_the_reference_alone_counts():
+    # a thousandth of healthy recordings lies beyond six times what is typical
+    assert chance(6.4) == pytest.approx(1e-3, rel=0.1)
+
+
+def test_what_the_valve_did_by_itself_is_not_rare():
+    assert chance(13.0, 13.0, 1.0) > 0.04
+    assert chance(5.0, 13.0, 1.0) > 0.08
+
+
+def test_what_is_far_beyond_stays_rare():
+    assert chance(60.0, 13.0, 1.0) < 1e-3
+
+
+def test_a_valve_like_the_reference_loses_little():
+    assert chance(6.4, 1.0, 1.4) < 2.0 * chance(6.4)
+
+
+def test_the_chance_falls_without_a_step():
+    chances = [chance(times, 13.0, 1.0) for times in (0.0, 0.1, 1.0, 12.9, 13.0, 13.1, 50.0)]
+    assert chances == sorted(chances, reverse=True)
+    assert chances[0] <= 1.0
+
+
+@pytest.mark.parametrize("rest", [None, 3.0])
+def test_a_rehearsal_is_told_relative_to_what_is_typical(rest):
+    evidence = Evidence(5.0 * TABLE.typical(SOMEWHERE), rest, SOMEWHERE, law=AGAINST_HISTORY)
+    made = rehearsal_of(evidence)
+    assert made.effects == pytest.approx(5.0)
+    law = AGAINST_HISTORY.with_own([made])
+    assert mismatch_p_value(replace(evidence, law=law)) > mismatch_p_value(evidence)
+
+
+def recording(*effect, rows=2400, **settings):
+    made = make_valve_recording(
+        *effect, loop="wide", noise=0.5, n_samples=rows, n_later=0, random_state=3, **settings
+    )
+    return Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+
+
+@pytest.mark.slow
+def test_a_change_is_told_unless_the_halves_of_the_history_lie_as_far_apart():
+    whole = recording("clogging", 0.3, onset=1500.0, rows=3000)
+    finder = MissingPhysicsFinder(n_jobs=1)
+    history = finder.history_of(whole.slice(0, 1500))
+    assert len(history.rehearsals_) == 2
+    told = finder.set_params(history=history).fit(whole.slice(1500, 3000)).diagnosis_
+    assert told.verdict == "named"
+    strongest = rehearsal_of(finder.evidence_)
+    history.rehearsals_ = [strongest, Rehearsal(strongest.effects * 1.1, strongest.rest)]
+    found = finder.fit(whole.slice(1500, 3000)).diagnosis_.to_dict()
+    assert found["verdict"] == "no_mismatch"
+    assert any("one half of the history" in reason for reason in found["reasons"])
+
+
+@pytest.mark.slow
+def test_a_short_history_has_none():
+    assert MissingPhysicsFinder(max_effects=0, n_jobs=1).history_of(recording(rows=1100)).rehearsals_ == []
