@@ -9,7 +9,7 @@ from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from sklearn.base import BaseEstimator, _fit_context, clone
+from sklearn.base import BaseEstimator, _fit_context
 from sklearn.utils import check_random_state
 from sklearn.utils._param_validation import HasMethods, Interval
 from sklearn.utils.validation import check_is_fitted
@@ -247,8 +247,9 @@ class MissingPhysicsFinder(BaseEstimator):
         history : ValveHistory
             What the diagnosis of the recordings names is among its effects, the leading name of each class
             with its onset, unless it grows, comes and goes, or begins in recordings whose distances in time
-            are not known; ``by_itself_`` keeps the verdict. ``rehearsals_`` keeps how far each half of the
-            recordings lies from the other: what the valve does by itself is no fault in a later one.
+            are not known; ``by_itself_`` keeps the verdict. ``rehearsals_`` keeps how far the second
+            half of the recordings lies from the first: what the valve does by itself is no fault in a later
+            one.
 
         Raises
         ------
@@ -302,10 +303,11 @@ class MissingPhysicsFinder(BaseEstimator):
         """What is known of the valve; learnt here where recordings are given."""
         if self.history is None or isinstance(self.history, ValveHistory):
             return self.history
-        return clone(self).set_params(history=None).history_of(self.history)
+        alone = MissingPhysicsFinder(**(self.get_params(deep=False) | {"history": None}))
+        return alone.history_of(self.history)
 
     def _rehearsed(self, joined: Recording, known: Sequence[Term]) -> list[Rehearsal]:
-        """Each half of a history held against the other as a later recording would be; none of short ones.
+        """The second half of a history held against the first, as a later recording will be; none if short.
 
         The rows before an effect begins are unlike those after it, and tell nothing of what a valve does by
         itself.
@@ -317,8 +319,8 @@ class MissingPhysicsFinder(BaseEstimator):
         if not all(map(is_learnable, halves)):
             return []
         steady = [replace(term, onset=None) for term in known]
-        both = [self._held_against(self._learnt(a, steady), b) for a, b in (halves, halves[::-1])]
-        return [each for each in both if each is not None]
+        made = self._held_against(self._learnt(halves[0], steady), halves[1])
+        return [] if made is None else [made]
 
     def _held_against(self, history: ValveHistory, recording: Recording) -> Rehearsal | None:
         """A part of a history held against another part; None where its data spoil it."""

@@ -287,13 +287,13 @@ def _by_evidence(
 
 
 def evidence_of(case: Case) -> Evidence:
-    """Evidence for a mismatch, of an explanation as it is.
+    """Evidence for a mismatch, with all that is left over where no effect is taken for true.
 
     Parameters
     ----------
     case : Case
     """
-    return _weighed(case, case.explanation.findings, case.explanation.model).evidence
+    return _weighed(case, [], case.explanation.nominal).evidence
 
 
 def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:

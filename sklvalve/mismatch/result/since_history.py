@@ -57,9 +57,9 @@ def since_history(whole: Recording, problem: Problem, judgement: Judgement, alph
     part : dict
         ``since_history``: ``rows``, ``days``, ``recordings``, ``first`` and ``last`` stamp of the history;
         ``allowances``; ``by_itself``, what the history lacked by itself, None where that was not asked;
-        ``rehearsals``, how far its halves lie from each other, and ``rehearsed``, a sentence where that is
-        why nothing is told; ``held``, what it had already, then and now; ``changes``, one for each entry of
-        ``effects``; ``calibration``, then and now; ``residuals`` by channel; ``cannot_say``. Empty
+        ``rehearsals``, how far its second half lies from its first, and ``rehearsed``, a sentence where that
+        is why nothing is told; ``held``, what it had already, then and now; ``changes``, one for each entry
+        of ``effects``; ``calibration``, then and now; ``residuals`` by channel; ``cannot_say``. Empty
         where no history was given.
     """
     history = problem.history
@@ -116,7 +116,7 @@ def _rehearsed(judgement: Judgement, alpha: float) -> str | None:
         return None
     return (
         f"A difference as large occurs in {100.0 * by_reference:.2g} % of healthy recordings, and yet it is "
-        "no change: one half of the history, held against the other, differs from it about as much."
+        "no change: the second half of the history, held against the first, differs from it about as much."
     )
 
 
