@@ -30,6 +30,7 @@ from sklvalve.mismatch.decide.compare import compared
 from sklvalve.mismatch.decide.dated import dated
 from sklvalve.mismatch.decide.detect import covariates_of
 from sklvalve.mismatch.decide.judging import Case, blocked, judge
+from sklvalve.mismatch.decide.known_before import known_before
 from sklvalve.mismatch.decide.late import before, late_event, with_late_event
 from sklvalve.mismatch.decide.referee import refereed
 from sklvalve.mismatch.decide.rehearsing import rehearsed
@@ -366,6 +367,7 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("forecasting rows ahead", 0.82)
         judged, forward = (judged, None) if mend or spoilt else refereed(problem, judged)
         judged = judged if mend else dated(problem, judged, float(self.alpha))
+        judged = known_before(problem, judged)
         self.evidence_ = judged.evidence
         self._leading = [leading_term(finding) for finding in judged.findings]
         self.nominal_simulation_ = _simulation_of(problem, judged.nominal, None, external)

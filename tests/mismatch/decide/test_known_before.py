@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Names that a history may have had already are taken back, and no others."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from sklvalve.history import ByItself
+from sklvalve.mismatch.decide.judgement import Judgement
+from sklvalve.mismatch.decide.known_before import known_before
+
+UNSURE, SOUND = ByItself("cannot_tell", "Nobody knows."), ByItself("no_mismatch", "Nothing is missing.")
+LEAKS = ByItself("named", "It leaks.", held=True)
+
+
+def judged(onset=None, verdict="named"):
+    finding = SimpleNamespace(term=SimpleNamespace(onset=onset))
+    return Judgement(None, verdict, 1e-5, [finding], None, "nominal", "model", kept=True)
+
+
+def problem(by_itself):
+    return SimpleNamespace(history=SimpleNamespace(by_itself_=by_itself))
+
+
+def test_a_name_is_taken_back_where_the_history_could_not_tell():
+    found = known_before(problem(UNSURE), judged())
+    assert (found.verdict, found.findings, found.kept) == ("cannot_tell", [], False)
+    assert (found.model, found.suspected) == ("nominal", "model")
+    assert "may have been there in the history already" in found.why[-1]
+
+
+@pytest.mark.parametrize("before", [SOUND, LEAKS, None])
+def test_a_history_that_was_told_lets_names_stand(before):
+    given = judged()
+    assert known_before(problem(before), given) is given
+
+
+def test_what_begins_within_the_recording_is_new():
+    given = judged(onset=100.0)
+    assert known_before(problem(UNSURE), given) is given
+
+
+def test_nothing_else_is_touched():
+    given = judged(verdict="none_of_these")
+    assert known_before(problem(UNSURE), given) is given
+    assert known_before(SimpleNamespace(history=None), replace(given, verdict="named")).verdict == "named"
