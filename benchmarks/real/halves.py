@@ -97,15 +97,19 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(prog="python -m benchmarks.real.halves", description=__doc__)
     parser.add_argument("data", type=Path)
     options = parser.parse_args(arguments)
-    rows, sound = [], []
+    rows, sound, named = [], [], 0
     for each in outcomes(options.data):
         p_value = "-" if each.p_value is None else f"{each.p_value:.2g}"
         cells = [each.name, each.history, each.rows, each.verdict, each.names or "-", p_value]
         rows.append([*cells, f"{each.seconds:.1f}", "yes" if each.right else "no"])
         if each.name != BROKEN:
             sound.append(each.right)
+            named += each.verdict == "named"
     print(table(["recording", "history", "rows", "verdict", "names", "p", "seconds", "right"], rows))
-    print(f"\n{len(sound) - sum(sound)} alarms in {len(sound)} comparisons of parts that are alike")
+    alarms = len(sound) - sum(sound)
+    print(
+        f"\n{alarms} alarms in {len(sound)} comparisons of parts that are alike, {named} of them with a name"
+    )
     return 0
 
 

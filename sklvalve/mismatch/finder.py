@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from sklvalve._refits import whole_or_nothing
 from sklvalve.history import ValveHistory
 from sklvalve.history.compatible import require_compatible
-from sklvalve.history.learnable import is_learnable, recordings_of, require_no_loop
+from sklvalve.history.learnable import is_learnable, recordings_of, require_learnable, require_no_loop
 from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
@@ -258,9 +258,9 @@ class MissingPhysicsFinder(BaseEstimator):
             If the recordings lack what a diagnosis or a history needs.
         """
         recordings = recordings_of(X)
+        require_learnable(recordings)
         joined = join_recordings(recordings)
         self.fit(joined)
-        require_no_loop(joined)
         found = self.diagnosis_
         terms = lasting(self._leading, joined) if found.verdict == "named" else []
         history = self._learnt(recordings, terms)

@@ -14,8 +14,11 @@ In the order in which a diagnosis comes by them:
     The frozen result, which the steps below replace by another.
 `behind`, `late`, `stretches`
     The same for what lies behind a property, in the last rows, and in long recordings.
-`suppression`, `referee`, `dated`
-    What the data may have made, what a black box predicts better, and when something changed.
+`suppression`, `referee`, `dated`, `known_before`
+    What the data may have made, what a black box predicts better, when something changed, and what a history
+    may have had already.
+`rehearsing`
+    What a valve does by itself, for its null law: a part of a history held against another.
 `assessing`, `probability`, `borne_out`, `grade`, `kinds`, `checked_kind`
     How sure it is: frequencies from sealed records, and a grade; where all is weak no name is left.
 """
