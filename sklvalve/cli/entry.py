@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 from sklvalve.cli import completion, demo, diagnose, import_export, init, learn, predict, screen, simulate
-from sklvalve.cli.interruption import sentence, signals_as_interruption
+from sklvalve.cli.interruption import no_other_error, sentence, signals_as_interruption
 from sklvalve.cli.parser import Parser, UsageError
 from sklvalve.cli.terminal import show
 
@@ -37,10 +37,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     if hasattr(sys.stdout, "reconfigure"):
         sys.stdout.reconfigure(errors="replace")  # a terminal that lacks a letter must not end a diagnosis
     try:
-        status = _run(argv)
-        if sys.stdout is not None:
-            sys.stdout.flush()  # else a full disk would be told only while Python shuts down
-        return status
+        with signals_as_interruption():
+            status = _run(argv)
+            if sys.stdout is not None:
+                sys.stdout.flush()  # else a full disk would be told only while Python shuts down
+            return status
     except KeyboardInterrupt as interruption:
         with suppress(OSError):  # the terminal may be gone
             show(sentence(), file=sys.stderr)
@@ -69,7 +70,7 @@ def _run(argv: Sequence[str] | None) -> int:
     from sklvalve.recording import InputError
 
     try:
-        with _plain_warnings(), signals_as_interruption():
+        with _plain_warnings(), no_other_error():
             return args.run(args)
     except InputError as error:
         return _complain(str(error))

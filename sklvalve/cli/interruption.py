@@ -14,6 +14,7 @@ from types import FrameType
 _ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
 _A_MOMENT = 0.05  # [s]: enough for compiled code to be left
 _written: list[Path] = []
+_came: list[int] = []
 
 
 class Interrupted(KeyboardInterrupt):
@@ -29,22 +30,18 @@ def signals_as_interruption() -> Iterator[None]:
     """Let Ctrl-C, a request to terminate and a hang-up end the run alike: with what was begun removed.
 
     A signal that is ignored stays so: nohup asks for that. A library into whose work the signal falls may
-    drop the exception (a callback from compiled code can raise none) or make another of it: the first is
-    raised again a moment later, the second stays an interruption.
+    drop the exception, since a callback from compiled code can raise none: then it is raised again a moment
+    later.
     """
     _written.clear()
+    _came.clear()
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    came: list[int] = []
-
-    def interrupt(number: int, frame: FrameType | None) -> None:
-        came.append(number)
-        raise Interrupted(number)
 
     def again(dropped: "sys.UnraisableHookArgs") -> None:
         if issubclass(dropped.exc_type, Interrupted):
-            timer = threading.Timer(_A_MOMENT, _thread.interrupt_main, [came[-1]])
+            timer = threading.Timer(_A_MOMENT, _thread.interrupt_main, [_came[-1]])
             timer.daemon = True
             timer.start()
         else:
@@ -54,18 +51,30 @@ def signals_as_interruption() -> Iterator[None]:
     before = {}
     for number in _ENDING:
         if signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
-            before[number] = signal.signal(number, interrupt)
+            before[number] = signal.signal(number, _interrupt)
     sys.unraisablehook = again
     try:
         yield
-    except Exception:
-        if came:
-            raise Interrupted(came[-1]) from None
-        raise
     finally:
         sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    _came.append(number)
+    raise Interrupted(number)
+
+
+@contextmanager
+def no_other_error() -> Iterator[None]:
+    """Let an interruption that a library has made an error of its own stay an interruption."""
+    try:
+        yield
+    except Exception:
+        if _came:
+            raise Interrupted(_came[-1]) from None
+        raise
 
 
 @contextmanager
