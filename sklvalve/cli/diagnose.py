@@ -104,7 +104,7 @@ def run(args: Namespace) -> int:
             loop_signals(used)
         else:
             require_diagnosable(used)
-        history = read_history(args.history, known.valve, args.allow or ())
+        history = read_history(args.history, known.valve, args.allow)
         require_history(history, used)
     with Staging(args.out, RESULTS) as staging:
         tell(known)
@@ -115,7 +115,7 @@ def run(args: Namespace) -> int:
             seed=args.seed,
             assumed=known.assumed,
             history=history,
-            allowed=args.allow or (),
+            allowed=args.allow,
         )
         written = staging.commit()
     found = finder.diagnosis_.to_dict()

@@ -36,6 +36,7 @@ def add_allow_argument(parser) -> None:
         metavar="NAME=VALUE",
         nargs="+",
         type=_allowed,
+        default=(),
         help="what may change without a fault between --history and the recording, each a standard "
         "deviation, such as capacity=0.004; the report lists names and values",
     )

@@ -263,9 +263,10 @@ class MissingPhysicsFinder(BaseEstimator):
         self.fit(joined)
         found = self.diagnosis_
         terms = lasting(self._leading, joined) if found.verdict == "named" else []
-        history = self._learnt(recordings, terms)
+        with threadpool_limits(1, user_api="blas"), with_threads(self.n_jobs):
+            history = self._learnt(recordings, terms)
+            history.rehearsals_ = self._rehearsed(joined, terms)
         history.by_itself_ = by_itself(found, bool(terms) and len(terms) == len(self._leading))
-        history.rehearsals_ = self._rehearsed(joined, terms)
         return history
 
     @property

@@ -101,6 +101,17 @@ class Judgement:
     comparison: Comparison = EMPTY
     rules: tuple[Rule, ...] = ()
 
+    def without_names(self, verdict: str) -> Judgement:
+        """The same with another verdict and no finding; what was found shows where it is all the same.
+
+        Parameters
+        ----------
+        verdict : {"none_of_these", "cannot_tell"}
+        """
+        return replace(
+            self, verdict=verdict, findings=[], model=self.nominal, suspected=self.model, kept=False
+        )
+
     @property
     def names_event(self) -> bool:
         """Whether what happened in the last rows has a name."""

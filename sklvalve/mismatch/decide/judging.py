@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.constants import HELD_OUT_ERRORS, LEAST_P_VALUE
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import (
     Evidence,
@@ -315,7 +315,7 @@ def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
         by_chance = p_value_of_what_counts(findings, case.explanation.tried, case.problem)
     elif unknown is not None and unknown.period is not None:
         # a cycle is told by a law of its own
-        p_value = max(min(p_value, unknown.p_value), LEAST_P_VALUE)
+        p_value = min(p_value, unknown.p_value)
     counts = by_chance is None or by_chance <= case.alpha
     enough = counts and p_value <= case.alpha
     return _Weighed(unknown, evidence, p_value, by_chance, enough, new if enough else None)
@@ -370,7 +370,7 @@ def _with_what_is_left(case: Case, judged: Judgement, left: LeftOver, said: str)
     judged = replace(judged, why=(*judged.why, too_much_left(left, judged.findings, case.problem)))
     if judged.verdict != "no_mismatch":
         return judged
-    p_value = max(min(judged.p_value or 1.0, left.p_value), LEAST_P_VALUE)
+    p_value = min(judged.p_value or 1.0, left.p_value)
     return replace(judged, verdict="cannot_tell", p_value=p_value)
 
 
@@ -404,7 +404,7 @@ def _pulses(case: Case, judged: Judgement) -> Judgement:
     pulses = find_pulses(case.problem, judged.nominal, case.alpha)
     if pulses is None:
         return judged
-    p_value = max(min(judged.p_value or 1.0, pulses.p_value), LEAST_P_VALUE)
+    p_value = min(judged.p_value or 1.0, pulses.p_value)
     asked = (*judged.rules, rules.nameless(pulses.reason))
     return replace(judged, verdict="none_of_these", p_value=p_value, unknown=None, pulses=pulses, rules=asked)
 

@@ -36,12 +36,4 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
     unsure = before is not None and before.verdict == "cannot_tell"
     if not unsure or judged.verdict != "named" or any(f.term.onset is not None for f in judged.findings):
         return judged
-    return replace(
-        judged,
-        verdict="cannot_tell",
-        findings=[],
-        model=judged.nominal,
-        suspected=judged.model,
-        kept=False,
-        why=(*judged.why, _WHY),
-    )
+    return replace(judged.without_names("cannot_tell"), why=(*judged.why, _WHY))

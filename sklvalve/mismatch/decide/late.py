@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
 from sklvalve.mismatch.decide.stretches import with_every_row
@@ -129,7 +128,7 @@ def with_late_event(
     settled = _settled(problem, model, event)
     others = [with_every_row(problem, f) for f in judged.findings]
     assert judged.p_value is not None
-    p_value = max(min(judged.p_value, event.p_value), LEAST_P_VALUE)
+    p_value = min(judged.p_value, event.p_value)
     apart = {c: _without(noise[c], event.within[0], settled) for c in problem.channels}
     finding = _named(problem.with_noise(apart), model, event, settled, effects)
     judged = replace(

@@ -100,15 +100,8 @@ def _taken_back(problem: Problem, judged: Judgement, compared: Sequence[Compared
         return replace(judged, kept=False), (
             f"The unexplained part is not added to the simulation: with it {rises}."
         )
-    kept = replace(
-        judged,
-        verdict="none_of_these" if judged.unknown is not None else "cannot_tell",
-        findings=[],
-        model=judged.nominal,
-        suspected=judged.model,
-        kept=False,
-    )
-    return kept, f"The best explanation is not named: with it {rises}."
+    nameless = judged.without_names("none_of_these" if judged.unknown is not None else "cannot_tell")
+    return nameless, f"The best explanation is not named: with it {rises}."
 
 
 def _beaten(problem: Problem, judged: Judgement, worst: Compared) -> tuple[Judgement, str]:

@@ -62,8 +62,8 @@ def rarity(p_value: float, alpha: float) -> Rule:
         p_value,
         alpha,
         p_value <= alpha,
-        f"A difference this large occurs in {_share(p_value)} of healthy recordings; at most {_share(alpha)} "
-        "may, for something to be missing.",
+        f"A difference this large occurs in {percent(p_value)} of healthy recordings; at most "
+        f"{percent(alpha)} may, for something to be missing.",
     )
 
 
@@ -74,8 +74,8 @@ def relevance(p_value: float, alpha: float) -> Rule:
         p_value,
         alpha,
         p_value <= alpha,
-        f"The probability that chance lifts a difference too small to count this high is {_share(p_value)}; "
-        f"at most {_share(alpha)} is allowed.",
+        f"The probability that chance lifts a difference too small to count this high is {percent(p_value)}; "
+        f"at most {percent(alpha)} is allowed.",
     )
 
 
@@ -87,8 +87,8 @@ def held_out(share: float) -> Rule:
         share,
         limit,
         share < limit,
-        f"In rows left out of the fit {_share(share)} of the error beyond noise remains; less than "
-        f"{_share(limit)} must.",
+        f"In rows left out of the fit {percent(share)} of the error beyond noise remains; less than "
+        f"{percent(limit)} must.",
     )
 
 
@@ -115,11 +115,11 @@ def residual(unknown: float, explained: float) -> Rule:
     limit = constants.RESIDUAL_SHARE
     share = unknown / explained if explained > 0.0 else (float("inf") if unknown > 0.0 else 0.0)
     words = (
-        f"The unexplained part is {_share(share)} of the explained part"
+        f"The unexplained part is {percent(share)} of the explained part"
         if explained > 0.0
         else "No effect explains any part of the difference"
     )
-    return Rule("residual", share, limit, share <= limit, f"{words}; at most {_share(limit)} is allowed.")
+    return Rule("residual", share, limit, share <= limit, f"{words}; at most {percent(limit)} is allowed.")
 
 
 def noise(times: float | None, passed: bool) -> Rule:
@@ -188,8 +188,8 @@ def probability(value: float | None, passed: bool, reason: str = "") -> Rule:
     sentence = (
         "How often such a diagnosis is right was not checked on recordings like this one; the grade decides."
         if value is None
-        else f"In blind tests {_share(value)} of such classes held the true name; {_share(limit)} is needed "
-        "for a name."
+        else f"In blind tests {percent(value)} of such classes held the true name; {percent(limit)} is "
+        "needed for a name."
     )
     return Rule("probability", value, limit, passed, sentence)
 
@@ -209,7 +209,7 @@ def without(rules: Iterable[Rule], names: Iterable[str]) -> tuple[Rule, ...]:
     return tuple(rule for rule in rules if rule.name not in tuple(names))
 
 
-def _share(share: float) -> str:
+def percent(share: float) -> str:
     """A share in percent, as far as it is worth telling."""
     if share == float("inf"):
         return "all"

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.robust import robust_cost, robust_weights
 
@@ -101,7 +102,8 @@ def find_cycle(problem: Problem, model: Model, channel: str) -> Cycle | None:
     if gain < _LEAST_GAIN:
         return None
     tries = 2 * len(frequencies)
-    return Cycle(float(f"{period:.5g}"), float(-np.expm1(tries * np.log1p(-np.exp(-gain)))))
+    p_value = float(-np.expm1(tries * np.log1p(-np.exp(-gain))))
+    return Cycle(float(f"{period:.5g}"), max(p_value, LEAST_P_VALUE))
 
 
 def _waves(clock: np.ndarray, height: np.ndarray, frequency: float) -> np.ndarray:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.constants import TIMES_ALLOWED
+from sklvalve.mismatch.constants import LEAST_P_VALUE, TIMES_ALLOWED
 from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN
 from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.mismatch.signals.steady import drivers_of, steady_floor
@@ -77,7 +77,7 @@ class LeftOver:
     @property
     def p_value(self) -> float:
         """Chance of a residual of this size or more where the true one is as large as is allowed."""
-        return self._chance_of(self.times)
+        return max(self._chance_of(self.times), LEAST_P_VALUE)
 
     def _chance_of(self, times: float) -> float:
         return float(chi2.sf(self.many * times**2, self.many))

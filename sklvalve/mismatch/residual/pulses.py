@@ -15,6 +15,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d, median_filter, minimum_filter1d, uniform_filter1d
 from scipy.stats import binom
 
+from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import flow_moved_by, step_of
@@ -126,7 +127,8 @@ def find_pulses(problem: Problem, model: Model, alpha: float) -> Pulses | None:
     )
     above, below = (_instants(usable & (side * about > limit)) for side in (1.0, -1.0))
     most, fewest = max(len(above), len(below)), min(len(above), len(below))
-    p_value = min(1.0, 2.0 * float(binom.sf(most - 1, most + fewest, 0.5)) / _OF_ALPHA)
+    by_chance = 2.0 * float(binom.sf(most - 1, most + fewest, 0.5))
+    p_value = float(np.clip(by_chance / _OF_ALPHA, LEAST_P_VALUE, 1.0))
     if p_value > alpha:
         return None
     falls = len(below) > len(above)

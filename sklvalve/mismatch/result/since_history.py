@@ -13,6 +13,7 @@ from sklvalve.history import Allowance
 from sklvalve.history.operating_range import OperatingRange, limits_in_recorded_units
 from sklvalve.history.then import expected_of, simulation_then
 from sklvalve.mismatch.decide.detect import mismatch_p_value
+from sklvalve.mismatch.decide.rules import percent
 from sklvalve.mismatch.describe.intervals import interval_of
 from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.result.effect_entry import in_recorded_unit
@@ -112,11 +113,11 @@ def _rehearsed(judgement: Judgement, alpha: float) -> str | None:
     if evidence is None or judgement.verdict != "no_mismatch":
         return None
     by_reference = mismatch_p_value(replace(evidence, law=evidence.law.with_own(())))
-    if by_reference > alpha:
+    if by_reference > alpha or mismatch_p_value(evidence) <= alpha:
         return None
     return (
-        f"A difference as large occurs in {100.0 * by_reference:.2g} % of healthy recordings, and yet it is "
-        "no change: the second half of the history, held against the first, differs from it about as much."
+        f"A difference this large occurs in {percent(by_reference)} of healthy recordings, but the second "
+        "half of this valve's history differs from the first about as much. So it is not told as a change."
     )
 
 

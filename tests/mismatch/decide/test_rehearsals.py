@@ -72,7 +72,7 @@ def test_a_change_is_told_unless_the_halves_of_the_history_lie_as_far_apart():
     history.rehearsals_ = [Rehearsal(10.0, 20.0)]
     found = finder.fit(whole.slice(1500, 3000)).diagnosis_.to_dict()
     assert found["verdict"] == "no_mismatch"
-    assert any("second half of the history" in reason for reason in found["reasons"])
+    assert any("second half of this valve's history" in reason for reason in found["reasons"])
 
 
 @pytest.mark.slow
