@@ -16,7 +16,7 @@ from sklvalve.simulation.calibration import calibration_parameters, channels_of,
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.first_values import first_values
 from sklvalve.simulation.fitting import Misfit, first_noise, fit_chain, residual_of, simulate_channels
-from sklvalve.simulation.noise import INADEQUACY, NoiseParts
+from sklvalve.simulation.noise import NoiseParts, sizes_of_noise
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.robust import normal_equations, robust_weights
@@ -100,7 +100,9 @@ def sampled(recordings: Sequence[Recording]) -> Recording:
     return join_recordings([spans[i][0].slice(spans[i][1], spans[i][2]) for i in chosen])
 
 
-def calibrated_on(chain: Chain, groups: Sequence[Group], tolerance: Tolerance) -> dict[str, float]:
+def calibrated_on(
+    chain: Chain, groups: Sequence[Group], tolerance: Tolerance, start: dict[str, float] | None = None
+) -> dict[str, float]:
     """Values of a simulation that has nothing missing.
 
     Parameters
@@ -108,38 +110,42 @@ def calibrated_on(chain: Chain, groups: Sequence[Group], tolerance: Tolerance) -
     chain : Chain
     groups : sequence of Group
     tolerance : Tolerance
+    start : dict, default=None
+        Values to begin with; searched for unless given.
 
     Returns
     -------
     values : dict
     """
     channels = [c for g in groups for c in g.channels]
-    stem = next((g.parameters for g in groups if g.channels == ("opening",)), ())
-    values, _ = first_values(chain, stem, flow="flow" in channels)
+    if start is None:
+        stem = next((g.parameters for g in groups if g.channels == ("opening",)), ())
+        start, _ = first_values(chain, stem, flow="flow" in channels)
+    values = dict(start)
     noise: dict[str, Any] = first_noise(spans_of(chain.recording, channels))
     for k in range(3):
         if k:
-            noise = noise_left(chain, simulate_channels(chain, values, channels), tolerance)
+            left = simulate_channels(chain, values, channels)
+            noise = noise_left(chain, left, tolerance, cautious=True)
         for group in groups:
             values |= fit_chain(chain, group.parameters, group.channels, noise, start=values).values
     return values
 
 
-def noise_left(chain: Chain, predictions: dict[str, np.ndarray], tolerance: Tolerance) -> dict[str, Any]:
-    """Noise that a simulation leaves over of a recording, channel by channel."""
-    spans = spans_of(chain.recording, predictions)
-    counts = {"opening": tolerance.opening_effect, "flow": tolerance.flow_effect}
-    return {
-        c: noise_of(
-            chain.recording,
-            residual_of(chain, predictions, c, None),
-            predictions[c],
-            chain.step,
-            c,
-            inadequacy=INADEQUACY * counts[c] * spans[c],
-        )
-        for c in predictions
-    }
+def noise_left(
+    chain: Chain, predictions: dict[str, np.ndarray], tolerance: Tolerance, *, cautious: bool = False
+) -> dict[str, Any]:
+    """Noise that a simulation leaves over of a recording, channel by channel.
+
+    Of a calibration that is not over yet it is asked cautiously: a wander takes up whatever that misses, and
+    what is calibrated by it misses more. What is left in the end is the healthy valve's, however large.
+    """
+    spans, made = spans_of(chain.recording, predictions), {}
+    for c, simulated in predictions.items():
+        sizes = sizes_of_noise(tolerance.counts(c) * spans[c]) | ({} if cautious else {"largest": np.inf})
+        left = residual_of(chain, predictions, c, None)
+        made[c] = noise_of(chain.recording, left, simulated, chain.step, c, cautious=cautious, **sizes)
+    return made
 
 
 def windows_of(

@@ -68,6 +68,9 @@ class ValveHistory(BaseEstimator):
     onsets : dict, default=None
         Effect key -> absolute time [s] from which on it acts: the rows before tell the sound valve. A later
         recording has it from its first row on.
+    start : dict, default=None
+        Parameter -> value [SI] to begin the calibration with, as a simulation fitted to the same recordings
+        has it in its ``values_``; searched for unless given.
 
     Attributes
     ----------
@@ -113,12 +116,14 @@ class ValveHistory(BaseEstimator):
         allowance: Allowance | None = None,
         effects: Sequence[Any] = (),
         onsets: dict[str, Any] | None = None,
+        start: dict[str, float] | None = None,
     ) -> None:
         self.valve = valve
         self.tolerance = tolerance
         self.allowance = allowance
         self.effects = effects
         self.onsets = onsets
+        self.start = start
 
     @whole_or_nothing
     def fit(self, X: Recording | Iterable[Recording], y: Any = None) -> ValveHistory:
@@ -150,7 +155,7 @@ class ValveHistory(BaseEstimator):
         self.spans_ = spans_of(joined)
         chain = self._chain(joined, self.onsets or {})
         self._groups_ = groups_of(chain, tolerance)
-        self.values_ = calibrated_on(chain, self._groups_, tolerance)
+        self.values_ = calibrated_on(chain, self._groups_, tolerance, self.start)
         self.windows_: list[Window] = []
         self.recordings_: list[Source] = []
         self.range_ = OperatingRange()

@@ -347,7 +347,10 @@ class MissingPhysicsFinder(BaseEstimator):
     def _learnt(self, recordings: Any, known: Sequence[Term] = ()) -> ValveHistory:
         effects = tuple(term.effect for term in known)
         onsets = {term.effect.key: term.onset for term in known if term.onset is not None}
-        return ValveHistory(tolerance=self.tolerance, effects=effects, onsets=onsets or None).fit(recordings)
+        # what it was diagnosed by has the same parameters, and lies in the right valley already
+        start = (self.corrected_simulation_ if known else self.nominal_simulation_).values_
+        history = ValveHistory(tolerance=self.tolerance, effects=effects, onsets=onsets or None, start=start)
+        return history.fit(recordings)
 
     def _fit_valve(
         self,

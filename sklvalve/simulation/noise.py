@@ -14,8 +14,9 @@ import numba as nb
 import numpy as np
 from scipy.optimize import minimize
 
-#: A healthy simulation is wrong by about this share of what counts as an effect.
-INADEQUACY = 0.2
+# a healthy simulation is wrong by about this share of what counts as an effect, and no correlated noise of a
+# sensor is larger than so many times that
+_INADEQUACY, _LARGEST = 0.2, 2.0
 
 
 @nb.njit(cache=True, nogil=True)
@@ -337,6 +338,24 @@ def fit_noise(
     base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(solution.x), *bounds)
     parts = NoiseParts(base, share, timing, fast_time, fast, slow_time, slow, size)
     return parts.model(np.isfinite(residuals), simulated, step, inadequacy=inadequacy)
+
+
+def sizes_of_noise(counts: float) -> dict[str, float]:
+    """How large a noise may be beside what counts as an effect: settings of `fit_noise`.
+
+    A wander without a bound takes up whatever a calibration misses, and what is calibrated by it misses more.
+
+    Parameters
+    ----------
+    counts : float
+        Size from which on a change of the signal counts [SI].
+
+    Returns
+    -------
+    settings : dict
+        `inadequacy` and `largest`.
+    """
+    return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
 
 def quick_size(residuals: np.ndarray, simulated: np.ndarray, quantum: float) -> float:

@@ -45,3 +45,7 @@ class Tolerance:
     pressure_zero: float = 0.0025
     flow_effect: float = 0.005
     opening_effect: float = 0.005
+
+    def counts(self, channel: str) -> float:
+        """Change of `"opening"` or `"flow"` from which on an effect counts, share of span [1]."""
+        return self.opening_effect if channel == "opening" else self.flow_effect

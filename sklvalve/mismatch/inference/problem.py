@@ -33,12 +33,9 @@ from sklvalve.simulation.fitting import (
     simulate_channels,
 )
 from sklvalve.simulation.given import chain_for
-from sklvalve.simulation.noise import INADEQUACY
+from sklvalve.simulation.noise import sizes_of_noise
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.robust import robust_cost
-
-# no sensor's noise is larger than this many times what counts
-_LARGEST = 2.0
 
 
 @dataclass(frozen=True)
@@ -373,8 +370,7 @@ class Problem(Sharing, Sizes):
 
     def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
-        counts = self.tolerated(channel) * self.spans[channel]
-        return {"inadequacy": INADEQUACY * counts, "largest": _LARGEST * counts}
+        return sizes_of_noise(self.tolerated(channel) * self.spans[channel])
 
     def homoscedastic(self, model: Model, rows: np.ndarray | slice = slice(None)) -> Problem:
         """The problem judged by noise of one size in all rows, that of what a model leaves in `rows`.

@@ -89,7 +89,7 @@ class Sizes:
 
     def tolerated(self, channel: str) -> float:
         """Size that the tolerance leaves open, share of span [1]."""
-        return self.tolerance.opening_effect if channel == "opening" else self.tolerance.flow_effect
+        return self.tolerance.counts(channel)
 
 
 def _rms_where_acting(gap: np.ndarray) -> float:
