@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What the engineer knows of a valve and of its recording: valve.toml."""
 
-import re
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from os import PathLike
@@ -20,10 +18,9 @@ from sklvalve.recording._layout import (
     section,
 )
 from sklvalve.recording.errors import InputError, hint, shown
-from sklvalve.recording.files import read_plain_file
 from sklvalve.recording.signal import OPENING_ROLES, Signal
+from sklvalve.recording.toml_file import read_toml
 
-_LARGEST = 1 << 20  # bytes
 Table = tuple[tuple[float, float], ...]
 
 
@@ -233,33 +230,5 @@ def read_valve(path: str | PathLike[str]) -> Valve:
     file = Path(path)
     if file.name.lower().endswith((".csv", ".csv.gz", ".parquet")):
         raise InputError(f"{file}: this is named as a recording is; give the valve.toml")
-    content = read_plain_file(
-        file, missing="give the path of the valve.toml", folder="give the valve.toml in it", most=_LARGEST
-    )
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content[: error.start].count(b"\n") + 1
-        raise InputError(f"{file}: line {line} is no UTF-8 text; save the file as UTF-8") from None
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(_toml_sentence(file, text, str(error))) from None
-    except (ValueError, RecursionError) as error:
-        what = "brackets are nested" if isinstance(error, RecursionError) else "a number is"
-        raise InputError(f"{file}: {what} beyond what can be read; correct it") from None
+    data = read_toml(file, missing="give the path of the valve.toml", folder="give the valve.toml in it")
     return Valve.from_dict(data, source=str(file))
-
-
-def _toml_sentence(file: Path, text: str, message: str) -> str:
-    place = re.search(r"\(at line (\d+), column (\d+)\)", message)
-    if place:
-        line, column = int(place[1]), int(place[2])
-    else:  # the parser says only that the text ended too early
-        lines = text.splitlines() or [""]
-        line, column = len(lines), len(lines[-1]) + 1
-    reason = message.split(" (at ")[0]
-    return (
-        f"{file}: line {line}, column {column} is no valid TOML ({reason}); correct that line: texts stand "
-        'in quotes, as in unit = "kPa", and decimals have a point'
-    )

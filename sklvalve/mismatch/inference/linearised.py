@@ -128,6 +128,29 @@ class Linearised:
         cost, _ = self.answered(errors, change, np.array([-1.0]), np.array([0.5]))
         return self.cost - cost, promised
 
+    def share_of(self, errors: np.ndarray) -> tuple[float, float]:
+        """Best share of a change, of either sign, and its standard deviation, the calibration answering.
+
+        Parameters
+        ----------
+        errors : ndarray of shape (n_errors,)
+            With the change.
+
+        Returns
+        -------
+        share, deviation : float
+            The deviation is infinite where the calibration can do all that the change does.
+        """
+        change = errors - self.errors
+        shared = self._slopes @ (self._weights * change)
+        square = float(self._weights @ change**2)
+        own = square - float(shared @ self._inverse @ shared)
+        if own <= 1e-6 * square or own <= 0.0:
+            return 0.0, np.inf
+        towards = -float((self._weights * change) @ self.errors)
+        towards += float(shared @ self._inverse @ (self._slopes @ (self._weights * self.errors)))
+        return towards / own, own**-0.5
+
     def likeliest_onset(self, errors: np.ndarray) -> tuple[float, float]:
         """From when on a change gains most at the best share of it, and what, to second order."""
         rows = len(self.errors) - len(self._priors)
