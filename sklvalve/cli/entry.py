@@ -9,7 +9,18 @@ from argparse import RawDescriptionHelpFormatter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
-from sklvalve.cli import completion, demo, diagnose, import_export, init, learn, predict, screen, simulate
+from sklvalve.cli import (
+    completion,
+    demo,
+    diagnose,
+    import_export,
+    init,
+    learn,
+    predict,
+    screen,
+    simulate,
+    watch,
+)
 from sklvalve.cli.interruption import no_other_error, sentence, signals_as_interruption
 from sklvalve.cli.parser import Parser, UsageError
 from sklvalve.cli.terminal import show
@@ -110,7 +121,7 @@ def build_parser() -> Parser:
     commands = parser.add_subparsers(
         title="commands", dest="command", metavar="COMMAND", required=True, parser_class=Parser
     )
-    for module in (import_export, init, screen, learn, diagnose, predict, simulate, demo, completion):
+    for module in (import_export, init, screen, learn, diagnose, watch, predict, simulate, demo, completion):
         module.add_parser(commands)
     return parser
 

@@ -11,9 +11,10 @@ import os
 import re
 import secrets
 import shutil
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
+
+from sklvalve._locking import locked
 
 try:
     import fcntl
@@ -124,22 +125,3 @@ def _move(folder: Path, target: Path, names: list[str], dropped: list[str]) -> N
             os.replace(folder / name, target / name)
     for name in dropped:
         (target / name).unlink(missing_ok=True)
-
-
-@contextmanager
-def locked(folder: Path) -> Iterator[None]:
-    """Hold a folder against other runs; nothing is left in it. Without locks on this system, do without."""
-    if fcntl is None:
-        yield
-        return
-    try:
-        handle = os.open(folder, os.O_RDONLY)
-    except OSError:  # a folder may be written and not read
-        yield
-        return
-    try:
-        with suppress(OSError):
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)

@@ -6,8 +6,9 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from types import TracebackType
 
+from sklvalve._locking import locked
 from sklvalve.cli.interruption import note_written, uninterrupted
-from sklvalve.cli.leftovers import Held, clear_leftovers, locked, make_held
+from sklvalve.cli.leftovers import Held, clear_leftovers, make_held
 from sklvalve.recording import InputError
 
 

@@ -180,7 +180,8 @@ def _log_factors(series: NDArray, commissioned: int, shape: str) -> NDArray:
     seen = np.isfinite(series)
     if seen[:commissioned].sum() < FEWEST or not len(onsets):
         return out
-    y = np.where(seen, series, 0.0)
+    # about the sound mean, so that a large zero costs no digits
+    y = np.where(seen, series - np.nanmean(series[:commissioned]), 0.0)
     count = np.cumsum(seen)
     total, square = np.cumsum(y), np.cumsum(y * y)
     left = np.maximum(square - total**2 / count.clip(1), 1e-300)

@@ -15,6 +15,7 @@ from typing import Any
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.files.packed_model import require_plain_archive
+from sklvalve.mismatch.files.steady_archive import steady_archive
 from sklvalve.recording import InputError
 from sklvalve.recording.errors import shown
 from sklvalve.recording.files import read_plain_file
@@ -59,6 +60,8 @@ def skops_of(kind: Kind) -> ModuleType:
 def write_plain(path: str | PathLike[str], content: dict[str, Any], kind: Kind) -> None:
     """Write a file under another name first, so that what stood there is replaced whole or not at all.
 
+    The same content gives the same bytes.
+
     Parameters
     ----------
     path : str or path-like
@@ -70,7 +73,7 @@ def write_plain(path: str | PathLike[str], content: dict[str, Any], kind: Kind) 
     # not by tempfile, whose files are the owner's alone: a result is as readable as the umask has it
     draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
     try:
-        skops_io.dump(content, draft)
+        draft.write_bytes(steady_archive(skops_io.dumps(content)))
         os.replace(draft, path)
     except BaseException:
         draft.unlink(missing_ok=True)

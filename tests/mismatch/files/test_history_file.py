@@ -5,6 +5,7 @@ import os
 import stat
 import sys
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -72,10 +73,12 @@ def test_nothing_of_the_folder_is_in_it(tmp_path):
 def test_a_failed_save_leaves_the_old_file(saved, learnt, monkeypatch):
     before = saved.read_bytes()
 
-    def broken(content, name):
+    def broken(path, content):
+        with path.open("wb") as half:
+            half.write(content[: len(content) // 2])
         raise OSError("disk full")
 
-    monkeypatch.setattr(skops_io, "dump", broken)
+    monkeypatch.setattr(Path, "write_bytes", broken)
     with pytest.raises(OSError, match="disk full"):
         save_history(saved, learnt)
     assert saved.read_bytes() == before

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""``sklvalve watch``: many valves, each day held against the valve's own history."""
+
+import datetime as dt
+from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
+from pathlib import Path
+
+from sklvalve.cli.as_json import add_json_argument, as_json
+from sklvalve.cli.parser import seed
+from sklvalve.cli.terminal import show
+
+_EXAMPLES = """examples:
+  sklvalve watch plant.toml --data rows --state state --site site
+  sklvalve watch plant.toml --state state --inspected FV-101 --on 2026-03-01 --note "packing renewed"
+"""
+
+
+def add_parser(commands) -> None:
+    """Declare the command."""
+    parser = commands.add_parser(
+        "watch",
+        help="watch many valves, day after day, and call for attention where one has changed",
+        description="Hold each new day of every valve against the valve's own history, and call for "
+        "attention where one has changed, no more often without a reason than plant.toml allows. A valve "
+        "that calls is diagnosed. Run it once a day; days that were read are not read again.",
+        epilog=_EXAMPLES,
+        formatter_class=RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("plant", metavar="PLANT", help="plant.toml: valves, their sheets and their rows")
+    parser.add_argument("--data", metavar="DIR", help="folder in which each valve has its own")
+    parser.add_argument("--state", required=True, metavar="DIR", help="folder for what is kept")
+    parser.add_argument("--site", metavar="DIR", help="folder for the pages; none are made without")
+    parser.add_argument("--jobs", type=_jobs, metavar="N", help="processes (default: one a processor)")
+    parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler, in place of processes")
+    parser.add_argument("--inspected", metavar="TAG", help="enter that this valve was inspected or mended")
+    parser.add_argument("--on", type=_day, metavar="DAY", help="day of the inspection (default: today)")
+    parser.add_argument("--note", default="", metavar="TEXT", help="what was found or done")
+    parser.add_argument("--seed", type=seed, default=0, metavar="N", help="of the random draws (default: 0)")
+    add_json_argument(parser, "how each valve stands")
+    parser.set_defaults(run=run)
+
+
+def run(args: Namespace) -> int:
+    """Watch a plant, or enter an inspection."""
+    from sklvalve.recording import InputError
+    from sklvalve.watch.plant import read_plant
+    from sklvalve.watch.run import inspected, watch
+    from sklvalve.watch.site import write_site
+
+    plant = read_plant(args.plant)
+    if args.inspected is not None:
+        day = args.on or dt.date.today()
+        inspected(plant, args.state, args.inspected, day, args.note)
+        show(f"Entered: {args.inspected} inspected on {day}. Its history begins anew from that day on.")
+        return 0
+    if args.on is not None or args.note:
+        raise InputError("--on and --note belong to an inspection; give the valve as --inspected TAG")
+    if args.data is None:
+        raise InputError("--data is missing; give the folder in which each valve has its own")
+    watches = watch(
+        plant,
+        args.data,
+        args.state,
+        n_jobs=args.jobs,
+        scheduler=args.scheduler,
+        random_state=args.seed,
+    )
+    content = content_of(plant, watches, Path(args.state))
+    lines = lines_of(content)
+    if args.site is not None:
+        index = write_site(args.site, plant, watches, args.state)
+        content |= {"site": str(index)}
+        lines += ["", f"Written: {index}"]
+    show(as_json(content) if args.json else "\n".join(lines))
+    return 0
+
+
+def content_of(plant, watches, state: Path) -> dict:
+    """How each valve stands, as plain data."""
+    from dataclasses import asdict
+
+    from sklvalve.watch.store import Store
+
+    store = Store(state)
+    valves = []
+    for each in watches:
+        calls = [asdict(f) for f in store.findings(each.tag)]
+        valves.append({"tag": each.tag, "state": each.state, "said": list(each.said), "calls": calls})
+    return {"schema": "sklvalve.watch/1", "plant": plant.name, "valves": valves}
+
+
+def lines_of(content: dict) -> list[str]:
+    """The same for a terminal: what calls for attention first."""
+    valves = content["valves"]
+    calling = [each for each in valves if each["state"] == "calls"]
+    lines = [f"{content['plant']}: {len(calling)} of {len(valves)} valves call for attention."]
+    for each in calling:
+        last = each["calls"][-1]
+        lines += [
+            "",
+            f"{each['tag']}  since {last['onset']}, called {last['called']}",
+            f"  {last['headline']}",
+        ]
+    others = [each for each in valves if each["state"] in ("no data", "commissioning", "cannot tell")]
+    if others:
+        lines += ["", "Nothing is told yet of:"]
+        lines += [f"  {each['tag']}: {each['state']}. {' '.join(each['said'])}".rstrip() for each in others]
+    noted = [each for each in valves if each not in others and each["said"]]
+    if noted:
+        lines += ["", "Data to be looked at:"]
+        lines += [f"  {each['tag']}: {sentence}" for each in noted for sentence in each["said"][-3:]]
+    return lines
+
+
+def _jobs(text: str) -> int:
+    try:
+        many = int(text)
+    except ValueError:
+        many = 0
+    if many < 1:
+        raise ArgumentTypeError(f"expected a whole number from 1 on; got {text!r}")
+    return many
+
+
+def _day(text: str) -> dt.date:
+    try:
+        return dt.date.fromisoformat(text)
+    except ValueError:
+        raise ArgumentTypeError(f"expected a day such as 2026-01-31; got {text!r}") from None

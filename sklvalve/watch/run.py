@@ -1,0 +1,182 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""All valves of a plant, over processes of this machine or workers of a cluster."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from sklvalve.recording.errors import InputError, hint
+from sklvalve.watch.plant import Plant
+from sklvalve.watch.record import DayRecord, Epoch, Inspection
+from sklvalve.watch.store import Store
+from sklvalve.watch.trend import trend_since
+from sklvalve.watch.valve import Watch, watch_valve
+
+#: Columns of the table of trends.
+TRENDS = ("valve", "day", "rows", "mend", "evidence", "cusum")
+
+
+def watch(
+    plant: Plant,
+    data: str | PathLike[str],
+    state: str | PathLike[str],
+    *,
+    n_jobs: int | None = None,
+    scheduler: str | None = None,
+    random_state: int = 0,
+    report: Callable[[int, int, str], object] | None = None,
+) -> list[Watch]:
+    """Bring all valves of a plant up to date.
+
+    Parameters
+    ----------
+    plant : Plant
+    data : path-like
+        Folder in which each valve has its own.
+    state : path-like
+        Folder for what is kept; made if it is not there.
+    n_jobs : int, default=None
+        Processes; None is one for each processor.
+    scheduler : str, default=None
+        Address of a Dask scheduler whose workers see both folders; processes of this machine unless given.
+    random_state : int, default=0
+    report : callable, default=None
+        ``report(done, all, tag)``, told of every valve.
+
+    Returns
+    -------
+    watches : list of Watch
+        In the order of the plant.
+
+    Raises
+    ------
+    InputError
+        If a folder cannot be used, or another run works on the state.
+    """
+    folder, store = Path(data), Store(state)
+    if not folder.is_dir():
+        raise InputError(f"--data {folder}: no such folder; name the one in which each valve has its own")
+    store.prepare(plant.name)
+    with store.alone():
+        jobs = [(each, folder, store.folder, plant.false_calls, random_state) for each in plant.valves]
+        made: dict[str, Watch] = {}
+        for each in _side_by_side(jobs, n_jobs, scheduler):
+            made[each.tag] = each
+            if report is not None:
+                report(len(made), len(jobs), each.tag)
+        _write_tables(plant, store)
+    return [made[each.tag] for each in plant.valves]
+
+
+def inspected(plant: Plant, state: str | PathLike[str], tag: str, day: dt.date, note: str = "") -> None:
+    """Enter that somebody has inspected or mended a valve: from that day on its history begins anew.
+
+    Parameters
+    ----------
+    plant : Plant
+    state : path-like
+    tag : str
+    day : date
+    note : str, default=""
+
+    Raises
+    ------
+    InputError
+        If the plant has no such valve, or the day lies before an inspection that was entered already.
+    """
+    tags = [each.tag for each in plant.valves]
+    if tag not in tags:
+        raise InputError(f"the plant has no valve {tag}; {hint(tag, tags)}")
+    store = Store(state)
+    store.prepare(plant.name)
+    with store.alone():
+        before = store.inspections(tag)
+        if before and day < dt.date.fromisoformat(before[-1].day):
+            raise InputError(
+                f"{tag} was inspected on {before[-1].day} already; enter a day from then on, so that its "
+                "history does not overlap"
+            )
+        store.save_inspection(Inspection(tag, day.isoformat(), note))
+
+
+def _side_by_side(jobs: Sequence[tuple], n_jobs: int | None, scheduler: str | None) -> Iterator[Watch]:
+    if scheduler is not None:
+        yield from _on_a_cluster(jobs, scheduler)
+        return
+    if n_jobs == 1 or len(jobs) == 1:
+        yield from (watch_valve(*job) for job in jobs)
+        return
+    from joblib import Parallel, delayed
+
+    parallel = Parallel(n_jobs=-1 if n_jobs is None else n_jobs, return_as="generator_unordered")
+    yield from parallel(delayed(watch_valve)(*job) for job in jobs)
+
+
+def _on_a_cluster(jobs: Sequence[tuple], scheduler: str) -> Iterator[Watch]:
+    try:
+        from distributed import Client, as_completed
+    except ImportError:
+        raise ImportError('--scheduler needs distributed: pip install "sklvalve[distributed]"') from None
+    try:
+        client = Client(scheduler, timeout=10)
+    except (OSError, ValueError) as error:
+        raise InputError(
+            f"--scheduler {scheduler}: no scheduler answers there ({error}); give its address, such as "
+            "tcp://127.0.0.1:8786"
+        ) from None
+    with client:
+        # a worker that dies is replaced by another, which goes on with the days that are kept
+        futures = [client.submit(watch_valve, *job, pure=False, retries=5) for job in jobs]
+        for future in as_completed(futures):
+            yield future.result()
+
+
+def _write_tables(plant: Plant, store: Store) -> None:
+    """Findings and trends of all valves, from what is kept of each."""
+    findings: list[dict[str, Any]] = []
+    trends: dict[str, list[Any]] = {
+        "valve": [],
+        "day": [],
+        "rows": [],
+        "mend": [],
+        "evidence": [],
+        "cusum": [],
+    }
+    for watched in plant.valves:
+        findings += [asdict(each) for each in store.findings(watched.tag)]
+        for row in trend_rows(watched.tag, store):
+            for name, value in row.items():
+                trends[name].append(value)
+    store.write_tables(findings, trends)
+
+
+def trend_rows(tag: str, store: Store) -> Iterator[dict[str, Any]]:
+    """What the table of trends says of each day of a valve."""
+    for epoch, records in by_epoch(tag, store):
+        trend = trend_since(records, store.reference(tag, epoch))
+        at = {day: k for k, day in enumerate(trend.days)}
+        for record in records:
+            k = at.get(record.day)
+            yield {
+                "valve": tag,
+                "day": record.day,
+                "rows": record.score.rows,
+                "mend": record.score.mend,
+                "evidence": None if k is None else float(trend.evidence[k]),
+                "cusum": None if k is None else float(trend.cusum[k]),
+            }
+
+
+def by_epoch(tag: str, store: Store) -> Iterator[tuple[Epoch, list[DayRecord]]]:
+    """Days of a valve by the history that they were held against, in order."""
+    records = store.days(tag)
+    for begins in (None, *(dt.date.fromisoformat(each.day) for each in store.inspections(tag))):
+        epoch = Epoch(begins)
+        mine = [r for r in records if r.since == epoch.label]
+        if mine:
+            yield epoch, mine

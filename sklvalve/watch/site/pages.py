@@ -1,0 +1,164 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What the pages say, as plain data for their templates."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from sklvalve.report.words import spoken
+from sklvalve.watch.plant import Plant
+from sklvalve.watch.record import DayRecord, Epoch, Finding, Inspection
+from sklvalve.watch.site.chart import chart
+from sklvalve.watch.store import Store
+from sklvalve.watch.trend import Trend, trend_since
+from sklvalve.watch.valve import Watch
+
+#: States in the order of their urgency, and their words.
+STATES = {
+    "calls": "calls for attention",
+    "cannot tell": "cannot be told",
+    "no data": "no data",
+    "commissioning": "being learnt",
+    "sound": "unchanged",
+}
+_SILENT = 3  # days without rows after which a valve is said to be silent
+
+
+@dataclass(frozen=True)
+class ValvePage:
+    """What is told of one valve.
+
+    Attributes
+    ----------
+    tag, state, words : str
+    what, since, how_large, how_sure : str
+        Of the last call; empty without one.
+    growing : bool
+        Whether its size still grows.
+    said : tuple of str
+        What is to be looked at in its data.
+    """
+
+    tag: str
+    state: str
+    words: str
+    what: str = ""
+    since: str = ""
+    called: str = ""
+    how_large: str = ""
+    how_sure: str = ""
+    growing: bool = False
+    report: str = ""
+    headline: str = ""
+    pictures: tuple[tuple[str, str], ...] = ()
+    said: tuple[str, ...] = ()
+    done: tuple[Inspection, ...] = ()
+    earlier: tuple[Finding, ...] = ()
+    days: int = 0
+    last: str = ""
+    weight: float = field(default=0.0, repr=False)
+
+
+def page_of(tag: str, watch: Watch, store: Store, false_calls: float, newest: dt.date | None) -> ValvePage:
+    """What is told of a valve.
+
+    Parameters
+    ----------
+    tag : str
+    watch : Watch
+    store : Store
+    false_calls : float
+        Calls a valve-year that plant.toml allows without a reason.
+    newest : date or None
+        Last day that any valve of the plant has.
+    """
+    done = tuple(store.inspections(tag))
+    epoch = Epoch(dt.date.fromisoformat(done[-1].day) if done else None)
+    records = [r for r in store.days(tag) if r.since == epoch.label]
+    calls = store.findings(tag)
+    now = [f for f in calls if f.since == epoch.label]
+    said = list(watch.said)
+    if records and newest is not None and (newest - records[-1].day).days >= _SILENT:
+        said.append(f"No rows since {records[-1].day}.")
+    page: dict[str, Any] = {
+        "tag": tag,
+        "state": watch.state,
+        "words": STATES[watch.state],
+        "said": tuple(said),
+        "done": done,
+        "earlier": tuple(f for f in calls if f.since != epoch.label),
+        "days": len(records),
+        "last": records[-1].day.isoformat() if records else "",
+    }
+    trend = trend_since(records, store.reference(tag, epoch))
+    if not trend.days:
+        return ValvePage(**page)
+    if now:
+        page |= _call(now[-1], trend, false_calls)
+    return ValvePage(**page, pictures=_pictures(trend, now, done, records, false_calls))
+
+
+def _call(finding: Finding, trend: Trend, false_calls: float) -> dict[str, Any]:
+    channel = trend.channel
+    off, sound = trend.off(channel, len(trend.days) - 1)
+    then, _ = trend.off(channel, trend.days.index(dt.date.fromisoformat(finding.called)))
+    names = " + ".join(" or ".join(spoken(n) for n in each.split("/")) for each in finding.names)
+    unknown = {"none_of_these": "a change that no known effect explains"}
+    return {
+        "what": names or unknown.get(finding.verdict, "a change that is not identified"),
+        "since": finding.onset,
+        "called": finding.called,
+        "how_large": f"the {channel} is {100.0 * off:.2g} % of its span away from the sound valve "
+        f"({100.0 * sound:.2g} % before)",
+        "how_sure": f"a sound valve calls once in {1.0 / false_calls:.0f} years at most",
+        "growing": off > 1.2 * then,
+        "report": finding.report,
+        "headline": finding.headline,
+        "weight": off - sound,
+    }
+
+
+def _pictures(
+    trend: Trend,
+    calls: Sequence[Finding],
+    done: Sequence[Inspection],
+    records: Sequence[DayRecord],
+    false_calls: float,
+) -> tuple[tuple[str, str], ...]:
+    marks = [(dt.date.fromisoformat(f.called), "called") for f in calls]
+    marks += [(dt.date.fromisoformat(i.day), "inspected") for i in done]
+    marks = [mark for mark in marks if trend.days[0] <= mark[0] <= trend.days[-1]]
+    made = []
+    for channel, left in sorted(trend.left.items()):
+        label = f"How far the {channel} is from the sound valve's, percent of span, rms of each day"
+        made.append((chart(trend.days, 100.0 * left, label=label, marks=marks, unit=" %"), f"{label}."))
+    evidence = np.log10(np.maximum(trend.evidence, 1.0))
+    limit = float(np.log10(365.25 / false_calls))
+    label = "Evidence for a change, powers of ten, and the limit at which the valve calls"
+    made.append((chart(trend.days, evidence, label=label, limit=limit, marks=marks), f"{label}."))
+    if missing := [r.day for r in records if r.score.mend]:
+        made.append(("", f"{len(missing)} days say nothing, the last {missing[-1]}."))
+    return tuple(made)
+
+
+def in_order(pages: Sequence[ValvePage]) -> list[ValvePage]:
+    """Pages by urgency: those that call first, the largest change before the others."""
+    order = list(STATES)
+    return sorted(pages, key=lambda p: (order.index(p.state), not p.growing, -p.weight, p.tag))
+
+
+def headline_of(plant: Plant, pages: Sequence[ValvePage]) -> str:
+    """What a planner has to know first."""
+    calling = [p for p in pages if p.state == "calls"]
+    if not calling:
+        blind = [p for p in pages if p.state in ("cannot tell", "no data")]
+        rest = f" {len(blind)} cannot be told." if blind else ""
+        return f"Nothing to do today: none of {len(pages)} valves has changed.{rest}"
+    first = in_order(calling)[0]
+    count = "One valve calls" if len(calling) == 1 else f"{len(calling)} valves call"
+    return f"{count} for attention. First: {first.tag}, {first.what}, since {first.since}."

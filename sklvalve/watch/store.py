@@ -1,0 +1,228 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The state of a watch on disk: files that other tools read, each written whole or not at all.
+
+    STATE/watch.json                                 schema and name of the plant
+    STATE/days/valve=TAG/2026-01-31.parquet          sizes of all effects on that day
+    STATE/histories/TAG/first.history.skops          what the valve is held against; one for each inspection
+    STATE/histories/TAG/first.days.json              days it was learnt on, and those of reference
+    STATE/reports/TAG/2026-01-31/                    diagnosis.json and report.html of a call
+    STATE/calls/TAG.json, STATE/inspections/TAG.json
+    STATE/findings.parquet, STATE/trends.parquet     made from the others at the end of a run
+
+A day's file depends on the day's rows and the history alone, so that days may be made in any order, and made
+again to the same bytes after a run was killed.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import json
+import os
+import secrets
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from sklvalve._locking import held
+from sklvalve.history import ValveHistory
+from sklvalve.mismatch import load_history, save_history
+from sklvalve.recording.errors import InputError, shown
+from sklvalve.watch.record import DayRecord, Epoch, Finding, Inspection
+
+SCHEMA = "sklvalve.watch/1"
+_META = b"sklvalve"
+
+
+class Store:
+    """State of a watch.
+
+    Parameters
+    ----------
+    folder : path-like
+        Made if it is not there.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder)
+
+    def prepare(self, name: str) -> None:
+        """Make the folder, or see that it is the state of such a watch.
+
+        Raises
+        ------
+        InputError
+            If it holds something else, or the state of another version.
+        """
+        mark = self.folder / "watch.json"
+        if self.folder.is_dir() and not mark.exists() and any(self.folder.iterdir()):
+            raise InputError(f"--state {self.folder}: this folder holds other files; name an empty one")
+        if self.folder.exists() and not self.folder.is_dir():
+            raise InputError(f"--state {self.folder}: this is a file; name a folder")
+        if not mark.exists():
+            _write(mark, _json({"schema": SCHEMA, "plant": name}))
+            return
+        schema = _read_json(mark).get("schema")
+        if schema != SCHEMA:
+            raise InputError(
+                f"--state {self.folder}: it is of schema {shown(schema)}, and this version keeps {SCHEMA}; "
+                "begin with a new folder"
+            )
+
+    @contextmanager
+    def alone(self) -> Iterator[None]:
+        """Hold the state against other runs.
+
+        Raises
+        ------
+        InputError
+            If another run holds it.
+        """
+        with held(self.folder) as ours:
+            if not ours:
+                raise InputError(f"--state {self.folder}: another watch runs on it; wait until it has ended")
+            yield
+
+    def save_day(self, tag: str, record: DayRecord) -> None:
+        """Keep a day."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        score = record.score
+        rows = [("share", key, s.size, s.deviation) for key, s in sorted(score.shares.items())]
+        rows += [("left", channel, value, 0.0) for channel, value in sorted(score.left.items())]
+        columns = list(zip(*rows, strict=True)) or [(), (), (), ()]
+        table = pa.table(
+            {
+                "day": pa.array([record.day] * len(rows), pa.date32()),
+                "quantity": pa.array(columns[0], pa.string()),
+                "key": pa.array(columns[1], pa.string()),
+                "size": pa.array(columns[2], pa.float64()),
+                "deviation": pa.array(columns[3], pa.float64()),
+            }
+        ).replace_schema_metadata({_META: _json(record.to_dict()).encode()})
+        _write_table(self._day(tag, record.day), table, pq)
+
+    def days(self, tag: str) -> list[DayRecord]:
+        """All days of a valve that are kept, in their order."""
+        import pyarrow.parquet as pq
+
+        files = sorted((self.folder / "days" / f"valve={tag}").glob("*.parquet"))
+        return [DayRecord.from_dict(json.loads(pq.read_schema(file).metadata[_META])) for file in files]
+
+    def history(self, tag: str, epoch: Epoch) -> ValveHistory | None:
+        """What was learnt of a valve for the time since an inspection; None where nothing was."""
+        file = self._history(tag, epoch)
+        return load_history(file) if file.exists() else None
+
+    def reference(self, tag: str, epoch: Epoch) -> list[dt.date]:
+        """Sound days that later ones are compared with; none before the valve is learnt."""
+        kept = _read_list(self._reference(tag, epoch))
+        return [dt.date.fromisoformat(each["day"]) for each in kept if each["use"] == "reference"]
+
+    def save_history(
+        self,
+        tag: str,
+        epoch: Epoch,
+        history: ValveHistory,
+        learnt: Iterable[dt.date],
+        reference: Iterable[dt.date],
+    ) -> None:
+        """Keep what was learnt of a valve on some days, and the days that later ones are compared with."""
+        uses = [(day, "learnt") for day in learnt] + [(day, "reference") for day in reference]
+        # first these: what has a history has its reference
+        _write(
+            self._reference(tag, epoch), _json([{"day": day.isoformat(), "use": use} for day, use in uses])
+        )
+        save_history(self._history(tag, epoch), history)
+
+    def reports(self, tag: str, day: dt.date) -> Path:
+        """Folder of a call's full report."""
+        return self.folder / "reports" / tag / day.isoformat()
+
+    def findings(self, tag: str) -> list[Finding]:
+        """Calls of a valve, in their order."""
+        made = _read_list(self.folder / "calls" / f"{tag}.json")
+        return [Finding(**(each | {"names": tuple(each["names"])})) for each in made]
+
+    def save_finding(self, finding: Finding) -> None:
+        """Keep a call for attention beside those before."""
+        file = self.folder / "calls" / f"{finding.valve}.json"
+        _write(file, _json([*map(asdict, self.findings(finding.valve)), asdict(finding)]))
+
+    def inspections(self, tag: str) -> list[Inspection]:
+        """Inspections of a valve, in the order of their days."""
+        made = [Inspection(**each) for each in _read_list(self.folder / "inspections" / f"{tag}.json")]
+        return sorted(made, key=lambda each: each.day)
+
+    def save_inspection(self, inspection: Inspection) -> None:
+        """Keep an inspection; another one of the same day is replaced."""
+        others = [each for each in self.inspections(inspection.valve) if each.day != inspection.day]
+        kept = sorted([*others, inspection], key=lambda each: each.day)
+        _write(self.folder / "inspections" / f"{inspection.valve}.json", _json([*map(asdict, kept)]))
+
+    def write_tables(self, findings: Iterable[dict[str, Any]], trends: dict[str, list[Any]]) -> None:
+        """Write the tables of all valves' findings and trends."""
+        import pyarrow as pa
+        import pyarrow.parquet as pq
+
+        made = list(findings)
+        names = list(Finding.__dataclass_fields__)
+        columns: dict[str, list[Any]] = {name: [each[name] for each in made] for name in names}
+        columns["names"] = [" + ".join(each) for each in columns["names"]]
+        schema = pa.schema(
+            [(n, pa.float64() if n in ("evidence", "limit") else pa.string()) for n in names],
+            {_META: SCHEMA.encode()},
+        )
+        _write_table(self.folder / "findings.parquet", pa.table(columns, schema), pq)
+        shape = {"valve": pa.string(), "day": pa.date32(), "rows": pa.int64(), "mend": pa.string()}
+        numbers = [name for name in trends if name not in shape]
+        schema = pa.schema(
+            [*shape.items(), *((name, pa.float64()) for name in numbers)], {_META: SCHEMA.encode()}
+        )
+        table = {name: trends[name] for name in schema.names}
+        _write_table(self.folder / "trends.parquet", pa.table(table, schema), pq)
+
+    def _day(self, tag: str, day: dt.date) -> Path:
+        return self.folder / "days" / f"valve={tag}" / f"{day}.parquet"
+
+    def _history(self, tag: str, epoch: Epoch) -> Path:
+        return self.folder / "histories" / tag / f"{epoch.label}.history.skops"
+
+    def _reference(self, tag: str, epoch: Epoch) -> Path:
+        return self.folder / "histories" / tag / f"{epoch.label}.days.json"
+
+
+def _json(data: Any) -> str:
+    return json.dumps(data, indent=1, sort_keys=True) + "\n"
+
+
+def _read_json(file: Path) -> Any:
+    try:
+        return json.loads(file.read_text(encoding="utf-8"))
+    except ValueError:
+        raise InputError(f"{file}: this is no JSON; remove it, or restore it from a copy") from None
+
+
+def _read_list(file: Path) -> list[dict[str, Any]]:
+    return _read_json(file) if file.exists() else []
+
+
+def _write(file: Path, text: str) -> None:
+    _replaced(file, lambda draft: draft.write_text(text, encoding="utf-8"))
+
+
+def _write_table(file: Path, table: Any, pq: Any) -> None:
+    _replaced(file, lambda draft: pq.write_table(table, draft, compression="zstd"))
+
+
+def _replaced(file: Path, write: Any) -> None:
+    """Write a file under another name, and put it in its place whole."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    draft = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
+    try:
+        write(draft)
+        os.replace(draft, file)
+    finally:
+        draft.unlink(missing_ok=True)

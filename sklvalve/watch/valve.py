@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""One valve: its days are read, scored and held against its history; a call is diagnosed."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from sklvalve.history import ValveHistory
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.recording import Recording, join_recordings
+from sklvalve.recording.errors import InputError
+from sklvalve.report import write_report
+from sklvalve.report.headline import headline
+from sklvalve.watch.days import FEWEST_ROWS, DayFiles, days_of, read_day
+from sklvalve.watch.evidence import FEWEST, limit_of
+from sklvalve.watch.plant import Commissioning, Watched
+from sklvalve.watch.record import DayRecord, Epoch, Finding
+from sklvalve.watch.score import Score, scored
+from sklvalve.watch.store import Store
+from sklvalve.watch.trend import Trend, trend_since
+
+# share of the commissioning days that the simulation is calibrated on; the others are the reference
+_LEARNT = 0.5
+# days that are diagnosed when a valve calls: those last seen
+_DIAGNOSED = 2
+
+
+@dataclass(frozen=True)
+class Watch:
+    """How a valve stands after a run.
+
+    Parameters
+    ----------
+    tag : str
+    state : {"no data", "commissioning", "sound", "calls", "cannot tell"}
+    said : tuple of str
+        What a person should know of its data.
+    read : int
+        Days that were read in this run.
+    """
+
+    tag: str
+    state: str
+    said: tuple[str, ...] = ()
+    read: int = 0
+
+
+def watch_valve(
+    watched: Watched, data: str | Path, state: str | Path, false_calls: float, seed: int = 0
+) -> Watch:
+    """Bring one valve up to date.
+
+    Days that are kept and whose files have not changed are not read again. Whatever is interrupted goes on
+    where it was, to the same result.
+
+    Parameters
+    ----------
+    watched : Watched
+    data, state : path-like
+    false_calls : float
+        Most calls without a reason a valve-year.
+    seed : int, default=0
+        Of the diagnosis.
+
+    Returns
+    -------
+    watch : Watch
+    """
+    with threadpool_limits(1, user_api="blas"):
+        return _Run(watched, Path(data), Store(state), false_calls, seed).run()
+
+
+class _Run:
+    """The steps of `watch_valve`."""
+
+    def __init__(self, watched: Watched, data: Path, store: Store, false_calls: float, seed: int) -> None:
+        self.watched, self.data, self.store = watched, data, store
+        self.limit, self.seed = limit_of(false_calls), seed
+        self.said: list[str] = []
+        self.read = 0
+        inspections = store.inspections(watched.tag)
+        begins = dt.date.fromisoformat(inspections[-1].day) if inspections else None
+        self.epoch = Epoch(begins)
+
+    def run(self) -> Watch:
+        found = days_of(self.data, self.watched)
+        if found.unplaced:
+            self.said.append(
+                f"{len(found.unplaced)} files, first {found.unplaced[0].name}, name no day; name them as "
+                "2026-01-31.parquet"
+            )
+        files = [f for f in found.days if self.epoch.begins is None or f.day >= self.epoch.begins]
+        if not files:
+            return self._ends("no data")
+        learnt = self.store.history(self.watched.tag, self.epoch) or self._learn(files)
+        if learnt is None:
+            return self._ends("commissioning")
+        return self._judged(self._scored(files, learnt), learnt, {f.day: f for f in files})
+
+    def _commissioning(self) -> Commissioning:
+        """After an inspection the first days with rows are sound, whichever plant.toml names."""
+        named = self.watched.commissioning
+        return named if self.epoch.begins is None else replace(named, first=self.epoch.begins, last=None)
+
+    def _learn(self, files: Sequence[DayFiles]) -> ValveHistory | None:
+        """Learn the valve from the first half of its commissioning days; None while there are too few.
+
+        What it was calibrated on it meets too well: the other half is the reference of later days.
+        """
+        wanted = self._commissioning()
+        days = set(wanted.of([f.day for f in files]))
+        sound = [f for f in files if f.day in days]
+        complete = files[-1].day > wanted.last if wanted.last else len(sound) >= wanted.days
+        if not complete or len(sound) < 2 * FEWEST:
+            left = f"{len(sound)} of {wanted.days} days"
+            self.said.append(f"It is learnt from its first days, {left} so far; nothing is told before.")
+            return None
+        first = int(len(sound) * _LEARNT)
+        read = []
+        for each in sound[:first]:
+            recording, why = self._rows_of(each)
+            if recording is None:
+                self.said.append(f"{each.day}: {why}")
+            else:
+                read.append(recording)
+        if not read:
+            return None
+        history = MissingPhysicsFinder(random_state=self.seed).history_of(read)
+        learnt, reference = ([f.day for f in part] for part in (sound[:first], sound[first:]))
+        self.store.save_history(self.watched.tag, self.epoch, history, learnt, reference)
+        return history
+
+    def _rows_of(self, files: DayFiles) -> tuple[Recording | None, str]:
+        """Rows of a day, or why there are none."""
+        self.read += 1
+        try:
+            recording = read_day(files, self.watched)
+        except InputError as error:
+            return None, str(error)
+        if len(recording) < FEWEST_ROWS:
+            return None, f"{len(recording)} rows, fewer than {FEWEST_ROWS}; nothing is told of it"
+        return recording, ""
+
+    def _scored(self, files: Sequence[DayFiles], history: ValveHistory) -> list[DayRecord]:
+        """Records of all days since the epoch began; those that are new, or came again, are made."""
+        kept = {r.day: r for r in self.store.days(self.watched.tag) if r.since == self.epoch.label}
+        newest = max(kept, default=None)
+        for each in files:
+            before, stamp = kept.get(each.day), each.stamp()
+            if before is not None and before.stamp == stamp:
+                continue
+            checksum = each.checksum()
+            if before is not None and before.checksum == checksum:
+                record = replace(before, stamp=stamp)
+            else:
+                said = "came late" if before is None and newest is not None and each.day < newest else ""
+                said = "came again with other rows" if before is not None else said
+                record = DayRecord(
+                    each.day, stamp, checksum, self.epoch.label, self._score(each, history), said
+                )
+            self.store.save_day(self.watched.tag, record)
+            kept[each.day] = record
+        present = {f.day for f in files}
+        return [kept[day] for day in sorted(kept) if day in present or kept[day].score.rows]
+
+    def _score(self, files: DayFiles, history: ValveHistory) -> Score:
+        recording, why = self._rows_of(files)
+        if recording is None:
+            return Score(0, 0.0, mend=why)
+        try:
+            return scored(recording, history)
+        except InputError as error:
+            return Score(len(recording), float(recording.sample_time), mend=str(error))
+
+    def _judged(
+        self,
+        records: Sequence[DayRecord],
+        history: ValveHistory,
+        files: dict[dt.date, DayFiles],
+    ) -> Watch:
+        """Whether the valve calls; a new call is diagnosed and kept."""
+        self.said += [f"{r.day}: {r.score.mend or r.said}" for r in records if r.score.mend or r.said]
+        trend = trend_since(records, self.store.reference(self.watched.tag, self.epoch))
+        if trend.reference < FEWEST:
+            self.said.append(
+                f"Only {trend.reference} days of its commissioning can be used; {FEWEST} are needed."
+            )
+            return self._ends("cannot tell")
+        calls = [f for f in self.store.findings(self.watched.tag) if f.since == self.epoch.label]
+        if calls:
+            return self._ends("calls")
+        day = trend.call(self.limit)
+        if day is None:
+            return self._ends("sound")
+        self.store.save_finding(self._called(trend, day, history, files))
+        return self._ends("calls")
+
+    def _called(
+        self, trend: Trend, day: int, history: ValveHistory, files: dict[dt.date, DayFiles]
+    ) -> Finding:
+        key, shape, onset = trend.leading(day)
+        called = trend.days[day]
+        content, report = self._diagnosed([d for d in trend.days[: day + 1] if d >= onset], history, files)
+        return Finding(
+            self.watched.tag,
+            self.epoch.label,
+            called.isoformat(),
+            onset.isoformat(),
+            shape,
+            float(trend.evidence[day]),
+            self.limit,
+            key,
+            content["verdict"],
+            headline(content),
+            tuple("/".join(m["name"] for m in effect["members"]) for effect in content["effects"]),
+            report,
+        )
+
+    def _diagnosed(
+        self, days: Sequence[dt.date], history: ValveHistory, files: dict[dt.date, DayFiles]
+    ) -> tuple[dict, str]:
+        """Diagnosis of the last days of a change, against the history; and where its report lies."""
+        read = [self._rows_of(files[day])[0] for day in days[-_DIAGNOSED:] if day in files]
+        rows = join_recordings([each for each in read if each is not None])
+        finder = MissingPhysicsFinder(random_state=self.seed, history=history).fit(rows)
+        folder = self.store.reports(self.watched.tag, days[-1])
+        folder.mkdir(parents=True, exist_ok=True)
+        write_report(folder / "report.html", finder.diagnosis_, title=self.watched.tag, source=rows.source)
+        finder.diagnosis_.save(folder / "diagnosis.zip")
+        place = (folder / "report.html").relative_to(self.store.folder)
+        return finder.diagnosis_.to_dict(), place.as_posix()
+
+    def _ends(self, state: str) -> Watch:
+        return Watch(self.watched.tag, state, tuple(self.said), self.read)

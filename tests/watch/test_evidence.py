@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The detector: how often it calls without a reason, and how soon with one."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from sklvalve.watch.evidence import cusum, detector, first_call, limit_of
+
+
+def sound(rng, days, series=4):
+    return rng.normal(size=(days, series))
+
+
+def test_evidence_grows_by_no_more_than_one_a_day_while_nothing_changes():
+    rng = np.random.default_rng(1)
+    mean = np.mean([detector(sound(rng, 60), 10)[0] for _ in range(400)], axis=0)
+    since = np.arange(60) - 9
+    # its expectation is the number of days; the mean of a heavy tail lies below it mostly
+    assert (mean[10:] < 2.0 * since[10:]).all()
+    assert (mean[:10] == 0.0).all()
+
+
+def test_sound_valves_call_no_more_often_than_allowed():
+    rng = np.random.default_rng(2)
+    limit = limit_of(0.2)
+    calls = sum(first_call(sound(rng, 10 + 365), 10, limit) is not None for _ in range(150))
+    # 30 expected at most
+    assert calls <= 30
+
+
+@pytest.mark.parametrize("shape", ["step", "ramp"])
+def test_a_change_is_called_with_its_onset(shape):
+    rng = np.random.default_rng(3)
+    table = sound(rng, 90)
+    since = np.maximum(np.arange(90) - 50, 0)
+    table[:, 2] += 6.0 * (since > 0) if shape == "step" else 0.3 * since
+    call = first_call(table, 14, limit_of(0.05))
+    assert 50 < call.day < 75
+    assert abs(call.onset - 51) < 8
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-6, 1e6))
+@settings(max_examples=25, deadline=None)
+def test_unit_and_zero_of_a_series_do_not_matter(zero, unit):
+    series = sound(np.random.default_rng(4), 40, 1)[:, 0]
+    here, _, _ = detector(series, 10)
+    there, _, _ = detector(zero + unit * series, 10)
+    # what a large zero leaves of the digits
+    np.testing.assert_allclose(there, here, rtol=1e-4 + 1e-12 * abs(zero) / unit)
+
+
+def test_days_without_data_neither_add_nor_take():
+    rng = np.random.default_rng(5)
+    table = sound(rng, 50, 1)
+    table[20:30] = np.nan
+    evidence, _, _ = detector(table, 10)
+    with_none, _, _ = detector(np.delete(table, range(20, 30), axis=0), 10)
+    # onsets in days without data are onsets of the day behind them
+    assert evidence[-1] > 0.5 * with_none[-1]
+    assert np.isfinite(evidence).all()
+
+
+def test_nothing_is_told_by_too_few_sound_days():
+    evidence, onset, _ = detector(np.r_[np.zeros(3), 100.0 * np.ones(5)], 3)
+    assert not evidence.any()
+    assert (onset == -1).all()
+
+
+def test_cumulative_sum_of_a_shift_by_two_scatters_grows_by_one_and_a_half_a_day():
+    sound_days = np.tile([-1.0, 1.0], 50)
+    scale = np.std(sound_days, ddof=1)
+    sums = cusum(np.r_[sound_days, 2.0 * scale * np.ones(4)], 100)
+    np.testing.assert_allclose(sums[-4:], [1.5, 3.0, 4.5, 6.0])
+    assert not cusum(np.zeros(10), 5).any()

@@ -1,0 +1,246 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A valve's days as they come: in order, late, twice, empty, after an inspection, and after a kill.
+
+The diagnosis and the score of a day have stand-ins, so that a year takes a second: what is asked here is what
+becomes of the days.
+"""
+
+import datetime as dt
+import hashlib
+import types
+
+import numpy as np
+import pytest
+
+from sklvalve.history import ValveHistory
+from sklvalve.recording import InputError
+from sklvalve.watch import valve as module
+from sklvalve.watch.plant import Commissioning, Plant, Watched
+from sklvalve.watch.run import inspected, watch
+from sklvalve.watch.score import Score, Share
+from tests.history.plant import made
+from tests.watch.test_days import VALVE
+
+FIRST = dt.date(2026, 1, 1)
+
+
+def text(day, level, many=30):
+    stamps = [f"{day}T{hour:02d}:{minute:02d}:00" for hour in range(24) for minute in range(many)]
+    return "t,C,F\n" + "".join(f"{stamp},{50 + k % 7},{level:.9f}\n" for k, stamp in enumerate(stamps))
+
+
+class Data:
+    """Days of one valve whose flow is what its days tell."""
+
+    def __init__(self, root):
+        self.root = root
+        self.rng = np.random.default_rng(0)
+        self.levels = 30.0 + self.rng.normal(size=400)
+
+    def put(self, number, shift=0.0, text_of=text):
+        day = FIRST + dt.timedelta(days=number)
+        file = self.root / "data" / "FV-1" / f"{day}.csv"
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text_of(day, self.levels[number] + shift))
+        return day
+
+    def run(self, **options):
+        (self.root / "data").mkdir(exist_ok=True)
+        return watch(self.plant, self.root / "data", self.root / "state", n_jobs=1, **options)[0]
+
+    @property
+    def plant(self):
+        return Plant("Test", (Watched("FV-1", VALVE, "FV-1", Commissioning(10)),), 0.05)
+
+
+@pytest.fixture(scope="module")
+def history():
+    return ValveHistory().fit(made()[0].slice(0, 900))
+
+
+@pytest.fixture
+def data(tmp_path, monkeypatch, history):
+    class Finder:
+        def __init__(self, **_):
+            content = {"verdict": "named", "effects": [{"members": [{"name": "seat_leakage"}]}]}
+            save = lambda path: path.write_text("")  # noqa: E731
+            self.diagnosis_ = types.SimpleNamespace(to_dict=lambda: content, save=save)
+
+        def history_of(self, recordings):
+            Data.learnt_on = [each.source for each in recordings]
+            return history
+
+        def fit(self, recording):
+            Data.diagnosed = recording.source
+            return self
+
+    def score(recording, _):
+        size = 3.6e3 * float(np.mean(recording["flow"])) / 100.0
+        shares = {"capacity_error": Share(size, 0.001), "friction": Share(0.01 * size**0.0, 0.001)}
+        return Score(len(recording), 60.0, shares, {"flow": 0.01 + 1e-4 * size})
+
+    monkeypatch.setattr(module, "MissingPhysicsFinder", Finder)
+    monkeypatch.setattr(module, "write_report", lambda path, *_, **__: path.write_text("<p>"))
+    monkeypatch.setattr(module, "headline", lambda _: "Likely fault: the seat leaks.")
+    monkeypatch.setattr(module, "scored", score)
+    return Data(tmp_path)
+
+
+def tree(folder):
+    """Checksums of all files of a folder."""
+    return {
+        file.relative_to(folder).as_posix(): hashlib.sha256(file.read_bytes()).hexdigest()
+        for file in sorted(folder.rglob("*"))
+        if file.is_file()
+    }
+
+
+def test_a_valve_is_learnt_watched_and_called(data):
+    assert data.run().state == "no data"
+    for k in range(9):
+        data.put(k)
+    told = data.run()
+    assert told.state == "commissioning"
+    assert "9 of 10 days" in told.said[0]
+    for k in range(9, 30):
+        data.put(k)
+    told = data.run()
+    assert (told.state, told.said) == ("sound", ())
+    # the first half is learnt, the other half is the reference
+    assert Data.learnt_on == [f"FV-1 2026-01-0{d}" for d in range(1, 6)]
+    for k in range(30, 45):
+        data.put(k, shift=8.0)
+    told = data.run()
+    assert (told.state, told.read) == ("calls", 15 + 2)
+    import pandas as pd
+
+    finding = pd.read_parquet(data.root / "state" / "findings.parquet").iloc[0]
+    assert finding.onset == "2026-01-31"
+    assert finding.called < "2026-02-06"
+    assert finding["names"] == "seat_leakage"
+    assert (data.root / "state" / finding.report).exists()
+    trends = pd.read_parquet(data.root / "state" / "trends.parquet")
+    assert len(trends) == 45
+    # nothing is read again, and nothing changes
+    before = tree(data.root / "state")
+    assert data.run().read == 0
+    assert tree(data.root / "state") == before
+
+
+def test_days_in_any_order_come_to_the_same_state(data, tmp_path):
+    for k in range(30):
+        data.put(k)
+    data.run()
+    straight = tree(tmp_path / "state")
+    (tmp_path / "state").rename(tmp_path / "straight")
+    late = tmp_path / "data" / "FV-1" / "2026-01-20.csv"
+    kept, stat = late.read_text(), late.stat()
+    late.unlink()
+    data.run()
+    late.write_text(kept)
+    import os
+
+    os.utime(late, ns=(stat.st_atime_ns, stat.st_mtime_ns))
+    told = data.run()
+    assert told.said == ("2026-01-20: came late",)
+    there = tree(tmp_path / "state")
+    apart = {name for name in straight if straight[name] != there[name]}
+    # the late day alone says so
+    assert apart == {"days/valve=FV-1/2026-01-20.parquet"}
+
+
+def test_a_day_that_comes_again_is_read_again_only_where_its_rows_differ(data):
+    for k in range(20):
+        data.put(k)
+    data.run()
+    data.put(15)
+    assert data.run().read == 0
+    data.put(15, shift=0.1)
+    told = data.run()
+    assert told.read == 1
+    assert "2026-01-16: came again with other rows" in told.said
+
+
+@pytest.mark.parametrize(
+    ("bad", "says"),
+    [
+        (lambda day, level: "", "the file is empty"),
+        (lambda day, level: "t,C,F\n", "no row under it"),
+        (lambda day, level: text(day, level, many=2), "fewer than 600"),
+        (lambda day, level: text(day, level).replace("t,C,F", "t,C,G"), "F"),
+    ],
+)
+def test_a_day_that_cannot_be_used_is_told_and_left_out(data, bad, says):
+    for k in range(30):
+        data.put(k)
+    data.put(20, text_of=bad)
+    told = data.run()
+    assert told.state == "sound"
+    assert told.said[0].startswith("2026-01-21: ")
+    assert says in told.said[0]
+
+
+def test_an_inspection_begins_a_new_history(data):
+    for k in range(45):
+        data.put(k, shift=8.0 * (k >= 30))
+    assert data.run().state == "calls"
+    day = FIRST + dt.timedelta(days=40)
+    inspected(data.plant, data.root / "state", "FV-1", day, "seat renewed")
+    told = data.run()
+    assert told.state == "commissioning"
+    for k in range(45, 70):
+        data.put(k, shift=8.0)
+    # what it is now is what it is held against
+    assert data.run().state == "sound"
+    with pytest.raises(InputError, match="no valve FV-2"):
+        inspected(data.plant, data.root / "state", "FV-2", day)
+    with pytest.raises(InputError, match="was inspected on 2026-02-10 already"):
+        inspected(data.plant, data.root / "state", "FV-1", FIRST)
+
+
+def test_what_was_killed_goes_on_to_the_same_state(data, tmp_path, monkeypatch):
+    for k in range(45):
+        data.put(k, shift=8.0 * (k >= 30))
+    data.run()
+    whole = tree(tmp_path / "state")
+    (tmp_path / "state").rename(tmp_path / "whole")
+    save, left = module.Store.save_day, [7]
+
+    def killed(*args):
+        left[0] -= 1
+        if left[0] < 0:
+            raise KeyboardInterrupt
+        return save(*args)
+
+    monkeypatch.setattr(module.Store, "save_day", killed)
+    for _ in range(8):
+        left[0] = 7
+        try:
+            data.run()
+        except KeyboardInterrupt:
+            continue
+        break
+    assert tree(tmp_path / "state") == whole
+
+
+def test_two_runs_at_once_are_kept_apart(data, tmp_path):
+    data.run()
+    from sklvalve._locking import held
+
+    with held(tmp_path / "state") as ours:
+        assert ours
+        with pytest.raises(InputError, match="another watch runs on it"):
+            data.run()
+
+
+def test_a_folder_of_something_else_is_no_state(data, tmp_path):
+    (tmp_path / "state").mkdir()
+    (tmp_path / "state" / "thesis.tex").write_text("")
+    with pytest.raises(InputError, match="holds other files"):
+        data.run()
+    (tmp_path / "state" / "watch.json").write_text('{"schema": "sklvalve.watch/9"}')
+    with pytest.raises(InputError, match="begin with a new folder"):
+        data.run()
+    (tmp_path / "state" / "watch.json").write_text("{")
+    with pytest.raises(InputError, match="no JSON"):
+        data.run()
