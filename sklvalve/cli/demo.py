@@ -45,6 +45,7 @@ _SEED = 34
 _EXAMPLES = """examples:
   sklvalve demo
   sklvalve demo --seed 7 --out another
+  sklvalve demo --plant --out plant
 """
 _FILES = ("recording.csv", "later.csv", "valve.toml", "truth.json")
 
@@ -64,6 +65,12 @@ def add_parser(commands) -> None:
         "--out", type=folder, default="sklvalve-demo", metavar="DIR", help="folder (default: %(default)s)"
     )
     parser.add_argument(
+        "--plant",
+        action="store_true",
+        help="make twenty valves over sixty days instead, in five of which something develops, and watch "
+        "them; takes some minutes",
+    )
+    parser.add_argument(
         "--seed", type=seed, default=_SEED, metavar="N", help="of the draw (default: %(default)s)"
     )
     add_json_argument(parser, "diagnosis, truth and judgement")
@@ -72,6 +79,10 @@ def add_parser(commands) -> None:
 
 def run(args: Namespace) -> int:
     """Conceal, diagnose, tell."""
+    if args.plant:
+        from sklvalve.cli import demo_plant
+
+        return demo_plant.run(args)
     from sklvalve.cli.staging import Staging
     from sklvalve.datasets import make_valve_recording
     from sklvalve.datasets.concealed import to_toml

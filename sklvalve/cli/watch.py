@@ -3,6 +3,7 @@
 
 import datetime as dt
 from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Callable
 from pathlib import Path
 
 from sklvalve.cli.as_json import add_json_argument, as_json
@@ -42,6 +43,7 @@ def add_parser(commands) -> None:
 
 def run(args: Namespace) -> int:
     """Watch a plant, or enter an inspection."""
+    from sklvalve.cli.progress import progress
     from sklvalve.recording import InputError
     from sklvalve.watch.plant import read_plant
     from sklvalve.watch.run import inspected, watch
@@ -57,14 +59,16 @@ def run(args: Namespace) -> int:
         raise InputError("--on and --note belong to an inspection; give the valve as --inspected TAG")
     if args.data is None:
         raise InputError("--data is missing; give the folder in which each valve has its own")
-    watches = watch(
-        plant,
-        args.data,
-        args.state,
-        n_jobs=args.jobs,
-        scheduler=args.scheduler,
-        random_state=args.seed,
-    )
+    with progress() as callback:
+        watches = watch(
+            plant,
+            args.data,
+            args.state,
+            n_jobs=args.jobs,
+            scheduler=args.scheduler,
+            random_state=args.seed,
+            report=report_of(callback),
+        )
     content = content_of(plant, watches, Path(args.state))
     lines = lines_of(content)
     if args.site is not None:
@@ -73,6 +77,13 @@ def run(args: Namespace) -> int:
         lines += ["", f"Written: {index}"]
     show(as_json(content) if args.json else "\n".join(lines))
     return 0
+
+
+def report_of(callback: Callable[[str, float], None] | None) -> Callable[[int, int, str], None] | None:
+    """What tells a progress bar of every valve that is done."""
+    if callback is None:
+        return None
+    return lambda done, every, tag: callback(f"watching {tag}", done / every)
 
 
 def content_of(plant, watches, state: Path) -> dict:
