@@ -30,6 +30,7 @@ from sklvalve.mismatch.inference.linearised import Linearised
 from sklvalve.mismatch.search.screening import Trial
 from sklvalve.recording import Recording
 from sklvalve.recording.screening import screen_recording
+from sklvalve.watch.units import other_unit
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects.base import Effect
@@ -100,16 +101,25 @@ def scored(recording: Recording, history: ValveHistory, effects: Sequence[str] |
     """
     stretches = stretches_of(recording, ROWS)
     data = screen_recording(stretches)
-    day = Score(len(recording), float(recording.sample_time))
-    if mend := blocking(data):
-        return Score(day.rows, day.sample_time, mend=mend)
+    problem = prepared_problem(stretches, tolerance=history.tolerance, history=history)
+    # the history knows the flow better than the sheet, by which the screening suspects a unit
+    mend = _unit_of_flow(problem, history) or blocking(data)
+    if mend:
+        return Score(len(recording), float(recording.sample_time), mend=mend)
     _, stretches = masked(stretches, stretches, data)
     problem = prepared_problem(stretches, tolerance=history.tolerance, history=history)
     able, _ = candidates(problem, effects, data)
     model = problem.simulate((), history.values_)
     problem = problem.with_noise_of(model, cautious=True)
     shares, left = _asked(problem, problem.judged(model), able)
-    return Score(day.rows, day.sample_time, shares, left)
+    return Score(len(recording), float(recording.sample_time), shares, left)
+
+
+def _unit_of_flow(problem: Problem, history: ValveHistory) -> str:
+    if "flow" not in problem.channels:
+        return ""
+    model = problem.simulate((), history.values_)
+    return other_unit(problem.recording, model.predictions["flow"])
 
 
 def _asked(
