@@ -17,10 +17,10 @@ name tells nothing. In each:
 A third of the healthy records command the whole travel, a third run in a closed loop, a third do so with
 2.5 times the noise. Effects are drawn one per record, of a size that matters where it acts, from the start
 or from a moment on. With --times 2 a size lies between two and four times the smallest one that the record
-could tell (docs/concealed_trial.md); where that is not possible the record is drawn anew, and `drawn.json`
-counts how often. With --pairs, two effects of different blocks share a record. `seal.txt` holds the
-SHA-256 of every truth.json: commit it before a trial, so that nobody can change the truth afterwards. The
-same arguments give the same files.
+could show (how: benchmarks/concealed/results/README.md); where that is not possible the record is drawn
+anew, and `drawn.json` counts how often. With --pairs, two effects of different blocks share a record.
+`seal.txt` holds the SHA-256 of every truth.json: commit it before a trial, so that nobody can change the
+truth afterwards. The same arguments give the same files.
 """
 
 import argparse

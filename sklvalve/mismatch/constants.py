@@ -29,5 +29,6 @@ MARGIN = 1.25
 #: Where the pressure drop is unknown, a black box that learns how the drop follows the flow is better by as
 #: much in three of seven healthy recordings: there it must halve the error, in every stretch.
 MARGIN_OF_A_DROP = 2.0
-#: A class is named from this probability on; docs/validation.md says what other values would have done.
+#: A class is named from this probability on; benchmarks/concealed/results/README.md
+#: has the effect of other values.
 NAMED_FROM = 0.6

@@ -40,7 +40,7 @@ USUAL_P = 1e-4
 
 #: Of the 1,733 classes reported in the seven sealed runs of the concealed benchmark, 1,573 of which held a
 #: true name, printed by ``python -m benchmarks.concealed.calibrate``. How numbers fitted to six of the runs
-#: did on the seventh is in docs/validation.md.
+#: did on the seventh is in benchmarks/concealed/results/README.md.
 SEALED = Numbers(
     intercept=2.406,
     of_name=1.065,

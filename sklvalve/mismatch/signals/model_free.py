@@ -11,7 +11,7 @@ from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import step_of
 
 # a noise model is clearly above the noise of steady stretches from here on; on healthy recordings of a plant
-# with known noise it was so in none (docs/validation.md)
+# with known noise it was so in none (benchmarks/concealed/results)
 CLEARLY_ABOVE = 1.5
 # rows that come back to the same drivers and differ by more than this many times the quick noise differ by
 # more than noise: the signal remembers, or something has changed since
