@@ -3,28 +3,34 @@
 
 import inspect
 import re
+import textwrap
 from itertools import groupby
 from pathlib import Path
 
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, Effect
 
 TARGET = Path(__file__).with_name("effects.md")
+#: Longest line of the page outside its table.
+WIDTH = 99
 BLOCKS = ("actuator", "valve", "line", "measurement")
 HEAD = """# Effects
 
-What a simulation may leave out, as far as `sklvalve` knows it: {names} effects in {forms} forms. Made by
-`docs/make_effects_table.py` from the files in `sklvalve/mismatch/effects`; [extending.md](extending.md) shows
-how to add one.
+Reference for engineers who read a diagnosis: the physics that a simulation may lack, with
+equation, parameters, needed signals, and the test that separates each effect from the others.
 
-Forms are variants of an effect that act elsewhere or show otherwise; a diagnosis tells the effect's name.
-Effects of one family share an equation, so an explanation holds one of them at most. Bounds are what is
-physically possible; where none stand here they follow from the data sheet and the recording. The fault is the
-one of the DAMADICS benchmark with the same physics.
+The catalogue holds {names} effects in {forms} forms. A form is a variant that acts elsewhere or
+shows differently; a diagnosis names the effect. [Extending](extending.md) shows how to add one.
+`docs/make_effects_table.py` generates this page.
 
-The kind says what an effect is that is there from the start: a fault; a property of a sound valve, its
-fluid or its line, that a simulation may lack; or either. What begins within the recording, or grows, is a
-fault, unless the fluid changed. `slew_limit` is a property of a motor, and either where air is known to drive
-the stem.
+- **Kind**: what an effect is that is present from the start. It is a fault; or a property of a
+  sound valve, its fluid or its line that a simulation may lack; or either. What begins or grows
+  within the recording is a fault, unless the fluid changed. `slew_limit` is a property of a motor;
+  it is either where air is known to drive the stem.
+- **Needs**: the signals that the recording must contain.
+- **Family**: effects that share an equation. An explanation holds at most one of them.
+- **Fault**: the fault of the [DAMADICS benchmark](damadics.md) with the same physics.
+- **Bounds**: the physically possible range of a parameter. Where none is given, the data sheet and
+  the recording set it.
 """
 
 
@@ -37,7 +43,7 @@ def page():
         parts.append(f"## {block.capitalize()}\n")
         for name, forms in groupby(inside, key=lambda e: e.name):
             parts.append(f"### {name}\n")
-            parts += [_entry(form) for form in forms]
+            parts += _entries(list(forms))
     return "\n".join(parts)
 
 
@@ -47,8 +53,8 @@ def _overview():
         for name in sorted({e.name for e in CATALOGUE if e.block == block}):
             forms = [e for e in (*CATALOGUE, *EVENTS) if e.name == name and e.block == block]
             kinds, needs, families, faults = (
-                " or ".join(sorted({told for e in forms if (told := tell(e))}))
-                for tell in (lambda e: e.kind, _needs, lambda e: e.family, lambda e: e.damadics)
+                " or ".join(sorted({value for e in forms if (value := column(e))}))
+                for column in (lambda e: e.kind, _needs, lambda e: e.family, lambda e: e.damadics)
             )
             place = f"[{name}](#{_anchor(name, block)}) | {block}"
             rows.append(f"| {place} | {kinds} | {needs} | {families} | {faults} |")
@@ -65,9 +71,19 @@ def _needs(effect):
     return ", ".join(effect.needs)
 
 
-def _entry(effect):
+def _entries(forms):
+    """Every form of an effect, and the separating test once where they share it."""
+    tests = {form.separated_by for form in forms}
+    shared = len(forms) > 1 and len(tests) == 1
+    entries = [_entry(form, with_test=not shared) for form in forms]
+    if shared:
+        entries.append(_fill(f"Separating test of all forms: {tests.pop()}") + "\n")
+    return entries
+
+
+def _entry(effect, with_test):
     first, equation = _meaning(effect)
-    lines = [first, ""]
+    lines = [_fill(first), ""]
     if equation:
         lines += ["$$", equation, "$$", ""]
     lines += [f"- {_parameter(effect, q)}" for q in effect.parameters]
@@ -75,11 +91,27 @@ def _entry(effect):
     facts += [f"family {effect.family}"] if effect.family else []
     facts += [f"fault {effect.damadics}"] if effect.damadics else []
     facts += [effect.source] if effect.source else []
-    facts += [] if effect.may_begin else ["there from the start"]
+    facts += [] if effect.may_begin else ["present from the start"]
     if type(effect).possible is not Effect.possible:
-        facts.append(f"asks for {effect.requires}")
-    lines += [f"- {'; '.join(facts)}", f"- told apart: {effect.separated_by}", ""]
-    return "\n".join(lines)
+        facts.append(f"requires {effect.requires}")
+    lines.append(_fill("; ".join(facts), "- "))
+    if with_test:
+        lines.append(_fill(f"separating test: {effect.separated_by}", "- "))
+    return "\n".join([*lines, ""])
+
+
+def _fill(text, bullet=""):
+    """The text in lines of at most WIDTH; formulas and code stay whole."""
+    whole = re.sub(r"`[^`]+`|\$[^$]+\$", lambda span: span[0].replace(" ", "\0"), text)
+    lines = textwrap.fill(
+        whole,
+        WIDTH,
+        initial_indent=bullet,
+        subsequent_indent=" " * len(bullet),
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return lines.replace("\0", " ")
 
 
 def _parameter(effect, quantity):
