@@ -6,7 +6,8 @@ LEAST_P_VALUE = 1e-12
 #: Share of an effect that its simulation gets wrong along the difference to another effect [1]. With 0.08,
 #: which 62 simulated records liked best, classes meant to hold the truth in 95 % of cases held it in 92.5 %
 #: of 244 records of a sealed run; with 0.10 in 94 %, with two wrong names less and one name more in four
-#: classes (docs/method.md). Larger: classes hold more names. Smaller: classes leave out true names.
+#: classes (benchmarks/NOTES_OF_TRIALS.md). Larger: classes hold more names. Smaller: classes leave out
+#: true names.
 SHARE_WRONG = 0.10
 #: A class of explanations holds so much of the probability. Larger: classes hold more names.
 IN_CLASS = 0.95
