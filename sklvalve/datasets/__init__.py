@@ -5,6 +5,7 @@ from sklvalve.datasets._plant_effects import CONCEALABLE
 from sklvalve.datasets.concealed import write_concealed
 from sklvalve.datasets.loaders import load_belimo, load_concealed, load_refinery_loops, load_watersafe
 from sklvalve.datasets.plant import make_valve_recording
+from sklvalve.datasets.valve_days import make_valve_days, write_plant
 
 __all__ = [
     "CONCEALABLE",
@@ -13,8 +14,10 @@ __all__ = [
     "load_refinery_loops",
     "load_watersafe",
     "make_damadics",
+    "make_valve_days",
     "make_valve_recording",
     "write_concealed",
+    "write_plant",
 ]
 
 

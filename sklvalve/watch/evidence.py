@@ -61,23 +61,25 @@ class Call:
     evidence: float
 
 
-def limit_of(false_calls: float, series: int = 1) -> float:
-    """Limit of the detector for a rate of false calls.
+def limit_of(false_calls: float) -> float:
+    """Limit of the detector for a rate of false calls, however many series it is the mean of.
 
     Parameters
     ----------
     false_calls : float
         Most false calls a valve-year.
-    series : int, default=1
-        Series of one valve whose detectors are averaged; the limit does not depend on it, since a mean of
-        e-processes is one.
 
     Returns
     -------
     limit : float
         Days between false calls, at least.
+
+    Examples
+    --------
+    >>> from sklvalve.watch import limit_of
+    >>> limit_of(0.05)
+    7305.0
     """
-    del series
     return DAYS_A_YEAR / false_calls
 
 

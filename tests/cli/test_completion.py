@@ -12,7 +12,18 @@ from sklvalve.cli.completion import SHELLS
 
 pytest.importorskip("shtab", reason='needs pip install "sklvalve[cli]"')
 
-COMMANDS = ["completion", "demo", "diagnose", "import", "init", "learn", "predict", "screen", "simulate"]
+COMMANDS = [
+    "completion",
+    "demo",
+    "diagnose",
+    "import",
+    "init",
+    "learn",
+    "predict",
+    "screen",
+    "simulate",
+    "watch",
+]
 
 
 @pytest.fixture

@@ -31,6 +31,10 @@ COMMANDS = {
             "fault": {"fault": "f7", "strength": 0.75, "begins": 20.0, "takes": 0.0},
         },
     ),
+    "watch": (
+        ["watch", "watched/plant.toml", "--data", "watched/rows", "--state", "watched/state"],
+        {"plant": "Test", "valves": [{"tag": "FV-1", "state": "no data", "said": [], "calls": []}]},
+    ),
     "predict": (
         PREDICT,
         {
@@ -49,6 +53,9 @@ def files(folder):
     made = make_valve_recording(None, loop="wide", n_samples=700, n_later=0, random_state=3)
     made.frame.to_csv(folder / "long.csv", index=False)
     (folder / "plant.toml").write_text(to_toml(made.valve))
+    (folder / "watched" / "rows").mkdir(parents=True)
+    watched = 'name = "Test"\n[valve.FV-1]\nsheet = "../plant.toml"\n'
+    (folder / "watched" / "plant.toml").write_text(watched)
     values = course(200)
     stamps = iso(moments("2024-06-28 10:00:00", 200, 10))
     (folder / "export.csv").write_text(wide_text(["FIC1.PV [m3/h]", "FIC1.OP [%]"], stamps, [values, values]))
