@@ -90,13 +90,19 @@ def content_of(plant, watches, state: Path) -> dict:
     """How each valve stands, as plain data."""
     from dataclasses import asdict
 
+    from sklvalve.watch.record import NOTHING
     from sklvalve.watch.store import Store
 
     store = Store(state)
     valves = []
     for each in watches:
-        calls = [asdict(f) for f in store.findings(each.tag)]
-        valves.append({"tag": each.tag, "state": each.state, "said": list(each.said), "calls": calls})
+        made = [asdict(f) for f in store.findings(each.tag)]
+        calls, looks = (
+            [f for f in made if (f["verdict"] == NOTHING) is nothing] for nothing in (False, True)
+        )
+        valves.append(
+            {"tag": each.tag, "state": each.state, "said": list(each.said), "calls": calls, "looks": looks}
+        )
     return {"schema": "sklvalve.watch/1", "plant": plant.name, "valves": valves}
 
 

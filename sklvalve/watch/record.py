@@ -9,6 +9,9 @@ from typing import Any
 
 from sklvalve.watch.score import Score, Share
 
+#: Verdict of a look that found nothing: the days differ, and the physics does not.
+NOTHING = "no_mismatch"
+
 
 @dataclass(frozen=True)
 class DayRecord:

@@ -12,9 +12,9 @@ from typing import Any
 
 from sklvalve.recording.errors import InputError, hint
 from sklvalve.watch.plant import Plant
-from sklvalve.watch.record import DayRecord, Epoch, Inspection
+from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Inspection
 from sklvalve.watch.store import Store
-from sklvalve.watch.trend import trend_since
+from sklvalve.watch.trend import reference_after, trend_since
 from sklvalve.watch.valve import Watch, watch_valve
 
 #: Columns of the table of trends.
@@ -158,7 +158,8 @@ def _write_tables(plant: Plant, store: Store) -> None:
 def trend_rows(tag: str, store: Store) -> Iterator[dict[str, Any]]:
     """What the table of trends says of each day of a valve."""
     for epoch, records in by_epoch(tag, store):
-        trend = trend_since(records, store.reference(tag, epoch))
+        looks = [f for f in store.findings(tag) if f.since == epoch.label and f.verdict == NOTHING]
+        trend = trend_since(records, reference_after(records, store.reference(tag, epoch), looks))
         at = {day: k for k, day in enumerate(trend.days)}
         for record in records:
             k = at.get(record.day)

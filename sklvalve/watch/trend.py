@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from sklvalve.watch.evidence import SHAPES, cusum, detector
-from sklvalve.watch.record import DayRecord
+from sklvalve.watch.record import DayRecord, Finding
 
 # a day on which a size is so many times less sure than on the usual one says nothing of it
 _BLIND = 3.0
@@ -79,6 +79,30 @@ class Trend:
         series = self.left[channel]
         late = series[max(day - 2, self.reference) : day + 1]
         return float(np.nanmean(late)), float(np.nanmean(series[: self.reference]))
+
+
+def reference_after(
+    records: Sequence[DayRecord], reference: Sequence[dt.date], looks: Sequence[Finding]
+) -> list[dt.date]:
+    """Days that later ones are compared with, once a valve was looked at and nothing was missing.
+
+    Another programme, season or load makes other days of the same valve. The first days since then, as many
+    as there were before, take the place of those of the commissioning.
+
+    Parameters
+    ----------
+    records : sequence of DayRecord
+        In the order of their days.
+    reference : sequence of date
+        Those of the commissioning.
+    looks : sequence of Finding
+        Diagnoses that found nothing, in their order.
+    """
+    if not looks:
+        return list(reference)
+    begins = dt.date.fromisoformat(looks[-1].onset)
+    since = [r.day for r in records if r.day >= begins and not r.score.mend]
+    return since[: len(reference)] if len(since) >= len(reference) else []
 
 
 def trend_since(records: Sequence[DayRecord], reference: Sequence[dt.date]) -> Trend:

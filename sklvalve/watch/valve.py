@@ -19,10 +19,10 @@ from sklvalve.report.headline import headline
 from sklvalve.watch.days import FEWEST_ROWS, DayFiles, days_of, read_day
 from sklvalve.watch.evidence import FEWEST, limit_of
 from sklvalve.watch.plant import Commissioning, Watched
-from sklvalve.watch.record import DayRecord, Epoch, Finding
+from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding
 from sklvalve.watch.score import Score, scored
 from sklvalve.watch.store import Store
-from sklvalve.watch.trend import Trend, trend_since
+from sklvalve.watch.trend import Trend, reference_after, trend_since
 
 # share of the commissioning days that the simulation is calibrated on; the others are the reference
 _LEARNT = 0.5
@@ -100,7 +100,9 @@ class _Run:
         learnt = self.store.history(self.watched.tag, self.epoch) or self._learn(files)
         if learnt is None:
             return self._ends("commissioning")
-        return self._judged(self._scored(files, learnt), learnt, {f.day: f for f in files})
+        records = self._scored(files, learnt)
+        self.said += [f"{r.day}: {r.score.mend or r.said}" for r in records if r.score.mend or r.said]
+        return self._judged(records, learnt, {f.day: f for f in files})
 
     def _commissioning(self) -> Commissioning:
         """After an inspection the first days with rows are sound, whichever plant.toml names."""
@@ -184,21 +186,28 @@ class _Run:
         files: dict[dt.date, DayFiles],
     ) -> Watch:
         """Whether the valve calls; a new call is diagnosed and kept."""
-        self.said += [f"{r.day}: {r.score.mend or r.said}" for r in records if r.score.mend or r.said]
-        trend = trend_since(records, self.store.reference(self.watched.tag, self.epoch))
+        made = [f for f in self.store.findings(self.watched.tag) if f.since == self.epoch.label]
+        if any(f.verdict != NOTHING for f in made):
+            return self._ends("calls")
+        reference = self.store.reference(self.watched.tag, self.epoch)
+        trend = trend_since(records, reference_after(records, reference, made))
+        if made and trend.reference < FEWEST:
+            # what its days are like since the look is not known yet
+            return self._ends("sound")
         if trend.reference < FEWEST:
             self.said.append(
                 f"Only {trend.reference} days of its commissioning can be used; {FEWEST} are needed."
             )
             return self._ends("cannot tell")
-        calls = [f for f in self.store.findings(self.watched.tag) if f.since == self.epoch.label]
-        if calls:
-            return self._ends("calls")
         day = trend.call(self.limit)
         if day is None:
             return self._ends("sound")
-        self.store.save_finding(self._called(trend, day, history, files))
-        return self._ends("calls")
+        finding = self._called(trend, day, history, files)
+        self.store.save_finding(finding)
+        if finding.verdict != NOTHING:
+            return self._ends("calls")
+        # nothing is missing: the valve works in another way since, and is watched on from there
+        return self._judged(records, history, files)
 
     def _called(
         self, trend: Trend, day: int, history: ValveHistory, files: dict[dt.date, DayFiles]

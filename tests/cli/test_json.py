@@ -33,7 +33,10 @@ COMMANDS = {
     ),
     "watch": (
         ["watch", "watched/plant.toml", "--data", "watched/rows", "--state", "watched/state"],
-        {"plant": "Test", "valves": [{"tag": "FV-1", "state": "no data", "said": [], "calls": []}]},
+        {
+            "plant": "Test",
+            "valves": [{"tag": "FV-1", "state": "no data", "said": [], "calls": [], "looks": []}],
+        },
     ),
     "predict": (
         PREDICT,

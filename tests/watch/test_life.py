@@ -32,6 +32,8 @@ def text(day, level, many=30):
 class Data:
     """Days of one valve whose flow is what its days tell."""
 
+    verdict = "named"
+
     def __init__(self, root):
         self.root = root
         self.rng = np.random.default_rng(0)
@@ -62,7 +64,7 @@ def history():
 def data(tmp_path, monkeypatch, history):
     class Finder:
         def __init__(self, **_):
-            content = {"verdict": "named", "effects": [{"members": [{"name": "seat_leakage"}]}]}
+            content = {"verdict": Data.verdict, "effects": [{"members": [{"name": "seat_leakage"}]}]}
             save = lambda path: path.write_text("")  # noqa: E731
             self.diagnosis_ = types.SimpleNamespace(to_dict=lambda: content, save=save)
 
@@ -196,6 +198,27 @@ def test_an_inspection_begins_a_new_history(data):
         inspected(data.plant, data.root / "state", "FV-2", day)
     with pytest.raises(InputError, match="was inspected on 2026-02-10 already"):
         inspected(data.plant, data.root / "state", "FV-1", FIRST)
+
+
+def test_another_programme_is_looked_at_and_no_call(data, monkeypatch):
+    monkeypatch.setattr(Data, "verdict", "no_mismatch")
+    for k in range(60):
+        data.put(k, shift=8.0 * (k >= 30))
+    assert data.run().state == "sound"
+    import pandas as pd
+
+    looks = pd.read_parquet(data.root / "state" / "findings.parquet")
+    assert looks.verdict.tolist() == ["no_mismatch"]
+    before = tree(data.root / "state")
+    assert data.run().read == 0
+    assert tree(data.root / "state") == before
+    # what comes after the new days is compared with these
+    monkeypatch.setattr(Data, "verdict", "named")
+    for k in range(60, 75):
+        data.put(k, shift=16.0)
+    assert data.run().state == "calls"
+    calls = pd.read_parquet(data.root / "state" / "findings.parquet")
+    assert calls.onset.iloc[-1] == "2026-03-02"
 
 
 def test_what_was_killed_goes_on_to_the_same_state(data, tmp_path, monkeypatch):

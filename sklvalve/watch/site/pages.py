@@ -12,10 +12,10 @@ import numpy as np
 
 from sklvalve.report.words import spoken
 from sklvalve.watch.plant import Plant
-from sklvalve.watch.record import DayRecord, Epoch, Finding, Inspection
+from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding, Inspection
 from sklvalve.watch.site.chart import chart
 from sklvalve.watch.store import Store
-from sklvalve.watch.trend import Trend, trend_since
+from sklvalve.watch.trend import Trend, reference_after, trend_since
 from sklvalve.watch.valve import Watch
 
 #: States in the order of their urgency, and their words.
@@ -81,7 +81,9 @@ def page_of(tag: str, watch: Watch, store: Store, false_calls: float, newest: dt
     epoch = Epoch(dt.date.fromisoformat(done[-1].day) if done else None)
     records = [r for r in store.days(tag) if r.since == epoch.label]
     calls = store.findings(tag)
-    now = [f for f in calls if f.since == epoch.label]
+    here = [f for f in calls if f.since == epoch.label]
+    looks = [f for f in here if f.verdict == NOTHING]
+    now = [f for f in here if f.verdict != NOTHING]
     said = list(watch.said)
     if records and newest is not None and (newest - records[-1].day).days >= _SILENT:
         said.append(f"No rows since {records[-1].day}.")
@@ -91,12 +93,12 @@ def page_of(tag: str, watch: Watch, store: Store, false_calls: float, newest: dt
         "words": STATES[watch.state],
         "said": tuple(said),
         "done": done,
-        "earlier": tuple(f for f in calls if f.since != epoch.label),
+        "earlier": tuple(f for f in calls if f not in now),
         "days": len(records),
         "last": records[-1].day.isoformat() if records else "",
     }
-    trend = trend_since(records, store.reference(tag, epoch))
-    if not trend.days:
+    trend = trend_since(records, reference_after(records, store.reference(tag, epoch), looks))
+    if not trend.days or not trend.reference:
         return ValvePage(**page)
     if now:
         page |= _call(now[-1], trend, false_calls)
