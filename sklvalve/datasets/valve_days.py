@@ -87,7 +87,7 @@ def write_plant(folder, *, valves=20, days=60, rows=900, first=dt.date(2026, 1, 
         tag, effect = f"FV-{101 + k}", concealed.get(k)
         onset = int(rng.integers(days // 3, 2 * days // 3))
         made = make_valve_days(
-            effect, days=days, rows=rows, onset=onset, loop="mixed", random_state=int(rng.integers(2**31 - 1))
+            effect, days=days, rows=rows, onset=onset, random_state=int(rng.integers(2**31 - 1))
         )
         _write_valve(place, tag, made, first)
         sections.append(f'[valve.{tag}]\nsheet = "sheets/{tag}.toml"\n')
