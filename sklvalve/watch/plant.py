@@ -150,8 +150,8 @@ def _commissioning(entry: object, where: str, default: Commissioning) -> Commiss
         raise InputError(f"{where} must hold days, or from and until; got {shown(entry)}")
     _require_known(entry, _COMMISSIONING_KEYS, where)
     days = entry.get("days", default.days)
-    if isinstance(days, bool) or not isinstance(days, int) or not 5 <= days <= 3650:
-        raise InputError(f"{where} days must be a whole number from 5 to 3650; got {shown(days)}")
+    if isinstance(days, bool) or not isinstance(days, int) or not 10 <= days <= 3650:
+        raise InputError(f"{where} days must be a whole number from 10 to 3650; got {shown(days)}")
     first, last = (_date(entry.get(key), f"{where} {key}") for key in ("from", "until"))
     if first and last and first > last:
         raise InputError(f"{where} ends on {last}, before it begins on {first}; exchange the two")

@@ -71,8 +71,13 @@ def watch_valve(
     -------
     watch : Watch
     """
-    with threadpool_limits(1, user_api="blas"):
-        return _Run(watched, Path(data), Store(state), false_calls, seed).run()
+    run = _Run(watched, Path(data), Store(state), false_calls, seed)
+    try:
+        with threadpool_limits(1, user_api="blas"):
+            return run.run()
+    except InputError as error:
+        # one valve that cannot be learnt or diagnosed keeps no other one from being watched
+        return Watch(watched.tag, "cannot tell", (*run.said, str(error)), run.read)
 
 
 class _Run:
@@ -119,8 +124,11 @@ class _Run:
         sound = [f for f in files if f.day in days]
         complete = files[-1].day > wanted.last if wanted.last else len(sound) >= wanted.days
         if not complete or len(sound) < 2 * FEWEST:
-            left = f"{len(sound)} of {wanted.days} days"
-            self.said.append(f"It is learnt from its first days, {left} so far; nothing is told before.")
+            wants = f"from {wanted.first} to {wanted.last}" if wanted.last else f"{wanted.days} days"
+            self.said.append(
+                f"It is learnt from its sound days, {wants} and at least {2 * FEWEST}; so far there are "
+                f"{len(sound)}."
+            )
             return None
         first = int(len(sound) * _LEARNT)
         read = []
@@ -235,6 +243,8 @@ class _Run:
     ) -> tuple[dict, str]:
         """Diagnosis of the last days of a change, against the history; and where its report lies."""
         read = [self._rows_of(files[day])[0] for day in days[-_DIAGNOSED:] if day in files]
+        if not any(each is not None for each in read):
+            raise InputError(f"the rows of {days[-1]}, from which on it calls, are gone; put them back")
         rows = join_recordings([each for each in read if each is not None])
         finder = MissingPhysicsFinder(random_state=self.seed, history=history).fit(rows)
         folder = self.store.reports(self.watched.tag, days[-1])

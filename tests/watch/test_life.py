@@ -103,7 +103,7 @@ def test_a_valve_is_learnt_watched_and_called(data):
         data.put(k)
     told = data.run()
     assert told.state == "commissioning"
-    assert "9 of 10 days" in told.said[0]
+    assert "10 days and at least 10; so far there are 9." in told.said[0]
     for k in range(9, 30):
         data.put(k)
     told = data.run()
@@ -244,6 +244,21 @@ def test_what_was_killed_goes_on_to_the_same_state(data, tmp_path, monkeypatch):
             continue
         break
     assert tree(tmp_path / "state") == whole
+
+
+def test_one_valve_that_fails_keeps_no_other_from_being_watched(data, monkeypatch):
+    class Refuses:
+        def __init__(self, **_):
+            pass
+
+        def history_of(self, _):
+            raise InputError("there is nothing to learn; give other rows")
+
+    monkeypatch.setattr(module, "MissingPhysicsFinder", Refuses)
+    for k in range(12):
+        data.put(k)
+    told = data.run()
+    assert (told.state, told.said[-1]) == ("cannot tell", "there is nothing to learn; give other rows")
 
 
 def test_two_runs_at_once_are_kept_apart(data, tmp_path):

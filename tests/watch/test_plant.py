@@ -65,8 +65,8 @@ def test_the_plant_is_called_by_its_folder_unless_named(written):
             '[valve.A]\nsheet = "a.toml"\n[valve.B]\nsheet = "a.toml"\ndata = "a"\n',
             "have their rows in one folder",
         ),
-        ('[commissioning]\ndays = 2\n[valve.A]\nsheet = "a.toml"\n', "whole number from 5"),
-        ('[commissioning]\ndays = true\n[valve.A]\nsheet = "a.toml"\n', "whole number from 5"),
+        ('[commissioning]\ndays = 9\n[valve.A]\nsheet = "a.toml"\n', "whole number from 10"),
+        ('[commissioning]\ndays = true\n[valve.A]\nsheet = "a.toml"\n', "whole number from 10"),
         ('[commissioning]\nfrom = "2026-01-01"\n[valve.A]\nsheet = "a.toml"\n', "date without quotes"),
         ('[commissioning]\nfrom = 2026-01-01T00:00:00\n[valve.A]\nsheet = "a.toml"\n', "date without quotes"),
         (
