@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from sklvalve.cli.as_json import add_json_argument, as_json
-from sklvalve.cli.parser import seed
+from sklvalve.cli.parser import folder, seed
 from sklvalve.cli.terminal import show
 
 _EXAMPLES = """examples:
@@ -28,9 +28,11 @@ def add_parser(commands) -> None:
         formatter_class=RawDescriptionHelpFormatter,
     )
     parser.add_argument("plant", metavar="PLANT", help="plant.toml: valves, their sheets and their rows")
-    parser.add_argument("--data", metavar="DIR", help="folder in which each valve has its own")
-    parser.add_argument("--state", required=True, metavar="DIR", help="folder for what is kept")
-    parser.add_argument("--site", metavar="DIR", help="folder for the pages; none are made without")
+    parser.add_argument("--data", type=folder, metavar="DIR", help="folder in which each valve has its own")
+    parser.add_argument("--state", type=folder, required=True, metavar="DIR", help="folder for what is kept")
+    parser.add_argument(
+        "--site", type=folder, metavar="DIR", help="folder for the pages; none are made without"
+    )
     parser.add_argument("--jobs", type=_jobs, metavar="N", help="processes (default: one a processor)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler, in place of processes")
     parser.add_argument("--inspected", metavar="TAG", help="enter that this valve was inspected or mended")

@@ -23,7 +23,7 @@ class DayRecord:
     stamp, checksum : str
         Of the files it was read from (`DayFiles`).
     since : str
-        First day of the history that it was held against.
+        Label of the history that it was held against (`Epoch`).
     score : Score
     said : str
         What was unusual about how the day came; empty where nothing was.
@@ -56,7 +56,7 @@ class Finding:
     ----------
     valve : str
     since : str
-        First day of the history that was found to have changed.
+        Label of the history that was found to have changed (`Epoch`).
     called : str
         Day on which the evidence reached its limit.
     onset : str

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from sklvalve.report.words import spoken
+from sklvalve.watch.evidence import limit_of
 from sklvalve.watch.plant import Plant
 from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding, Inspection
 from sklvalve.watch.site.chart import chart
@@ -97,30 +98,41 @@ def page_of(tag: str, watch: Watch, store: Store, false_calls: float, newest: dt
         "days": len(records),
         "last": records[-1].day.isoformat() if records else "",
     }
+    if now:
+        page |= _call(now[-1])
     trend = trend_since(records, reference_after(records, store.reference(tag, epoch), looks))
     if not trend.days or not trend.reference:
         return ValvePage(**page)
     if now:
-        page |= _call(now[-1], trend, false_calls)
+        page |= _size(now[-1], trend)
     return ValvePage(**page, pictures=_pictures(trend, now, done, records, false_calls))
 
 
-def _call(finding: Finding, trend: Trend, false_calls: float) -> dict[str, Any]:
-    channel = trend.channel
-    off, sound = trend.off(channel, len(trend.days) - 1)
-    then, _ = trend.off(channel, trend.days.index(dt.date.fromisoformat(finding.called)))
+def _call(finding: Finding) -> dict[str, Any]:
     names = " + ".join(" or ".join(spoken(n) for n in each.split("/")) for each in finding.names)
     unknown = {"none_of_these": "a change that no known effect explains"}
     return {
         "what": names or unknown.get(finding.verdict, "a change that is not identified"),
         "since": finding.onset,
         "called": finding.called,
-        "how_large": f"the {channel} is {100.0 * off:.2g} % of its span away from the sound valve "
-        f"({100.0 * sound:.2g} % before)",
-        "how_sure": f"a sound valve calls once in {1.0 / false_calls:.0f} years at most",
-        "growing": off > 1.2 * then,
+        # how often a sound valve calls was not measured on plants: no frequency is given
+        "how_sure": f"evidence {finding.evidence:,.0f}, where the limit is {finding.limit:,.0f}",
         "report": finding.report,
         "headline": finding.headline,
+    }
+
+
+def _size(finding: Finding, trend: Trend) -> dict[str, Any]:
+    """How far the valve is from what it was, and whether that grows."""
+    channel = trend.channel
+    off, sound = trend.off(channel, len(trend.days) - 1)
+    # the day of the call itself may have come again since, without rows
+    before = [k for k, day in enumerate(trend.days) if day.isoformat() <= finding.called]
+    then, _ = trend.off(channel, max(before, default=0))
+    return {
+        "how_large": f"the {channel} is {100.0 * off:.2g} % of its span away from the sound valve "
+        f"({100.0 * sound:.2g} % before)",
+        "growing": off > 1.2 * then,
         "weight": off - sound,
     }
 
@@ -140,7 +152,7 @@ def _pictures(
         label = f"How far the {channel} is from the sound valve's, percent of span, rms of each day"
         made.append((chart(trend.days, 100.0 * left, label=label, marks=marks, unit=" %"), f"{label}."))
     evidence = np.log10(np.maximum(trend.evidence, 1.0))
-    limit = float(np.log10(365.25 / false_calls))
+    limit = float(np.log10(limit_of(false_calls)))
     label = "Evidence for a change, powers of ten, and the limit at which the valve calls"
     made.append((chart(trend.days, evidence, label=label, limit=limit, marks=marks), f"{label}."))
     if missing := [r.day for r in records if r.score.mend]:
@@ -158,9 +170,10 @@ def headline_of(plant: Plant, pages: Sequence[ValvePage]) -> str:
     """What a planner has to know first."""
     calling = [p for p in pages if p.state == "calls"]
     if not calling:
-        blind = [p for p in pages if p.state in ("cannot tell", "no data")]
-        rest = f" {len(blind)} cannot be told." if blind else ""
-        return f"Nothing to do today: none of {len(pages)} valves has changed.{rest}"
+        watched = sum(p.state == "sound" for p in pages)
+        others = len(pages) - watched
+        rest = f" Of {others} more nothing is known yet." if others else ""
+        return f"Nothing to do today: none of {watched} watched valves has changed.{rest}"
     first = in_order(calling)[0]
     count = "One valve calls" if len(calling) == 1 else f"{len(calling)} valves call"
     return f"{count} for attention. First: {first.tag}, {first.what}, since {first.since}."
