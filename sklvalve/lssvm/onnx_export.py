@@ -2,14 +2,13 @@
 """The prediction of an LS-SVM as an ONNX graph, for programs without Python."""
 
 import json
-import os
-import secrets
 from pathlib import Path
 
 import numpy as np
 from sklearn.utils.validation import check_is_fitted
 
 from sklvalve import __version__
+from sklvalve._replacing import replacing
 from sklvalve.lssvm.cross_validated import LSSVMRegressorCV
 from sklvalve.lssvm.kernels import SHIFT_INVARIANT
 from sklvalve.lssvm.regressor import LSSVMRegressor
@@ -263,9 +262,5 @@ def _largest_error(saved, estimator):
 
 
 def _write(file, content):
-    draft = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
-    try:
+    with replacing(file) as draft:
         draft.write_bytes(content)
-        os.replace(draft, file)
-    finally:
-        draft.unlink(missing_ok=True)

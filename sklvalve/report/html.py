@@ -2,7 +2,6 @@
 """A diagnosis as one HTML file that needs nothing else: no network, no fonts, no script but its own."""
 
 import os
-import secrets
 from base64 import b64encode
 from hashlib import sha256
 from importlib.resources import files
@@ -11,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sklvalve._replacing import replacing
 from sklvalve._telling import since_history
 from sklvalve.report import compared, figures, proof, rows
 from sklvalve.report.displays.base import Diagnosed
@@ -65,13 +65,8 @@ def write_report(
     >>> write_report("report.html", finder.diagnosis_, title="FV-101")  # doctest: +SKIP
     """
     page = render(diagnosis, title=title, source=source)
-    file = Path(path)
-    draft = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
-    try:
+    with replacing(Path(path)) as draft:
         draft.write_text(page, encoding="utf-8")
-        os.replace(draft, file)
-    finally:
-        draft.unlink(missing_ok=True)
 
 
 def render(diagnosis: Diagnosed, *, title: str | None = None, source: str | None = None) -> str:

@@ -18,7 +18,6 @@ from __future__ import annotations
 import datetime as dt
 import json
 import os
-import secrets
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -26,6 +25,7 @@ from pathlib import Path
 from typing import Any
 
 from sklvalve._locking import held
+from sklvalve._replacing import replacing
 from sklvalve.history import ValveHistory
 from sklvalve.mismatch import load_history, save_history
 from sklvalve.recording.errors import InputError, shown
@@ -210,19 +210,12 @@ def _read_list(file: Path) -> list[dict[str, Any]]:
 
 
 def _write(file: Path, text: str) -> None:
-    _replaced(file, lambda draft: draft.write_text(text, encoding="utf-8"))
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(file) as draft:
+        draft.write_text(text, encoding="utf-8")
 
 
 def _write_table(file: Path, table: Any, pq: Any) -> None:
-    _replaced(file, lambda draft: pq.write_table(table, draft, compression="zstd"))
-
-
-def _replaced(file: Path, write: Any) -> None:
-    """Write a file under another name, and put it in its place whole."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    draft = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
-    try:
-        write(draft)
-        os.replace(draft, file)
-    finally:
-        draft.unlink(missing_ok=True)
+    with replacing(file) as draft:
+        pq.write_table(table, draft, compression="zstd")

@@ -2,6 +2,7 @@
 """The graph of a prediction, run by another program, against the prediction."""
 
 import json
+import os
 import sys
 import types
 
@@ -212,7 +213,7 @@ def test_nothing_is_left_of_a_file_that_fails(tmp_path, monkeypatch):
     def refused(*_):
         raise PermissionError("in use")
 
-    monkeypatch.setattr(onnx_export.os, "replace", refused)
+    monkeypatch.setattr(os, "replace", refused)
     with pytest.raises(PermissionError, match="in use"):
         to_onnx(model, path=file)
     assert [path.name for path in tmp_path.iterdir()] == ["model.onnx"]

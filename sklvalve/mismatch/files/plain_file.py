@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import os
-import secrets
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from os import PathLike
@@ -12,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from sklvalve._replacing import replacing
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.files.packed_model import require_plain_archive
@@ -69,15 +68,9 @@ def write_plain(path: str | PathLike[str], content: dict[str, Any], kind: Kind) 
         Of plain numbers, texts, lists and arrays.
     kind : Kind
     """
-    skops_io, path = skops_of(kind), Path(path)
-    # not by tempfile, whose files are the owner's alone: a result is as readable as the umask has it
-    draft = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    try:
+    skops_io = skops_of(kind)
+    with replacing(Path(path)) as draft:
         draft.write_bytes(steady_archive(skops_io.dumps(content)))
-        os.replace(draft, path)
-    except BaseException:
-        draft.unlink(missing_ok=True)
-        raise
 
 
 def read_plain(path: str | PathLike[str], kind: Kind) -> dict[str, Any]:

@@ -49,10 +49,10 @@ def write_diagnosis(text: str, traces: dict[str, Any], path: str | os.PathLike[s
         handle, draft = tempfile.mkstemp(prefix=f".{path.name}-", dir=path.parent)
         try:
             with os.fdopen(handle, "wb") as file, zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
-                archive.writestr(_CONTENT, text)
-                archive.writestr(_TRACES, plain)
+                for name, content in ((_CONTENT, text), (_TRACES, plain)):
+                    archive.writestr(_part(name), content)
                 for name, values in arrays.items():
-                    archive.writestr(name, _as_bytes(values))
+                    archive.writestr(_part(name), _as_bytes(values))
             os.replace(draft, path)
         except BaseException:
             with suppress(OSError):
@@ -62,6 +62,13 @@ def write_diagnosis(text: str, traces: dict[str, Any], path: str | os.PathLike[s
         raise InputError(
             f"{path}: cannot be written ({error.strerror or error}); name a file in a folder that can be"
         ) from None
+
+
+def _part(name: str) -> zipfile.ZipInfo:
+    """A part of the archive without the time at which it was made: the same diagnosis has the same bytes."""
+    part = zipfile.ZipInfo(name)
+    part.compress_type = zipfile.ZIP_DEFLATED
+    return part
 
 
 def read_diagnosis(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 import os
-import secrets
 import shutil
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
 from urllib.parse import quote
 
+from sklvalve._replacing import replacing
 from sklvalve.recording.errors import InputError
 from sklvalve.watch.plant import Plant
 from sklvalve.watch.site.pages import STATES, ValvePage, headline_of, in_order, page_of
@@ -78,9 +78,8 @@ def _report(place: Path, store: Store, page: ValvePage) -> str:
         return ""
     target = place / "reports" / page.tag / f"{page.called}.html"
     target.parent.mkdir(parents=True, exist_ok=True)
-    draft = target.with_name(f".{target.name}.{secrets.token_hex(4)}")
-    shutil.copyfile(source, draft)
-    os.replace(draft, target)
+    with replacing(target) as draft:
+        shutil.copyfile(source, draft)
     return f"../reports/{quote(page.tag)}/{page.called}.html"
 
 
@@ -100,9 +99,5 @@ def _part(name: str) -> str:
 
 def _write(file: Path, text: str) -> None:
     file.parent.mkdir(parents=True, exist_ok=True)
-    draft = file.with_name(f".{file.name}.{secrets.token_hex(4)}")
-    try:
+    with replacing(file) as draft:
         draft.write_text(text, encoding="utf-8")
-        os.replace(draft, file)
-    finally:
-        draft.unlink(missing_ok=True)
