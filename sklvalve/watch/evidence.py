@@ -27,8 +27,6 @@ England Journal of Statistics in Data Science.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -38,27 +36,6 @@ EXPECTED = 4.0
 # commissioning days without which the scatter is not known
 FEWEST = 5
 SHAPES = ("step", "ramp")
-
-
-@dataclass(frozen=True)
-class Call:
-    """A day on which a series calls for attention.
-
-    Parameters
-    ----------
-    day : int
-        Number of the day in the series.
-    onset : int
-        Likeliest first day of the change.
-    shape : {"step", "ramp"}
-    evidence : float
-        The detector, which reached the limit.
-    """
-
-    day: int
-    onset: int
-    shape: str
-    evidence: float
 
 
 def limit_of(false_calls: float) -> float:
@@ -118,24 +95,6 @@ def detector(values: ArrayLike, commissioned: int) -> tuple[NDArray, NDArray, ND
             onset = np.where(better, commissioned + factors.argmax(axis=1), onset)
             which[better] = j, k
     return evidence, onset, which
-
-
-def first_call(values: ArrayLike, commissioned: int, limit: float) -> Call | None:
-    """First day on which the detector reaches a limit, if any.
-
-    Parameters
-    ----------
-    values, commissioned
-        As `detector` takes them.
-    limit : float
-        Of `limit_of`.
-    """
-    evidence, onset, which = detector(values, commissioned)
-    reached = np.flatnonzero(evidence >= limit)
-    if not len(reached):
-        return None
-    day = int(reached[0])
-    return Call(day, int(onset[day]), SHAPES[which[day, 1]], float(evidence[day]))
 
 
 def cusum(values: ArrayLike, commissioned: int, allowance: float = 0.5) -> NDArray:

@@ -12,9 +12,9 @@ from typing import Any
 
 from sklvalve.recording.errors import InputError, hint
 from sklvalve.watch.plant import Plant
-from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Inspection
+from sklvalve.watch.record import Inspection
+from sklvalve.watch.standing import epochs_of, standing_of
 from sklvalve.watch.store import Store
-from sklvalve.watch.trend import reference_after, trend_since
 from sklvalve.watch.valve import Watch, watch_valve
 
 #: Columns of the table of trends.
@@ -157,11 +157,12 @@ def _write_tables(plant: Plant, store: Store) -> None:
 
 def trend_rows(tag: str, store: Store) -> Iterator[dict[str, Any]]:
     """What the table of trends says of each day of a valve."""
-    for epoch, records in by_epoch(tag, store):
-        looks = [f for f in store.findings(tag) if f.since == epoch.label and f.verdict == NOTHING]
-        trend = trend_since(records, reference_after(records, store.reference(tag, epoch), looks))
+    records = store.days(tag)
+    for epoch in epochs_of(tag, store):
+        standing = standing_of(tag, store, epoch, records)
+        trend = standing.trend
         at = {day: k for k, day in enumerate(trend.days)}
-        for record in records:
+        for record in standing.records:
             k = at.get(record.day)
             yield {
                 "valve": tag,
@@ -171,13 +172,3 @@ def trend_rows(tag: str, store: Store) -> Iterator[dict[str, Any]]:
                 "evidence": None if k is None else float(trend.evidence[k]),
                 "cusum": None if k is None else float(trend.cusum[k]),
             }
-
-
-def by_epoch(tag: str, store: Store) -> Iterator[tuple[Epoch, list[DayRecord]]]:
-    """Days of a valve by the history that they were held against, in order."""
-    records = store.days(tag)
-    for begins in (None, *(dt.date.fromisoformat(each.day) for each in store.inspections(tag))):
-        epoch = Epoch(begins)
-        mine = [r for r in records if r.since == epoch.label]
-        if mine:
-            yield epoch, mine

@@ -19,10 +19,11 @@ from sklvalve.report.headline import headline
 from sklvalve.watch.days import FEWEST_ROWS, DayFiles, days_of, read_day
 from sklvalve.watch.evidence import FEWEST, limit_of
 from sklvalve.watch.plant import Commissioning, Watched
-from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding
+from sklvalve.watch.record import NOTHING, DayRecord, Finding
 from sklvalve.watch.score import Score, scored
+from sklvalve.watch.standing import epochs_of, standing_of
 from sklvalve.watch.store import Store
-from sklvalve.watch.trend import Trend, reference_after, trend_since
+from sklvalve.watch.trend import Trend
 
 # share of the commissioning days that the simulation is calibrated on; the others are the reference
 _LEARNT = 0.5
@@ -88,9 +89,7 @@ class _Run:
         self.limit, self.seed = limit_of(false_calls), seed
         self.said: list[str] = []
         self.read = 0
-        inspections = store.inspections(watched.tag)
-        begins = dt.date.fromisoformat(inspections[-1].day) if inspections else None
-        self.epoch = Epoch(begins)
+        self.epoch = epochs_of(watched.tag, store)[-1]
 
     def run(self) -> Watch:
         found = days_of(self.data, self.watched)
@@ -194,12 +193,11 @@ class _Run:
         files: dict[dt.date, DayFiles],
     ) -> Watch:
         """Whether the valve calls; a new call is diagnosed and kept."""
-        made = [f for f in self.store.findings(self.watched.tag) if f.since == self.epoch.label]
-        if any(f.verdict != NOTHING for f in made):
+        standing = standing_of(self.watched.tag, self.store, self.epoch, records)
+        if standing.calls:
             return self._ends("calls")
-        reference = self.store.reference(self.watched.tag, self.epoch)
-        trend = trend_since(records, reference_after(records, reference, made))
-        if made and trend.reference < FEWEST:
+        trend = standing.trend
+        if standing.looks and trend.reference < FEWEST:
             # what its days are like since the look is not known yet
             return self._ends("sound")
         if trend.reference < FEWEST:

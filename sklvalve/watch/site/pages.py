@@ -13,10 +13,11 @@ import numpy as np
 from sklvalve.report.words import spoken
 from sklvalve.watch.evidence import limit_of
 from sklvalve.watch.plant import Plant
-from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding, Inspection
+from sklvalve.watch.record import DayRecord, Finding, Inspection
 from sklvalve.watch.site.chart import chart
+from sklvalve.watch.standing import Standing
 from sklvalve.watch.store import Store
-from sklvalve.watch.trend import Trend, reference_after, trend_since
+from sklvalve.watch.trend import Trend
 from sklvalve.watch.valve import Watch
 
 #: States in the order of their urgency, and their words.
@@ -65,26 +66,25 @@ class ValvePage:
     weight: float = field(default=0.0, repr=False)
 
 
-def page_of(tag: str, watch: Watch, store: Store, false_calls: float, newest: dt.date | None) -> ValvePage:
+def page_of(
+    watch: Watch, standing: Standing, store: Store, false_calls: float, newest: dt.date | None
+) -> ValvePage:
     """What is told of a valve.
 
     Parameters
     ----------
-    tag : str
     watch : Watch
+    standing : Standing
+        Since the last inspection.
     store : Store
     false_calls : float
         Calls a valve-year that plant.toml allows without a reason.
     newest : date or None
         Last day that any valve of the plant has.
     """
+    tag = watch.tag
     done = tuple(store.inspections(tag))
-    epoch = Epoch(dt.date.fromisoformat(done[-1].day) if done else None)
-    records = [r for r in store.days(tag) if r.since == epoch.label]
-    calls = store.findings(tag)
-    here = [f for f in calls if f.since == epoch.label]
-    looks = [f for f in here if f.verdict == NOTHING]
-    now = [f for f in here if f.verdict != NOTHING]
+    records, now = standing.records, standing.calls
     said = list(watch.said)
     if records and newest is not None and (newest - records[-1].day).days >= _SILENT:
         said.append(f"No rows since {records[-1].day}.")
@@ -94,13 +94,13 @@ def page_of(tag: str, watch: Watch, store: Store, false_calls: float, newest: dt
         "words": STATES[watch.state],
         "said": tuple(said),
         "done": done,
-        "earlier": tuple(f for f in calls if f not in now),
+        "earlier": tuple(f for f in store.findings(tag) if f not in now),
         "days": len(records),
         "last": records[-1].day.isoformat() if records else "",
     }
     if now:
         page |= _call(now[-1])
-    trend = trend_since(records, reference_after(records, store.reference(tag, epoch), looks))
+    trend = standing.trend
     if not trend.days or not trend.reference:
         return ValvePage(**page)
     if now:

@@ -14,6 +14,7 @@ from sklvalve._replacing import replacing
 from sklvalve.recording.errors import InputError
 from sklvalve.watch.plant import Plant
 from sklvalve.watch.site.pages import STATES, ValvePage, headline_of, in_order, page_of
+from sklvalve.watch.standing import epochs_of, standing_of
 from sklvalve.watch.store import Store
 from sklvalve.watch.valve import Watch
 
@@ -47,9 +48,12 @@ def write_site(
     place, store = Path(folder), Store(state)
     if place.exists() and not place.is_dir():
         raise InputError(f"--site {place}: this is a file; name a folder")
-    last = [store.days(each.tag)[-1:] for each in watches]
-    newest = max((r.day for each in last for r in each), default=None)
-    pages = [page_of(each.tag, each, store, plant.false_calls, newest) for each in watches]
+    now = [standing_of(each.tag, store, epochs_of(each.tag, store)[-1]) for each in watches]
+    newest = max((each.records[-1].day for each in now if each.records), default=None)
+    pages = [
+        page_of(each, standing, store, plant.false_calls, newest)
+        for each, standing in zip(watches, now, strict=True)
+    ]
     environment = _environment()
     style = _part("site.css")
     for page in pages:

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What is kept of a valve since an inspection: its days, calls and looks, and the series that they make."""
+
+from __future__ import annotations
+
+import datetime as dt
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding
+from sklvalve.watch.store import Store
+from sklvalve.watch.trend import Trend, reference_after, trend_since
+
+
+@dataclass(frozen=True, eq=False)
+class Standing:
+    """Days of one history of a valve, and what came of them.
+
+    Parameters
+    ----------
+    records : sequence of DayRecord
+        In the order of their days.
+    calls, looks : list of Finding
+        Diagnoses that found something, and those that found nothing.
+    reference : list of date
+        Sound days of the commissioning.
+    """
+
+    records: Sequence[DayRecord]
+    calls: list[Finding]
+    looks: list[Finding]
+    reference: list[dt.date]
+
+    @cached_property
+    def trend(self) -> Trend:
+        """Series since the last look, or since the commissioning."""
+        return trend_since(self.records, reference_after(self.records, self.reference, self.looks))
+
+
+def epochs_of(tag: str, store: Store) -> list[Epoch]:
+    """Times between the inspections of a valve, in their order; the last one is now."""
+    days = [dt.date.fromisoformat(each.day) for each in store.inspections(tag)]
+    return [Epoch(), *map(Epoch, days)]
+
+
+def standing_of(tag: str, store: Store, epoch: Epoch, records: Sequence[DayRecord] | None = None) -> Standing:
+    """What is kept of a valve in an epoch.
+
+    Parameters
+    ----------
+    tag : str
+    store : Store
+    epoch : Epoch
+    records : sequence of DayRecord, default=None
+        Days of the valve that were read from the store already.
+    """
+    every = store.days(tag) if records is None else records
+    made = [each for each in store.findings(tag) if each.since == epoch.label]
+    calls, looks = ([f for f in made if (f.verdict == NOTHING) is nothing] for nothing in (False, True))
+    mine = [record for record in every if record.since == epoch.label]
+    return Standing(mine, calls, looks, store.reference(tag, epoch))
