@@ -18,7 +18,7 @@ PLANT = Plant("North <b>", ())
 def test_nothing_to_do_is_said_of_watched_valves_alone():
     pages = [ValvePage("A", "sound", "unchanged"), ValvePage("B", "commissioning", "being learnt")]
     assert headline_of(PLANT, pages) == (
-        "Nothing to do today: none of 1 watched valves has changed. Of 1 more nothing is known yet."
+        "Nothing to do today: no change was found in 1 watched valves. Of 1 more nothing is known yet."
     )
 
 

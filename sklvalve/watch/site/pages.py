@@ -26,7 +26,7 @@ STATES = {
     "cannot tell": "cannot be told",
     "no data": "no data",
     "commissioning": "being learnt",
-    "sound": "unchanged",
+    "sound": "no change found",
 }
 _SILENT = 3  # days without rows after which a valve is said to be silent
 
@@ -173,7 +173,7 @@ def headline_of(plant: Plant, pages: Sequence[ValvePage]) -> str:
         watched = sum(p.state == "sound" for p in pages)
         others = len(pages) - watched
         rest = f" Of {others} more nothing is known yet." if others else ""
-        return f"Nothing to do today: none of {watched} watched valves has changed.{rest}"
+        return f"Nothing to do today: no change was found in {watched} watched valves.{rest}"
     first = in_order(calling)[0]
     count = "One valve calls" if len(calling) == 1 else f"{len(calling)} valves call"
     return f"{count} for attention. First: {first.tag}, {first.what}, since {first.since}."
