@@ -102,24 +102,23 @@ def scored(recording: Recording, history: ValveHistory, effects: Sequence[str] |
     stretches = stretches_of(recording, ROWS)
     data = screen_recording(stretches)
     problem = prepared_problem(stretches, tolerance=history.tolerance, history=history)
+    model = problem.simulate((), history.values_)
     # the history knows the flow better than the sheet, by which the screening suspects a unit
-    mend = _unit_of_flow(problem, history) or blocking(data)
+    mend = _unit_of_flow(problem, model) or blocking(data)
     if mend:
         return Score(len(recording), float(recording.sample_time), mend=mend)
-    _, stretches = masked(stretches, stretches, data)
-    problem = prepared_problem(stretches, tolerance=history.tolerance, history=history)
+    _, kept = masked(stretches, stretches, data)
+    if kept is not stretches:
+        problem = prepared_problem(kept, tolerance=history.tolerance, history=history)
+        model = problem.simulate((), history.values_)
     able, _ = candidates(problem, effects, data)
-    model = problem.simulate((), history.values_)
     problem = problem.with_noise_of(model, cautious=True)
     shares, left = _asked(problem, problem.judged(model), able)
     return Score(len(recording), float(recording.sample_time), shares, left)
 
 
-def _unit_of_flow(problem: Problem, history: ValveHistory) -> str:
-    if "flow" not in problem.channels:
-        return ""
-    model = problem.simulate((), history.values_)
-    return other_unit(problem.recording, model.predictions["flow"])
+def _unit_of_flow(problem: Problem, model: Model) -> str:
+    return other_unit(problem.recording, model.predictions["flow"]) if "flow" in problem.channels else ""
 
 
 def _asked(
