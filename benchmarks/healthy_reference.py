@@ -29,7 +29,6 @@ from scipy.stats import beta, genpareto, kstest
 from threadpoolctl import threadpool_limits
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.history import ValveHistory
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.masking import masked
@@ -128,8 +127,9 @@ def add_noise(frame, kind, span, rng):
 
 def searched(recording, before=None):
     """Evidence and verdict of a recording, as the finder judges it; what follows the verdict is left out."""
-    history = None if before is None else ValveHistory().fit(before)
     finder = MissingPhysicsFinder(n_jobs=1)
+    # learnt as `sklvalve learn` does it: from where a diagnosis of the history ended
+    history = None if before is None else finder.history_of([before])
     data = with_seized_stems(screen_recording(recording), recording)
     _, recording = masked(recording, recording, data)
     with threadpool_limits(1, user_api="blas"), with_threads(1):

@@ -169,7 +169,8 @@ def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None
     r"""What a hypothesis leaves over of the flow beside what it may.
 
     With :math:`\sigma` the quick noise of the flow, :math:`c` the size from which on an effect counts and
-    :math:`E` what the hypothesis explains, rms of the same means, the residual may be as large as
+    :math:`E` what the hypothesis explains (`Problem.baseline`), rms of the same means, the residual may be
+    as large as
 
     .. math:: \sqrt{\sigma^2 + (0.25 c)^2 + (0.15 E)^2}
 
@@ -200,7 +201,8 @@ def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None
     noise = _quick_noise(recording, residual, quiet, span)
     if noise is None:
         return None
-    explained = _rms(slow_means(shown - nominal.predictions["flow"] / span, quiet))
+    bare = problem.baseline(model, (), nominal).predictions["flow"] / span
+    explained = _rms(slow_means(shown - bare, quiet))
     if problem.history is not None:
         # what the healthy valve left over is no mismatch, whatever made it
         noise = max(noise, problem.history.left("flow") / span)
