@@ -73,7 +73,7 @@ def make(case, seed, *, rows=None, strengths=None, distances=True):
     truth = _truth(case, plant, course, strengths, sizes, clean, table, behind)
     if distances:
         truth |= _distances(case, scene_of(plant, strengths, course, lacking), course)
-    valve = _valve(plant, table, case)
+    valve = valve_of(plant, table, case)
     given = _given(valve) if "F_sim" in table and case.kind in ("healthy", "single") else None
     return Made(table, valve, given, behind, truth, plant)
 
@@ -263,7 +263,7 @@ def _distances(case, scene, course):
     }
 
 
-def _valve(plant, table, case):
+def valve_of(plant, table, case):
     """What the engineer knows, as valve.toml has it."""
     kpa, sheet = {"unit": "kPa", "gauge": False}, plant.written
     columns = {

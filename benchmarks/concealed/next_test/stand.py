@@ -94,7 +94,7 @@ class Stand:
         rng = np.random.default_rng([self.what.seed, 4])
         _, table = record.recorded(rng, self.plant, scene, self.case)
         frame = pd.DataFrame({k: v for k, v in table.items() if k not in ("F_sim", "SP")})
-        return Recording.from_frame(frame, Valve.from_dict(record._valve(self.plant, table, self.case)))
+        return Recording.from_frame(frame, Valve.from_dict(record.valve_of(self.plant, table, self.case)))
 
     def tested(self, plan):
         """The recording and that of the test behind it, joined, and its scene.
