@@ -35,8 +35,8 @@ from benchmarks.concealed.plant import EFFECTS, NAMED, Course, Plant
 from benchmarks.concealed.record import recorded, valve_of
 from sklvalve.recording.valve import Valve
 from sklvalve.watch import watch
-from sklvalve.watch.plant import Plant as WatchedPlant
 from sklvalve.watch.plant import Commissioning, Watched
+from sklvalve.watch.plant import Plant as WatchedPlant
 from sklvalve.watch.record import NOTHING
 from sklvalve.watch.standing import epochs_of, standing_of
 from sklvalve.watch.store import Store
