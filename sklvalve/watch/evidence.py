@@ -85,6 +85,8 @@ def detector(values: ArrayLike, commissioned: int) -> tuple[NDArray, NDArray, ND
     evidence, onset = np.zeros(n), np.full(n, -1)
     which = np.full((n, 2), -1)
     best = np.zeros(n)
+    if commissioned >= n:
+        return evidence, onset, which
     for j in range(many):
         for k, shape in enumerate(SHAPES):
             factors = np.exp(np.minimum(_log_factors(table[:, j], commissioned, shape), 600.0))

@@ -63,6 +63,13 @@ def test_days_without_data_neither_add_nor_take():
     assert np.isfinite(evidence).all()
 
 
+def test_nothing_is_told_before_a_day_has_come_since_the_commissioning():
+    evidence, onset, which = detector(np.random.default_rng(0).normal(size=(10, 2)), 10)
+    assert not evidence.any()
+    assert (onset == -1).all()
+    assert (which == -1).all()
+
+
 def test_nothing_is_told_by_too_few_sound_days():
     evidence, onset, _ = detector(np.r_[np.zeros(3), 100.0 * np.ones(5)], 3)
     assert not evidence.any()

@@ -104,7 +104,10 @@ def test_a_valve_is_learnt_watched_and_called(data):
     told = data.run()
     assert told.state == "commissioning"
     assert "10 days and at least 10; so far there are 9." in told.said[0]
-    for k in range(9, 30):
+    data.put(9)
+    # no day has come since its commissioning
+    assert data.run().state == "sound"
+    for k in range(10, 30):
         data.put(k)
     told = data.run()
     assert (told.state, told.said) == ("sound", ())
