@@ -12,8 +12,11 @@ from sklvalve.cli.terminal import show
 
 _EXAMPLES = """examples:
   sklvalve watch plant.toml --data rows --state state --site site
+  sklvalve watch plant.toml --data rows --state state --site site --serve
   sklvalve watch plant.toml --state state --inspected FV-101 --on 2026-03-01 --note "packing renewed"
 """
+
+_PORT, _MINUTES = 8000, 60
 
 
 def add_parser(commands) -> None:
@@ -33,6 +36,16 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--site", type=folder, metavar="DIR", help="folder for the pages; none are made without"
     )
+    parser.add_argument(
+        "--serve", type=_port, nargs="?", const=_PORT, metavar="PORT",
+        help=f"show the pages to browsers of this machine until interrupted (default port: {_PORT})",
+    )  # fmt: skip
+    parser.add_argument(
+        "--every",
+        type=_jobs,
+        metavar="MINUTES",
+        help=f"look for new days while serving (default: {_MINUTES})",
+    )
     parser.add_argument("--jobs", type=_jobs, metavar="N", help="processes (default: one a processor)")
     parser.add_argument("--scheduler", metavar="ADDRESS", help="Dask scheduler, in place of processes")
     parser.add_argument("--inspected", metavar="TAG", help="enter that this valve was inspected or mended")
@@ -49,6 +62,7 @@ def run(args: Namespace) -> int:
     from sklvalve.recording import InputError
     from sklvalve.watch.plant import read_plant
     from sklvalve.watch.run import inspected, watch
+    from sklvalve.watch.serve import serve, server_of
     from sklvalve.watch.site import write_site
 
     plant = read_plant(args.plant)
@@ -61,23 +75,43 @@ def run(args: Namespace) -> int:
         raise InputError("--on and --note belong to an inspection; give the valve as --inspected TAG")
     if args.data is None:
         raise InputError("--data is missing; give the folder in which each valve has its own")
-    with progress() as callback:
-        watches = watch(
-            plant,
-            args.data,
-            args.state,
-            n_jobs=args.jobs,
-            scheduler=args.scheduler,
-            random_state=args.seed,
-            report=report_of(callback),
-        )
-    content = content_of(plant, watches, Path(args.state))
-    lines = lines_of(content)
-    if args.site is not None:
-        index = write_site(args.site, plant, watches, args.state)
-        content |= {"site": str(index)}
-        lines += ["", f"Written: {index}"]
-    show(as_json(content) if args.json else "\n".join(lines))
+    if args.serve is not None and args.site is None:
+        raise InputError("--serve shows the pages of --site; give the folder for them as well")
+    if args.every is not None and args.serve is None:
+        raise InputError("--every belongs to --serve; a run without it looks once")
+
+    def look() -> None:
+        with progress() as callback:
+            watches = watch(
+                plant,
+                args.data,
+                args.state,
+                n_jobs=args.jobs,
+                scheduler=args.scheduler,
+                random_state=args.seed,
+                report=report_of(callback),
+            )
+        content = content_of(plant, watches, Path(args.state))
+        lines = lines_of(content)
+        if args.site is not None:
+            index = write_site(args.site, plant, watches, args.state)
+            content |= {"site": str(index)}
+            lines += ["", f"Written: {index}"]
+        show(as_json(content) if args.json else "\n".join(lines))
+
+    def look_again() -> None:
+        try:
+            look()
+        except InputError as error:
+            # a folder that is away for an hour ends no server
+            show(f"Not brought up to date: {error}")
+
+    # a port that is taken is told before the valves are read
+    server = None if args.serve is None else server_of(args.site, args.serve)
+    look()
+    if server is not None:
+        show(f"Open http://127.0.0.1:{args.serve} in a browser of this machine; Ctrl-C ends it.")
+        serve(server, look_again, 60.0 * (args.every or _MINUTES))
     return 0
 
 
@@ -139,6 +173,12 @@ def _jobs(text: str) -> int:
     if many < 1:
         raise ArgumentTypeError(f"expected a whole number from 1 on; got {text!r}")
     return many
+
+
+def _port(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 65_535:
+        raise ArgumentTypeError(f"expected a port from 1 to 65535; got {text!r}")
+    return int(text)
 
 
 def _day(text: str) -> dt.date:
