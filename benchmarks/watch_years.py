@@ -37,7 +37,6 @@ from sklvalve.recording.valve import Valve
 from sklvalve.watch import watch
 from sklvalve.watch.plant import Commissioning, Watched
 from sklvalve.watch.plant import Plant as WatchedPlant
-from sklvalve.watch.record import NOTHING
 from sklvalve.watch.standing import epochs_of, standing_of
 from sklvalve.watch.store import Store
 
@@ -182,7 +181,7 @@ def rows_of_table(lines):
         yield "sound valves: calls a valve-year", rate(sum(bool(calls_of(v)) for v in sound), years)
         looks = sum(len(line["findings"]) - len(calls_of(line)) for line in sound)
         yield "- looks that found nothing", rate(looks, years)
-        yield "- that name something", str(sum(bool(c["names"]) for v in sound for c in calls_of(v)))
+        yield "- that name something", str(sum(any(c["names"] for c in calls_of(v)) for v in sound))
         yield "- not watched in the end", str(sum(v["state"] not in ("sound", "calls") for v in sound))
     if grown:
         early = [v for v in grown if any(number(c["called"]) < v["onset"] for c in calls_of(v))]
@@ -197,8 +196,9 @@ def rows_of_table(lines):
             share(sum(d < GROWS for d in delay.values()), len(rest)),
         )
         yield "- called at all", share(len(delay), len(rest))
-        named = [v for v in rest if v["seed"] in first and first[v["seed"]]["names"]]
-        right = [v for v in named if any(v["told"] in n.split("/") for n in first[v["seed"]]["names"])]
+        last = {v["seed"]: [c["names"] for c in calls_of(v) if c["names"]][-1:] for v in rest}
+        named = [v for v in rest if last[v["seed"]]]
+        right = [v for v in named if any(v["told"] in n.split("/") for n in last[v["seed"]][0])]
         yield "- named, of those called", share(len(named), len(delay))
         yield "- named rightly, of those called", share(len(right), len(delay))
         yield "- named rightly, of those named", share(len(right), len(named))
@@ -210,8 +210,9 @@ def rows_of_table(lines):
 
 
 def calls_of(line):
-    """Findings that call."""
-    return [f for f in line["findings"] if f["verdict"] != NOTHING]
+    """The diagnosis by which a valve called, and those of later days; none where it has not."""
+    found = [f["verdict"] != "no_mismatch" for f in line["findings"]]
+    return line["findings"][found.index(True) :] if any(found) else []
 
 
 def main(arguments=None):

@@ -126,18 +126,22 @@ def content_of(plant, watches, state: Path) -> dict:
     """How each valve stands, as plain data."""
     from dataclasses import asdict
 
-    from sklvalve.watch.record import NOTHING
+    from sklvalve.watch.standing import epochs_of, standing_of
     from sklvalve.watch.store import Store
 
     store = Store(state)
     valves = []
     for each in watches:
-        made = [asdict(f) for f in store.findings(each.tag)]
-        calls, looks = (
-            [f for f in made if (f["verdict"] == NOTHING) is nothing] for nothing in (False, True)
-        )
+        now = standing_of(each.tag, store, epochs_of(each.tag, store)[-1])
         valves.append(
-            {"tag": each.tag, "state": each.state, "said": list(each.said), "calls": calls, "looks": looks}
+            {
+                "tag": each.tag,
+                "state": each.state,
+                "said": list(each.said),
+                "called": now.called or None,
+                "call": None if now.call is None else asdict(now.call),
+                "looks": [asdict(look) for look in (*now.looks, *now.calls)],
+            }
         )
     return {"schema": "sklvalve.watch/1", "plant": plant.name, "valves": valves}
 
@@ -148,11 +152,11 @@ def lines_of(content: dict) -> list[str]:
     calling = [each for each in valves if each["state"] == "calls"]
     lines = [f"{content['plant']}: {len(calling)} of {len(valves)} valves call for attention."]
     for each in calling:
-        last = each["calls"][-1]
+        call = each["call"]
         lines += [
             "",
-            f"{each['tag']}  since {last['onset']}, called {last['called']}",
-            f"  {last['headline']}",
+            f"{each['tag']}  since {call['onset']}, called {each['called']}",
+            f"  {call['headline']}",
         ]
     others = [each for each in valves if each["state"] in ("no data", "commissioning", "cannot tell")]
     if others:

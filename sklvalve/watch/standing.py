@@ -21,8 +21,10 @@ class Standing:
     ----------
     records : sequence of DayRecord
         In the order of their days.
-    calls, looks : list of Finding
-        Diagnoses that found something, and those that found nothing.
+    looks : list of Finding
+        Diagnoses that found nothing, before the valve called.
+    calls : list of Finding
+        The diagnosis by which it called, and those of later days.
     reference : list of date
         Sound days of the commissioning.
     """
@@ -31,6 +33,17 @@ class Standing:
     calls: list[Finding]
     looks: list[Finding]
     reference: list[dt.date]
+
+    @property
+    def call(self) -> Finding | None:
+        """What is known of its call: the last diagnosis that has a name, or else the first; None without."""
+        named = [each for each in self.calls if each.names]
+        return (named[-1:] or self.calls[:1] or [None])[0]
+
+    @property
+    def called(self) -> str:
+        """Day on which it called; empty where it has not."""
+        return self.calls[0].called if self.calls else ""
 
     @cached_property
     def trend(self) -> Trend:
@@ -57,6 +70,7 @@ def standing_of(tag: str, store: Store, epoch: Epoch, records: Sequence[DayRecor
     """
     every = store.days(tag) if records is None else records
     made = [each for each in store.findings(tag) if each.since == epoch.label]
-    calls, looks = ([f for f in made if (f.verdict == NOTHING) is nothing] for nothing in (False, True))
+    # what a later look finds of a valve that has called is told of that call, whatever it is
+    first = next((k for k, f in enumerate(made) if f.verdict != NOTHING), len(made))
     mine = [record for record in every if record.since == epoch.label]
-    return Standing(mine, calls, looks, store.reference(tag, epoch))
+    return Standing(mine, made[first:], made[:first], store.reference(tag, epoch))

@@ -19,9 +19,9 @@ from sklvalve.report.headline import headline
 from sklvalve.watch.days import FEWEST_ROWS, DayFiles, days_of, read_day
 from sklvalve.watch.evidence import FEWEST, limit_of
 from sklvalve.watch.plant import Commissioning, Watched
-from sklvalve.watch.record import NOTHING, DayRecord, Finding
+from sklvalve.watch.record import DayRecord, Finding
 from sklvalve.watch.score import Score, scored
-from sklvalve.watch.standing import epochs_of, standing_of
+from sklvalve.watch.standing import Standing, epochs_of, standing_of
 from sklvalve.watch.store import Store
 from sklvalve.watch.trend import Trend
 
@@ -195,7 +195,7 @@ class _Run:
         """Whether the valve calls; a new call is diagnosed and kept."""
         standing = standing_of(self.watched.tag, self.store, self.epoch, records)
         if standing.calls:
-            return self._ends("calls")
+            return self._looked_at_again(standing, history, files)
         trend = standing.trend
         if standing.looks and trend.reference < FEWEST:
             # what its days are like since the look is not known yet
@@ -208,12 +208,27 @@ class _Run:
         day = trend.call(self.limit)
         if day is None:
             return self._ends("sound")
-        finding = self._called(trend, day, history, files)
-        self.store.save_finding(finding)
-        if finding.verdict != NOTHING:
-            return self._ends("calls")
-        # nothing is missing: the valve works in another way since, and is watched on from there
+        self.store.save_finding(self._called(trend, day, history, files))
+        # where nothing is missing the valve works in another way since, and is watched on from there
         return self._judged(records, history, files)
+
+    def _looked_at_again(
+        self, standing: Standing, history: ValveHistory, files: dict[dt.date, DayFiles]
+    ) -> Watch:
+        """A valve that has called, diagnosed anew while its call has no name: what grows is told later.
+
+        The days between two diagnoses double, so that a year of a call costs eight.
+        """
+        trend, calls = standing.trend, standing.calls
+        at = {day.isoformat(): k for k, day in enumerate(trend.days)}
+        first, last = (at.get(each.called) for each in (calls[0], calls[-1]))
+        if calls[-1].names or first is None or last is None:
+            return self._ends("calls")
+        day = first + max(1, 2 * (last - first))
+        if day >= len(trend.days):
+            return self._ends("calls")
+        self.store.save_finding(self._called(trend, day, history, files))
+        return self._judged(standing.records, history, files)
 
     def _called(
         self, trend: Trend, day: int, history: ValveHistory, files: dict[dt.date, DayFiles]
@@ -221,6 +236,8 @@ class _Run:
         key, shape, onset = trend.leading(day)
         called = trend.days[day]
         content, report = self._diagnosed([d for d in trend.days[: day + 1] if d >= onset], history, files)
+        # candidates that a diagnosis leaves open are no names
+        named = content["effects"] if content["verdict"] == "named" else ()
         return Finding(
             self.watched.tag,
             self.epoch.label,
@@ -232,7 +249,7 @@ class _Run:
             key,
             content["verdict"],
             headline(content),
-            tuple("/".join(m["name"] for m in effect["members"]) for effect in content["effects"]),
+            tuple("/".join(m["name"] for m in effect["members"]) for effect in named),
             report,
         )
 

@@ -35,7 +35,9 @@ COMMANDS = {
         ["watch", "watched/plant.toml", "--data", "watched/rows", "--state", "watched/state"],
         {
             "plant": "Test",
-            "valves": [{"tag": "FV-1", "state": "no data", "said": [], "calls": [], "looks": []}],
+            "valves": [
+                {"tag": "FV-1", "state": "no data", "said": [], "called": None, "call": None, "looks": []}
+            ],
         },
     ),
     "predict": (

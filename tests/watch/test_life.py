@@ -16,8 +16,10 @@ from sklvalve.history import ValveHistory
 from sklvalve.recording import InputError
 from sklvalve.watch import valve as module
 from sklvalve.watch.plant import Commissioning, Plant, Watched
+from sklvalve.watch.record import Epoch
 from sklvalve.watch.run import inspected, watch
 from sklvalve.watch.score import Score, Share
+from sklvalve.watch.standing import standing_of
 from tests.history.plant import made
 from tests.watch.test_days import VALVE
 
@@ -222,6 +224,34 @@ def test_another_programme_is_looked_at_and_no_call(data, monkeypatch):
     assert data.run().state == "calls"
     calls = pd.read_parquet(data.root / "state" / "findings.parquet")
     assert calls.onset.iloc[-1] == "2026-03-02"
+
+
+def test_a_call_without_a_name_is_diagnosed_again_on_later_days_until_it_has_one(data, monkeypatch):
+    monkeypatch.setattr(Data, "verdict", "cannot_tell")
+    for k in range(45):
+        data.put(k, shift=8.0 * (k >= 30))
+    assert data.run().state == "calls"
+    import pandas as pd
+
+    def findings():
+        return pd.read_parquet(data.root / "state" / "findings.parquet")
+
+    first = dt.date.fromisoformat(findings().called.iloc[0])
+    since = [(dt.date.fromisoformat(day) - first).days for day in findings().called]
+    # the time until the next one doubles
+    assert since == [0, 1, 2, 4, 8]
+    assert findings().names.tolist() == [""] * 5
+    assert data.run().read == 0
+    monkeypatch.setattr(Data, "verdict", "named")
+    for k in range(45, 60):
+        data.put(k, shift=8.0)
+    data.run()
+    assert findings().names.tolist() == [""] * 5 + ["seat_leakage"]
+    # it called on the day on which it called, and is diagnosed no more once it has a name
+    standing = standing_of("FV-1", module.Store(data.root / "state"), Epoch())
+    assert standing.called == first.isoformat()
+    assert standing.call.names == ("seat_leakage",)
+    assert data.run().read == 0
 
 
 def test_what_was_killed_goes_on_to_the_same_state(data, tmp_path, monkeypatch):

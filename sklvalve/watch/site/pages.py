@@ -39,7 +39,7 @@ class ValvePage:
     ----------
     tag, state, words : str
     what, since, how_large, how_sure : str
-        Of the last call; empty without one.
+        Of the call; empty without one.
     growing : bool
         Whether its size still grows.
     said : tuple of str
@@ -84,7 +84,7 @@ def page_of(
     """
     tag = watch.tag
     done = tuple(store.inspections(tag))
-    records, now = standing.records, standing.calls
+    records, now = standing.records, standing.call
     said = list(watch.said)
     if records and newest is not None and (newest - records[-1].day).days >= _SILENT:
         said.append(f"No rows since {records[-1].day}.")
@@ -94,18 +94,18 @@ def page_of(
         "words": STATES[watch.state],
         "said": tuple(said),
         "done": done,
-        "earlier": tuple(f for f in store.findings(tag) if f not in now),
+        "earlier": tuple(f for f in store.findings(tag) if f not in standing.calls),
         "days": len(records),
         "last": records[-1].day.isoformat() if records else "",
     }
-    if now:
-        page |= _call(now[-1])
+    if now is not None:
+        page |= _call(now) | {"called": standing.called}
     trend = standing.trend
     if not trend.days or not trend.reference:
         return ValvePage(**page)
-    if now:
-        page |= _size(now[-1], trend)
-    return ValvePage(**page, pictures=_pictures(trend, now, done, records, false_calls))
+    if now is not None:
+        page |= _size(standing.called, trend)
+    return ValvePage(**page, pictures=_pictures(trend, standing.calls[:1], done, records, false_calls))
 
 
 def _call(finding: Finding) -> dict[str, Any]:
@@ -114,7 +114,6 @@ def _call(finding: Finding) -> dict[str, Any]:
     return {
         "what": names or unknown.get(finding.verdict, "a change that is not identified"),
         "since": finding.onset,
-        "called": finding.called,
         # how often a sound valve calls was not measured on plants: no frequency is given
         "how_sure": f"evidence {finding.evidence:,.0f}, where the limit is {finding.limit:,.0f}",
         "report": finding.report,
@@ -122,12 +121,12 @@ def _call(finding: Finding) -> dict[str, Any]:
     }
 
 
-def _size(finding: Finding, trend: Trend) -> dict[str, Any]:
+def _size(called: str, trend: Trend) -> dict[str, Any]:
     """How far the valve is from what it was, and whether that grows."""
     channel = trend.channel
     off, sound = trend.off(channel, len(trend.days) - 1)
     # the day of the call itself may have come again since, without rows
-    before = [k for k, day in enumerate(trend.days) if day.isoformat() <= finding.called]
+    before = [k for k, day in enumerate(trend.days) if day.isoformat() <= called]
     then, _ = trend.off(channel, max(before, default=0))
     return {
         "how_large": f"the {channel} is {100.0 * off:.2g} % of its span away from the sound valve "

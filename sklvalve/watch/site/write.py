@@ -80,11 +80,12 @@ def _report(place: Path, store: Store, page: ValvePage) -> str:
     source = store.folder / page.report
     if not page.report or not source.is_file():
         return ""
-    target = place / "reports" / page.tag / f"{page.called}.html"
+    day = Path(page.report).parent.name
+    target = place / "reports" / page.tag / f"{day}.html"
     target.parent.mkdir(parents=True, exist_ok=True)
     with replacing(target) as draft:
         shutil.copyfile(source, draft)
-    return f"../reports/{quote(page.tag)}/{page.called}.html"
+    return f"../reports/{quote(page.tag)}/{day}.html"
 
 
 def _environment():
