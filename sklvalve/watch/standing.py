@@ -38,7 +38,7 @@ class Standing:
     def call(self) -> Finding | None:
         """What is known of its call: the last diagnosis that has a name, or else the first; None without."""
         named = [each for each in self.calls if each.names]
-        return (named[-1:] or self.calls[:1] or [None])[0]
+        return next(iter(named[-1:] or self.calls[:1]), None)
 
     @property
     def called(self) -> str:

@@ -10,7 +10,7 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.stats import norm
+from scipy.stats import t as student
 
 if TYPE_CHECKING:
     from sklvalve.history.rehearsal import Rehearsal
@@ -65,9 +65,9 @@ class Covariates:
         return "noise_without_drop" if self.no_drop else "noise"
 
 
-# so many rehearsals of one valve count as much as all valves of the reference: what it did once by itself is
-# then rare at no usual level, and what is far beyond that stays as rare as it was
-_REFERENCE_COUNTS = 10.0
+# so many rehearsals of one valve count as much as all valves of the reference, as long as no rehearsal is
+# rarer there than this: beyond that the reference counts for less, for this valve is none of its kind
+_REFERENCE_COUNTS, _LIKE = 10.0, 0.05
 _TINY = 1e-300
 #: Covariates that are held within their range in the reference, besides the noise.
 EDGED = ("travel", "held_opening", "held_flow")
@@ -106,6 +106,10 @@ class Table:
         Of the tail.
     own : tuple of float, default=()
         The same of rehearsals of the valve in question, each relative to what is typical in its covariates.
+    counts : float, default=10
+        How many rehearsals of the valve count as much as the reference.
+    own_scatter : float, default=0
+        How far the logarithms of the valve's rehearsals, of effects and rest, rise above the typical, rms.
     usual : dict, default={}
         Effect key -> how strong it gets by chance, relative to all effects together. Of two effects that look
         as strong the one that seldom does among healthy recordings is the rarer evidence. What the table
@@ -122,6 +126,8 @@ class Table:
     shape: float
     usual: dict[str, float] = field(default_factory=dict)
     own: tuple[float, ...] = ()
+    counts: float = _REFERENCE_COUNTS
+    own_scatter: float = 0.0
 
     def relative(self, effect_strengths: dict[str, float]) -> float:
         """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
@@ -129,9 +135,14 @@ class Table:
 
     @property
     def scatter(self) -> float:
-        """Scatter of the logarithm of the relative strength, from its median to the threshold."""
+        """Scatter of the logarithm of the relative strength, from its median to the threshold.
+
+        Of a valve with rehearsals it is pooled with theirs, the reference counting as so many of them.
+        """
         median = np.interp(0.5, np.linspace(self.above, 1.0, len(self.quantiles)), self.quantiles[::-1])
-        return float(np.log(self.quantiles[-1] / median))
+        of_all, many = float(np.log(self.quantiles[-1] / median)), len(self.own)
+        squares = _REFERENCE_COUNTS * of_all**2 + many * self.own_scatter**2
+        return float(np.sqrt(squares / (_REFERENCE_COUNTS + many)))
 
     def typical(self, covariates: Covariates) -> float:
         """Typical strength of healthy recordings."""
@@ -168,10 +179,17 @@ class NullLaw:
         rehearsals : iterable of Rehearsal
         """
         several = list(rehearsals)
-        rests = tuple(each.rest for each in several if each.rest is not None)
-        return NullLaw(
-            replace(self.effects, own=tuple(each.effects for each in several)), replace(self.rest, own=rests)
-        )
+        own = {
+            "effects": tuple(each.effects for each in several),
+            "rest": tuple(each.rest for each in several if each.rest is not None),
+        }
+        tables = {"effects": self.effects, "rest": self.rest}
+        # a valve that is unlike the others in one look is so in both
+        rarest = min((_in_reference(tables[k], v) for k, values in own.items() for v in values), default=1.0)
+        counts = _REFERENCE_COUNTS * min(1.0, rarest / _LIKE)
+        rises = [np.log(max(v, 1.0)) for values in own.values() for v in values]
+        rise = float(np.sqrt(np.mean(np.square(rises)))) if rises else 0.0
+        return NullLaw(*(replace(t, own=own[k], counts=counts, own_scatter=rise) for k, t in tables.items()))
 
 
 def _law_of(name: str) -> NullLaw:
@@ -189,10 +207,13 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     r"""Share of healthy recordings whose strength is at least this.
 
     Where the valve has rehearsals of its own, n of them, they are pooled with the reference as a Dirichlet
-    process has it (Ferguson, Annals of Statistics 1, 1973), the reference counting as much as k = 10, and
-    each :math:`v_i` smoothed by the scatter h of logarithms in the reference:
+    process has it (Ferguson, Annals of Statistics 1, 1973), the reference counting as much as k, and each
+    :math:`v_i` smoothed by the scatter h of logarithms (Student's law with 10 + n degrees of freedom):
 
-    .. math:: \frac{k P(v) + \sum_i \Phi((\log v_i - \log v) / h)}{k + n}
+    .. math:: \frac{k P(v) + \sum_i T_{10 + n}((\log v_i - \log v) / h)}{k + n}
+
+    k is 10 while the reference holds for the valve. Where a rehearsal is rarer in the reference than 5 %, k
+    falls with it: what is rare among other valves is then usual for this one.
 
     Parameters
     ----------
@@ -206,10 +227,13 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     share : float
         Between 0, never reached, and 1; falls with the strength, without a step.
     """
-    relative = strength / table.typical(covariates)
+    relative, many = strength / table.typical(covariates), len(table.own)
+    in_reference = _in_reference(table, relative)
+    if not many:
+        return in_reference
     own = np.log(np.maximum([relative, *table.own], _TINY))
-    above = float(np.sum(norm.cdf((own[1:] - own[0]) / table.scatter)))
-    return (_REFERENCE_COUNTS * _in_reference(table, relative) + above) / (_REFERENCE_COUNTS + len(table.own))
+    above = student.cdf((own[1:] - own[0]) / table.scatter, _REFERENCE_COUNTS + many)
+    return (table.counts * in_reference + float(np.sum(above))) / (table.counts + many)
 
 
 def _in_reference(table: Table, relative: float) -> float:

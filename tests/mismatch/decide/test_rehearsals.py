@@ -3,6 +3,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sklvalve import MissingPhysicsFinder, Recording, Valve
@@ -16,8 +17,9 @@ SOMEWHERE = Covariates(noise=0.0, travel=0.5, no_opening=0.0, no_drop=0.0)
 TABLE = AGAINST_HISTORY.effects
 
 
-def chance(times, *own):
-    table = replace(TABLE, own=own)
+def chance(times, *own, rests=()):
+    made = [Rehearsal(effects, rest) for effects, rest in zip(own, rests or [None] * len(own), strict=True)]
+    table = AGAINST_HISTORY.with_own(made).effects
     return survival(table, times * table.typical(SOMEWHERE), SOMEWHERE)
 
 
@@ -32,7 +34,25 @@ def test_what_the_valve_did_by_itself_is_not_rare():
 
 
 def test_what_is_far_beyond_stays_rare():
-    assert chance(60.0, 13.0, 1.0) < 1e-3
+    assert chance(600.0, 13.0, 1.0) < 1e-3
+
+
+def test_a_valve_that_is_unlike_the_reference_is_not_held_against_it():
+    # five times what it did once: rare to the reference, and not to a valve that once did 28 times the usual
+    assert chance(150.0) < 1e-9
+    assert chance(150.0, 28.0) > 0.01
+    # a valve that is unlike the others in what is left over is so in what effects make of it
+    assert chance(6.4, 1.0, rests=[28.0]) > 0.01
+
+
+def test_the_reference_loses_its_weight_without_a_step():
+    counts = [
+        AGAINST_HISTORY.with_own([Rehearsal(times)]).effects.counts for times in np.linspace(1.0, 30.0, 400)
+    ]
+    assert counts[0] == 10.0
+    assert counts[-1] < 1e-3
+    assert np.max(-np.diff(counts)) < 1.0
+    assert np.max(np.diff(counts)) <= 0.0
 
 
 def test_a_valve_like_the_reference_loses_little():
