@@ -58,5 +58,19 @@ def test_words_are_the_fields(page):
     assert not found
 
 
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"], ids=lambda p: p.name)
+def test_no_line_is_lost_as_a_comment(page):
+    # MyST drops a line that begins with a percent sign, and what stood in it
+    assert not [line for line in prose(page) if line.lstrip().startswith("%")]
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"], ids=lambda p: p.name)
+def test_a_table_begins_after_an_empty_line(page):
+    text = re.sub(r"^(```|\$\$).*?^\1", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+    lines = text.splitlines()
+    begins = [above for above, line in zip(lines, lines[1:], strict=False) if line.startswith("|")]
+    assert not [above for above in begins if above.strip() and not above.startswith(("|", "<!--"))]
+
+
 def test_the_readme_is_a_page():
     assert len((ROOT / "README.md").read_text(encoding="utf-8").splitlines()) < 120
