@@ -2,6 +2,7 @@
 """Pages stay short and plain: few words, narrow lines, the language of the field."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -68,7 +69,7 @@ def test_no_line_is_lost_as_a_comment(page):
 def test_a_table_begins_after_an_empty_line(page):
     text = re.sub(r"^(```|\$\$).*?^\1", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
     lines = text.splitlines()
-    begins = [above for above, line in zip(lines, lines[1:], strict=False) if line.startswith("|")]
+    begins = [above for above, line in pairwise(lines) if line.startswith("|")]
     assert not [above for above in begins if above.strip() and not above.startswith(("|", "<!--"))]
 
 
