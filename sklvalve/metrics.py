@@ -79,10 +79,11 @@ def mape(y_true, y_pred, *, min_flow=None, span=None, sample_weight=None):
         Predicted values. [same unit]
     min_flow : float, default=None
         Rows with :math:`|y|` under this are left out, in the unit of `y_true`. By default 1 % of the largest
-        :math:`|y|`. Exact zeros are left out always.
+        :math:`|y|` of this call: give a number where several sets of rows are compared. Exact zeros are left
+        out always.
     span : float or "measured", default=None
         Divide by this, in the unit of `y_true`, and leave no row out; "measured" is the largest less the
-        smallest measured value. It takes the place of `min_flow`.
+        smallest measured value of this call. It takes the place of `min_flow`.
     sample_weight : array-like of shape (n_samples,), default=None
         Non-negative weights of the rows.
 
@@ -137,10 +138,11 @@ def err_max(y_true, y_pred, *, min_flow=None, span=None):
         Predicted values. [same unit]
     min_flow : float, default=None
         Rows with :math:`|y|` under this are left out, in the unit of `y_true`. By default 1 % of the largest
-        :math:`|y|`. Exact zeros are left out always.
+        :math:`|y|` of this call: give a number where several sets of rows are compared. Exact zeros are left
+        out always.
     span : float or "measured", default=None
         Divide by this, in the unit of `y_true`, and leave no row out; "measured" is the largest less the
-        smallest measured value. It takes the place of `min_flow`.
+        smallest measured value of this call. It takes the place of `min_flow`.
 
     Returns
     -------
@@ -245,5 +247,6 @@ neg_err_max_scorer = make_scorer(err_max, greater_is_better=False)
 """`err_max` with the sign turned, as ``scoring`` of scikit-learn's model selection: larger is better."""
 
 SCORERS = {"neg_rmse": neg_rmse_scorer, "neg_mape": neg_mape_scorer, "neg_err_max": neg_err_max_scorer}
-"""The scorers by name, for ``cross_validate(..., scoring=SCORERS)`` or ``GridSearchCV(..., scoring=SCORERS,
-refit="neg_rmse")``. scikit-learn takes a name by itself for its own scorers only."""
+"""The scorers by name: ``"neg_rmse"``, ``"neg_mape"`` and ``"neg_err_max"``. For
+``cross_validate(..., scoring=SCORERS)`` or ``GridSearchCV(..., scoring=SCORERS, refit="neg_rmse")``;
+scikit-learn takes a name by itself for its own scorers only."""

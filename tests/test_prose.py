@@ -2,6 +2,7 @@
 """Pages stay short and plain: few words, narrow lines, the language of the field."""
 
 import re
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -56,6 +57,20 @@ def test_words_are_the_fields(page):
     text = " ".join(" ".join(prose(page)).split()).casefold()
     found = [words for words in BANNED if words in text]
     assert not found
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"], ids=lambda p: p.name)
+def test_no_line_is_lost_as_a_comment(page):
+    # MyST drops a line that begins with a percent sign, and what stood in it
+    assert not [line for line in prose(page) if line.lstrip().startswith("%")]
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"], ids=lambda p: p.name)
+def test_a_table_begins_after_an_empty_line(page):
+    text = re.sub(r"^(```|\$\$).*?^\1", "", page.read_text(encoding="utf-8"), flags=re.S | re.M)
+    lines = text.splitlines()
+    begins = [above for above, line in pairwise(lines) if line.startswith("|")]
+    assert not [above for above in begins if above.strip() and not above.startswith(("|", "<!--"))]
 
 
 def test_the_readme_is_a_page():

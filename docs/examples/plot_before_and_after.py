@@ -38,15 +38,15 @@ sound = recorded(wear=0.0)[1]
 # %%
 # What the history holds
 # ----------------------
-# It holds the calibration of the valve's simulation, how well each number of it is known, the noise, and
-# where the valve has been. It holds no rows. The rated capacity shows the difference to the data sheet:
+# It holds the calibration, how well each number of it is known, the noise, and where the valve has been; no
+# rows. Here ``fit`` only learns; for a real valve ``MissingPhysicsFinder().history_of`` diagnoses it as well.
 
 history = ValveHistory().fit(before)
 sheet = next(each for each in history.parameters if each.name == "capacity")
 at = history.prior_.names.index("capacity")
 value, spread = history.prior_.mean[at], np.sqrt(history.prior_.covariance[at, at])
-print(f"by the sheet:   {sheet.start:.1f} +- {1.96 * sheet.spread:.2f} m3/h (95 %)")
-print(f"by the history: {value:.1f} +- {1.96 * spread:.2f} m3/h (95 %)")
+print(f"rated capacity by the sheet:   {sheet.start:.1f} +- {1.96 * sheet.spread:.2f} m3/h (95 %)")
+print(f"rated capacity by the history: {value:.1f} +- {1.96 * spread:.2f} m3/h (95 %)")
 
 # %%
 # The second figure already holds what may change without a fault: a meter is set to zero again, the season

@@ -62,7 +62,7 @@ axes[1].set_xlabel("time [s]")
 # %%
 # With the second fault the flow soon lies beyond the meter's range: then there is nothing to be seen, the
 # alarm ends, and the share of true detections stays low. Detectors that look at the stem too do better
-# (docs/damadics.md).
+# (:doc:`/damadics`).
 
 # %%
 # Its number

@@ -47,6 +47,10 @@ finder = MissingPhysicsFinder(random_state=0).fit(recording, until=900)
 print(summary_sentence(finder.diagnosis_.to_dict()))
 
 # %%
+# The sentence begins at the error of the user's simulation after its calibration: gain, zeros, response and
+# trim within their tolerance. The number at the end of this page begins at the raw column, which errs more.
+
+# %%
 # The corrected simulation is the user's own, changed by what was found
 # ---------------------------------------------------------------------
 
@@ -65,4 +69,4 @@ ax.legend()
 # ----------
 
 before, after = (np.sqrt(np.nanmean((frame["F"] - flow)[later] ** 2)) for flow in (frame["F_sim"], corrected))
-print(f"Error of the flow on 600 later rows: {before:.2f} m3/h by the own simulation, {after:.2f} corrected")
+print(f"Error of the flow on 600 later rows: {before:.2f} m3/h by the raw simulation, {after:.2f} corrected")

@@ -19,7 +19,7 @@ class Allowance:
     Season, supply and a sensor that was set to zero again change a little. More changes because a simulation
     is no valve: the time constants that fit it best hang on the programme. The defaults are the scatter of
     calibrations between two recordings of an hour each of the same sound valve, on 225 valves of two
-    simulated plants (docs/history.md).
+    simulated plants (:doc:`/history`).
 
     Parameters
     ----------

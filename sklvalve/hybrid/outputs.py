@@ -26,16 +26,17 @@ class OutputsMixin:
         output : str
             For a valve ``"flow"``, from p1 and p2, or ``"outlet_pressure"``, from p1 and the flow.
         column : str, default=None
-            Name of the column that is read in the place of the output; None is that of its role, ``"flow"``
-            or ``"p2"``. For named columns only.
+            Name of the input column that takes the place of the new output: that of the flow for
+            ``"outlet_pressure"``, that of p2 for ``"flow"``. None is ``"flow"`` or ``"p2"``. For named
+            columns only.
 
         Returns
         -------
         hybrid : SeriesHybridRegressor
-            Fitted, with the same `regressor_`. Its X has the flow where p2 was, or p2 where the flow was, and
-            all else in its place; where the mechanism has a column for either, X is the same. What it
-            predicts is NaN, with a `ValidityWarning`, where the valve cannot pass the flow or is choked, so
-            that any lower outlet pressure gives the same flow.
+            Fitted, with the same `regressor_`. Its X holds the flow in the column of p2, or p2 in the column
+            of the flow; all other columns stay. If the mechanism has a column for each of the two, X stays
+            as it is. An outlet pressure is NaN, with a `ValidityWarning`, where the valve cannot pass the
+            flow, or where it is choked: then any lower outlet pressure gives the same flow.
 
         Raises
         ------

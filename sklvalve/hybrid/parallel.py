@@ -81,10 +81,10 @@ class ParallelHybridRegressor(InnerModelsMixin, RegressorMixin, BaseEstimator):
     -----
     The paper's parallel connection of mechanism and data. With a series hybrid as the mechanism it is the
     mixed connection. The residual is taken on the rows of the fit: a mechanism that itself learns from them
-    closely, leaves less residual there than elsewhere; behind a series hybrid the regressor wants a small C
-    (0.01 to 1000), else it learns noise and errs far outside. Sample weights reach the mechanism too, where
-    it takes them. To search over parameters of the two models, as ``regressor__C``, hand the models in: None
-    has none to be set.
+    closely leaves less residual there than elsewhere. Behind a series hybrid choose the C of an LS-SVM by
+    cross-validation between 0.01 and 1000: a larger one learns noise and errs far outside. Sample weights
+    reach the mechanism too, where it takes them. To search over parameters of the two models, as
+    ``regressor__C``, hand the models in: None has none to be set.
 
     Examples
     --------

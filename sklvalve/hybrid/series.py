@@ -97,7 +97,10 @@ class SeriesHybridRegressor(InnerModelsMixin, OutputsMixin, RegressorMixin, Base
     Equations 14 to 16 of the paper in their static form: :math:`y = g(x, P)` with :math:`P = f(x)` unknown.
     With the valve's mechanism, :math:`f` is the flow coefficient :math:`K_v`, which carries the paper's
     area :math:`f(x)`, and y is flow or outlet pressure. With sensitivity :math:`s_i = \partial g / \partial
-    P` the rows are weighted by :math:`s_i^2`, and by :math:`(s_i P_i)^2` for the link "log". Metadata given
+    P` the rows are weighted by :math:`s_i^2`, and by :math:`(s_i P_i)^2` for the link "log". These weights
+    are scaled so that their sum stays that of the `sample_weight` given, or the number of rows. So choose the
+    C of an LS-SVM as for rows without weights: near the variance of what it learns over that of its noise.
+    Where the mechanism gives no number `predict` is NaN, which metrics refuse: mask such rows. Metadata given
     to `fit` reaches the mechanism and the regressor by scikit-learn's routing; without routing,
     `sample_weight` reaches whichever of them takes it.
 

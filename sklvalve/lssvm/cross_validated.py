@@ -54,7 +54,8 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Chosen values; `best_gamma_` is an ndarray of shape (n_features,) with `per_feature`, and None for a
         kernel without gamma.
     best_score_ : float
-        Root of the mean square of the errors on left-out rows, weighted, over all targets.
+        Root of the mean square of the errors on left-out rows, weighted, over all targets: smaller is better.
+        There is no ``scoring``; for another score take `GridSearchCV` of scikit-learn.
     loo_residuals_ : ndarray of shape (n_samples,) or (n_samples, n_targets)
         Errors on the rows left out, target less prediction, with the chosen values; NaN where no block holds
         a row, and where its weight is zero.

@@ -50,7 +50,8 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         (n_queries, n_samples) in `predict`.
     C : float, default=100.0
         Weight of the squared errors against the size of the function; `1 / C` is the `alpha` of ridge
-        regression. Near the variance of the signal over that of the noise: the default suits 10 % noise.
+        regression. A larger C follows the targets more closely. Begin with the variance of the signal over
+        that of the noise: the default suits noise of 10 % of the signal's standard deviation.
     gamma : float, array-like of shape (n_features,) or "scale", default=None
         Scale of the kernels rbf :math:`e^{-\gamma |x-z|^2}`, laplacian :math:`e^{-\gamma |x-z|_1}` and
         polynomial :math:`(\gamma x^T z + c_0)^d`; several are one for each column, within the sum. None is
@@ -73,7 +74,7 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         "nystrom" spans the function by `n_landmarks` of the rows. "auto" takes the first up to 8,000 rows,
         "pcg" up to 100,000, "tiled" where that stalls and memory allows, and "nystrom" beyond.
     n_landmarks : int, default=1000
-        Rows that span the function with "nystrom".
+        Landmarks: rows at which the kernels of "nystrom" are centred, whose sum is the function.
     tol : float, default=1e-6
         Largest residual that counts as exact, relative to the largest target less its mean; "nystrom" stops
         at a hundred times of it, in the norm of its own equations.
@@ -116,8 +117,9 @@ class LSSVMRegressor(Fitting, Predicting, MultiOutputMixin, RegressorMixin, Base
         With `uncertainty`: target less prediction of each row by a machine that has not seen it; NaN of rows
         without weight.
     residual_ : float
-        Largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|`, relative as under `tol`; of "cholesky" of some.
-        Of "nystrom" and "online" what is left of their own equations.
+        How well the equations are solved, to be compared with `tol`; no error of prediction. It is the
+        largest :math:`|f(x_i) + \alpha_i / (C s_i) - y_i|` over the largest target less its mean.
+        "cholesky" looks at some rows; "nystrom" and "online" at their own equations.
     n_features_in_ : int
         Number of columns seen in `fit`.
     feature_names_in_ : ndarray of shape (`n_features_in_`,)

@@ -74,13 +74,14 @@ class MissingPhysicsFinder(BaseEstimator):
     Parameters
     ----------
     simulation : ValveSimulation, fitted regressor or callable, default=None
-        The simulation to be held against the recording. The sheet of a `ValveSimulation` takes the place of
-        the recording's own, its tolerance that of the default; its effects, with their onsets, count as
-        physics already held: they are calibrated with the rest and are no candidates. It is calibrated anew,
-        fitted or not. Of a regressor, or a function of the recording, only what it predicts counts, as if
-        the recording held it as ``simulated_flow``, or ``simulated_opening`` where no flow is recorded:
-        effects then change that, and only gain, zeros, response and a trim within its tolerance are
-        calibrated.
+        The simulation to compare with the recording. None builds one from the recording's data sheet.
+
+        A `ValveSimulation` brings its own sheet, tolerance and effects, with their onsets. It is calibrated
+        again, fitted or not. Its effects are calibrated too and are no candidates.
+
+        Of a regressor, or a function of the recording, only the prediction is used, as if the recording had
+        it as the column ``simulated_flow``, or ``simulated_opening`` where no flow is recorded. Effects then
+        change this prediction. Only gain, zeros, response and a trim within its tolerance are calibrated.
     effects : "all", str or sequence of str, default="all"
         Names of the effects to be considered.
     alpha : float, default=0.01
@@ -103,10 +104,10 @@ class MissingPhysicsFinder(BaseEstimator):
     callback : callable, default=None
         Called as ``callback(stage, done)`` with a plain word and the share done.
     history : ValveHistory, Recording or list of Recording, default=None
-        What is known of the valve from before, or recordings of it, from which that is learnt here, as
-        `history_of` does it. It takes the place of the data sheet's tolerance: what is named has changed
-        since then, and what counts is how much it changes. Its p-value has a null law of its own, with what
-        the valve did by itself (docs/history.md).
+        What was learnt of the valve from earlier recordings (`history_of`), or these recordings, which are
+        then learnt here in the same way. It replaces the data sheet's tolerance: an effect that is named is
+        a change since then. The p-value has a null reference of its own, which includes the rehearsal of
+        the history (:doc:`/history`).
 
     Attributes
     ----------
@@ -114,16 +115,16 @@ class MissingPhysicsFinder(BaseEstimator):
     evidence_ : Evidence or None
         What the p-value was made of; None where nothing was asked, and for a loop as below.
     next_test_ : TestPlan or None
-        The test that the diagnosis asks for, sample by sample (docs/next_test.md); None where the
+        The test that the diagnosis asks for, sample by sample (:doc:`/next_test`); None where the
         catalogue's words are all there is, data must be mended first, or a loop is known by its value only.
     nominal_simulation_, corrected_simulation_ : ValveSimulation
         Calibrated without, and with, what was found; absent for a loop known by command and flow, or another
-        value, only (docs/loops.md). What no effect explains is learnt and added to the
+        value, only (:doc:`/loops`). What no effect explains is learnt and added to the
         corrected one where that lowers the error of rows that it was not learnt from.
 
     comparison_ : DataFrame
         All hypotheses that were compared, place by place, the likeliest first, with size, evidence and
-        posterior (docs/method.md says what each column is). Asking for it needs pandas.
+        posterior (:doc:`/method` says what each column is). Asking for it needs pandas.
 
     Examples
     --------
@@ -236,7 +237,10 @@ class MissingPhysicsFinder(BaseEstimator):
         return self.corrected_simulation_.predict(X)
 
     def history_of(self, X: Any) -> ValveHistory:
-        """Diagnose recordings by themselves, and learn from them what later ones are held against.
+        """Learn a history from recordings, after a diagnosis of them, for later diagnoses to compare with.
+
+        Three steps: the recordings are diagnosed without a history; the valve is calibrated on them; and the
+        second half is diagnosed against the first (a rehearsal).
 
         Parameters
         ----------
@@ -246,11 +250,10 @@ class MissingPhysicsFinder(BaseEstimator):
         Returns
         -------
         history : ValveHistory
-            What the diagnosis of the recordings names is among its effects, the leading name of each class
-            with its onset, unless it grows, comes and goes, or begins in recordings whose distances in time
-            are not known; ``by_itself_`` keeps the verdict. ``rehearsals_`` keeps how far the second
-            half of the recordings lies from the first: what the valve does by itself is no fault in a later
-            one.
+            It holds the effects that the diagnosis named: of each class the first name, with its onset. It
+            does not hold one that grows, that comes and goes, or that begins in recordings whose distances
+            in time are not known. ``by_itself_`` has the verdict of the diagnosis. ``rehearsals_`` says how
+            far the second half lies from the first: a change no larger than that is not reported later.
 
         Raises
         ------
@@ -271,7 +274,7 @@ class MissingPhysicsFinder(BaseEstimator):
 
     @property
     def comparison_(self) -> Any:
-        """Data frame of all hypotheses that were compared, a row each (docs/method.md); needs pandas."""
+        """Data frame of all hypotheses that were compared, a row each (:doc:`/method`); needs pandas."""
         check_is_fitted(self, "diagnosis_")
         return self.diagnosis_.comparison()
 

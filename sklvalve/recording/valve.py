@@ -206,7 +206,7 @@ def read_valve(path: str | PathLike[str]) -> Valve:
     Parameters
     ----------
     path : str or path-like
-        The file; `docs/valve_toml.md` describes every key.
+        The file; :doc:`/valve_toml` describes every key.
 
     Returns
     -------

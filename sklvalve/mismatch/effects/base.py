@@ -100,23 +100,25 @@ class Effect:
     separated_by : str
         The test that tells it from what it is confused with.
     hidden_by : mapping of str to tuple of str
-        Defects of the data that hide it or look like it, and the roles of the signals for which they do, or
-        ``"any"``: ``compressed``, ``quantised``, ``frozen``, ``saturated``, ``clock_shift``; ``unmeasured``,
-        which is frozen from first to last; and ``held``, an opening of which a historian left out no more
-        than moves that are too small to count. Exchanged columns, wrong units and a flow that was not
-        measured hide every effect, and need not be named.
+        Defects of the data with which the effect is not tested, because they hide it or look like it. A key
+        is a defect, its value the roles of the signals in which it does so, or ``"any"``. The defects are
+        ``compressed``, ``quantised``, ``frozen``, ``saturated``, ``clock_shift``; ``unmeasured``, which is
+        frozen from the first row to the last; and ``held``, an opening within a dead band too small to
+        matter. Exchanged columns, wrong units and a flow that was not measured hide every effect and are
+        not listed.
     standstill : bool
         Whether it is a stem that stands still: a frozen opening that may be a seized stem does not hide it.
     by_drop : {"", "always", "unseen", "onset"}
-        What a pressure drop that nobody recorded makes just as well. It bends, scales, slowly shifts and
-        damps a flow (``"always"``), and passes for a stem whose travel is shifted or ends early where no
-        position is recorded (``"unseen"``). No drop makes lost motion, but one that changes makes the
-        beginning of it (``"onset"``), so that it is then there throughout or not at all.
+        When an unrecorded pressure drop looks like the effect. ``"always"``: the effect bends, scales, slowly
+        shifts or damps a flow; without a recorded drop it is not tested. ``"unseen"``: it shifts the stem's
+        travel or ends it early; it is not tested where the position is missing too. ``"onset"``: no drop
+        looks like the effect, but one that changes looks like its beginning; without a recorded drop it is
+        tested from the first row on only. ``""``: never.
     family : str
         Effects of one family have the same equation: a hypothesis holds one of them at most.
     begins_with : tuple of (str, float)
-        Calibration of the actuator from which the effect is searched as well, name and value: one that hides
-        it is where the calibration without it ends.
+        Values of the actuator's calibration, by name, from which the effect is fitted a second time. Needed
+        where the calibration without the effect absorbs it: a fit that begins there does not find it.
     alike : str
         Effects that look alike, however different their equations: each of them is fitted to the end where
         another one stands.

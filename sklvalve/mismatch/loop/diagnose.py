@@ -39,7 +39,7 @@ def diagnose_loop(recording: Recording, *, alpha: float = 0.01, random_state: in
     noise.
 
     Evidence is the difference of log likelihood, with all sizes of stem searched. Its p-value comes from
-    healthy loops drawn at random (docs/loops.md). A band below 17 % of the command's movement is no finding,
+    healthy loops drawn at random (:doc:`/loops`). A band below 17 % of the command's movement is no finding,
     and neither is one of a command that goes one way only, or one beside which a smaller band explains the
     value better. A jump is named alone where it explains the value better than play by a distance of 14; play
     is never named alone. Two forms of friction compete. Intervals of sizes are those that drawn loops bore

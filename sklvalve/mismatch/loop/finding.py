@@ -29,7 +29,7 @@ class LoopFinding:
         Level of the test.
     evidence : float
         Difference of log likelihood between the best sticking stem of the grid and the command itself: the
-        least over several forms of process and noise (docs/loops.md) [nats].
+        least over several forms of process and noise (:doc:`/loops`) [nats].
     band : float
         Band of the likeliest stem, as a share of the command's movement; below 0.17 on the grid it is no
         finding.

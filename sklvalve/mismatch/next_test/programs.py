@@ -35,7 +35,7 @@ class TestLimits:
     rate : float, default=inf
         Largest rate of the command [1/s].
     duration : float, default=None
-        Length of the test [s]; 900 rows unless given, and no more.
+        Length of the test [s]; an hour unless given, and 900 rows at most.
     pressures : tuple of {"p1", "p2"}, default=()
         Pressures that can be moved.
     pressure_share : float, default=0.3

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """
-A recording that cannot tell, and the one that can
-==================================================
+A recording that leaves many names, and the test that leaves few
+================================================================
 
 For the engineer who is asked which valve to open in the next shutdown. A flow controller holds its flow, so
-that the valve hardly moves: something is missing in the simulation, but a dozen faults would look alike. No
-name is forced out of such a recording. The same valve, moved over its travel, answers.
+that the valve hardly moves. Something is missing in the simulation, but many effects would look alike here:
+the diagnosis names them all, as one class. The next test moves the same valve over its travel.
 """
 
 # %%
@@ -36,16 +36,18 @@ print(before.diagnosis_.verdict, [len(names) for names in before.diagnosis_.effe
 ExplanationDisplay.from_estimator(before)
 
 # %%
-# What would tell? The finder simulates some ten programs of the command with each explanation in turn and
-# takes the one whose record would set them furthest apart.
+# Any of these names may be the cause: the recording does not separate them. Which test would? The finder
+# simulates some ten programs of the command with each explanation in turn and takes the one whose record
+# would set them furthest apart. Where no class is named, the verdict is ``cannot_tell`` instead, and the
+# reasons say why.
 
 print(before.diagnosis_.content["next_test"])
 
 # %%
 # The test
 # --------
-# Here by a command that goes over most of the travel. Its record is diagnosed together with the one of
-# today: both share the valve, each has its own noise. The last 300 rows are kept back.
+# Here the command goes over most of the travel. The new record is diagnosed together with that of today:
+# both share the valve, each has its own noise. The last 300 rows are kept back.
 
 test = recorded("wide", 600, 300)
 tested = Recording.from_frame(pd.concat([test.frame, test.later]), valve)
