@@ -36,8 +36,8 @@ page.
 """
 LAST_ROWS = """## In the last rows
 
-An event in the last 6 % of a recording is judged by itself, after the rows before it. Only there are
-these forms tried. `flow_meter_failure` is not among the {names}; no sealed record held it.
+An event in the last 6 % of a recording is judged by itself, after the rows before it. These forms
+are tried only there. `flow_meter_failure` is not among the {names}; no sealed record held it.
 """
 
 
@@ -53,7 +53,7 @@ def page():
             parts += _entries(list(forms))
     parts.append(LAST_ROWS.format(names=names))
     for effect in sorted(LATE, key=lambda e: e.name):
-        parts.append(f"### {effect.name}, from a late event on\n")
+        parts.append(f"**`{effect.name}`**\n")
         parts += _entries([effect])
     return "\n".join(parts)
 
