@@ -7,7 +7,7 @@ import textwrap
 from itertools import groupby
 from pathlib import Path
 
-from sklvalve.mismatch.effects import CATALOGUE, EVENTS, Effect
+from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE, Effect
 
 TARGET = Path(__file__).with_name("effects.md")
 #: Longest line of the page outside its table.
@@ -19,8 +19,10 @@ Reference for engineers who read a diagnosis: the physics that a simulation may 
 equation, parameters, needed signals, and the test that separates each effect from the others.
 
 The catalogue holds {names} effects in {forms} forms. A form is a variant that acts elsewhere or
-shows differently; a diagnosis names the effect. [Extending](extending.md) shows how to add one.
-`docs/make_effects_table.py` generates this page.
+shows differently; a diagnosis names the effect. Two more forms are seen [in the last
+rows](#in-the-last-rows) alone. No sealed record held `stem_load` or `gas_expansion`.
+[Extending](extending.md) shows how to add an effect. `docs/make_effects_table.py` generates this
+page.
 
 - **Kind**: what an effect is that is present from the start. It is a fault; or a property of a
   sound valve, its fluid or its line that a simulation may lack; or either. What begins or grows
@@ -31,6 +33,11 @@ shows differently; a diagnosis names the effect. [Extending](extending.md) shows
 - **Fault**: the fault of the [DAMADICS benchmark](damadics.md) with the same physics.
 - **Bounds**: the physically possible range of a parameter. Where none is given, the data sheet and
   the recording set it.
+"""
+LAST_ROWS = """## In the last rows
+
+An event in the last 6 % of a recording is judged by itself, after the rows before it. These forms
+are tried only there. `flow_meter_failure` is not among the {names}; no sealed record held it.
 """
 
 
@@ -44,6 +51,10 @@ def page():
         for name, forms in groupby(inside, key=lambda e: e.name):
             parts.append(f"### {name}\n")
             parts += _entries(list(forms))
+    parts.append(LAST_ROWS.format(names=names))
+    for effect in sorted(LATE, key=lambda e: e.name):
+        parts.append(f"**`{effect.name}`**\n")
+        parts += _entries([effect])
     return "\n".join(parts)
 
 

@@ -143,7 +143,7 @@ def seal(folder, anew=()):
         SHA-256 of the seal.
     """
     salt_file = folder / "salt.txt"
-    sealed = _sealed(folder)
+    sealed = sealed_hashes(folder)
     if not salt_file.exists():
         if sealed:
             raise FileNotFoundError(f"{folder} holds seal.txt, and not the salt.txt of it; put it back")
@@ -151,7 +151,7 @@ def seal(folder, anew=()):
     salt = salt_file.read_bytes()
     for truth in folder.glob("record_*/truth.json"):
         if truth.parent.name not in sealed or truth.parent.name in anew:
-            sealed[truth.parent.name] = hashlib.sha256(salt + truth.read_bytes()).hexdigest()
+            sealed[truth.parent.name] = hash_of(truth.read_bytes(), salt)
     text = "".join(f"{sealed[name]}  {name}\n" for name in sorted(sealed))
     waiting = folder / f".seal.{os.getpid()}"
     waiting.write_text(text, encoding="utf-8")
@@ -159,8 +159,14 @@ def seal(folder, anew=()):
     return hashlib.sha256(text.encode()).hexdigest()
 
 
-def _sealed(folder):
-    file = folder / "seal.txt"
+def hash_of(truth, salt):
+    """Hash that seals a truth: SHA-256 of the bytes of `salt.txt`, and behind them those of `truth.json`."""
+    return hashlib.sha256(salt + truth).hexdigest()
+
+
+def sealed_hashes(folder):
+    """Record -> hash of its truth, as `seal.txt` of a folder has them; empty where there is none."""
+    file = Path(folder) / "seal.txt"
     if not file.exists():
         return {}
     return {name: digest for digest, name in (line.split() for line in file.read_text("utf-8").splitlines())}
@@ -169,14 +175,14 @@ def _sealed(folder):
 def broken_seals(folder):
     """Names of sealed records whose truth is gone or not the one that was sealed."""
     folder = Path(folder)
-    sealed = _sealed(folder)
+    sealed = sealed_hashes(folder)
     if not sealed:
         return []
     salt = (folder / "salt.txt").read_bytes()
     wrong = []
     for name, digest in sealed.items():
         truth = folder / name / "truth.json"
-        if not truth.exists() or hashlib.sha256(salt + truth.read_bytes()).hexdigest() != digest:
+        if not truth.exists() or hash_of(truth.read_bytes(), salt) != digest:
             wrong.append(name)
     return wrong
 
@@ -184,4 +190,4 @@ def broken_seals(folder):
 def unsealed(folder):
     """Names of records that the seal knows nothing of."""
     names = {truth.parent.name for truth in Path(folder).glob("record_*/truth.json")}
-    return sorted(names - set(_sealed(Path(folder))))
+    return sorted(names - set(sealed_hashes(folder)))

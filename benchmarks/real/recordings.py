@@ -9,6 +9,8 @@ from typing import NamedTuple
 import pandas as pd
 
 LOOP, FLOW, ACTUATOR, OUTSIDE = "loop", "valve with flow", "actuator with position", "outside the field"
+#: Made by a program of others; not counted among the real ones.
+SIMULATED = "simulated by others"
 WATERSAFE = {"VA_A1": "recording.csv", "VA_C1": "recording.csv", "VA_C3": "recording.csv"}
 #: Runs of the cylinder: nothing commands it, so one a seal's kind shows the answer of all 51.
 CYLINDERS = ("Circle_1bar", "Kidney_3bar", "O-ring257_5bar")
@@ -128,7 +130,7 @@ def _damadics(folder, labels):
         ]
 
     note = "simulated by the original generator; the flow's scale is unknown"
-    yield Case("damadics_generator", FLOW, table, run, labels["damadics_generator"], note=note)
+    yield Case("damadics_generator", SIMULATED, table, run, labels["damadics_generator"], note=note)
 
 
 # quick ones first, so that a run that is cut short has seen most recordings

@@ -98,6 +98,26 @@ def test_failures_come_first_and_are_counted():
     assert places == sorted(places)
 
 
+def test_right_names_tell_how_many_shared_the_class():
+    label = {"sound": True, "properties": ["slew_limit"]}
+    names = [{"members": ["slew_limit", "backlash"]}, {"members": ["clogging"]}]
+    row = _row("a", "right", label=label, names=names)
+    assert tables.right_sizes(row) == [2]
+    assert tables.right_sizes(row | {"judgement": "wrong"}) == []
+    assert "| right, of 2 names |" in tables.table([row])
+
+
+def test_recordings_of_one_valve_count_once_and_simulated_ones_apart():
+    rows = [_row(f"belimo_{k}", "right", kind="actuator") for k in range(3)]
+    rows += [_row("refinery_0", "abstained", note="FIC1"), _row("refinery_1", "wrong", note="FIC1; cut")]
+    rows += [_row("made", "wrong", kind="simulated by others"), _row("water", "unjudged")]
+    assert tables.valves_of(rows[:5]) == {("actuator", "motor"): "right", ("loop", "FIC1"): "wrong"}
+    text = tables.counts(rows)
+    assert "interval: 1 of 4, 25 % (1-81);" in text
+    assert "counted by valve 1 of 2, 50 % (1-99)." in text
+    assert "| simulated by others | 0 | 1 |" in text
+
+
 def test_last_line_of_a_recording_holds_and_a_broken_one_is_left_out(tmp_path):
     file = tmp_path / "results.jsonl"
     file.write_text('{"recording": "a", "n": 1}\n{"recording": "a", "n": 2}\n{"rec', encoding="utf-8")
