@@ -82,8 +82,9 @@ class MissingPhysicsFinder(BaseEstimator):
         Of a regressor, or a function of the recording, only the prediction is used, as if the recording had
         it as the column ``simulated_flow``, or ``simulated_opening`` where no flow is recorded. Effects then
         change this prediction. Only gain, zeros, response and a trim within its tolerance are calibrated.
-    effects : "all", str or sequence of str, default="all"
-        Names of the effects to be considered.
+    effects : "all", str or sequence of str and effects, default="all"
+        Names of the effects to be considered, and effects of your own; ``"all"`` among them adds the whole
+        catalogue.
     alpha : float, default=0.01
         Level of the test for any mismatch at all, for the whole recording.
     tolerance : Tolerance, default=None

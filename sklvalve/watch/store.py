@@ -5,7 +5,7 @@
     STATE/days/valve=TAG/2026-01-31.parquet          sizes of all effects on that day
     STATE/histories/TAG/first.history.skops          what the valve is held against; one for each inspection
     STATE/histories/TAG/first.days.json              days it was learnt on, and those of reference
-    STATE/reports/TAG/2026-01-31/                    diagnosis.json and report.html of a call
+    STATE/reports/TAG/2026-01-31/                    diagnosis.zip and report.html of a diagnosis
     STATE/calls/TAG.json, STATE/inspections/TAG.json
     STATE/findings.parquet, STATE/trends.parquet     made from the others at the end of a run
 

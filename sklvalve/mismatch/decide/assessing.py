@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from sklvalve.mismatch.decide.borne_out import SEALED
 from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
 from sklvalve.mismatch.decide.grade import WEAK, grade_of
 from sklvalve.mismatch.decide.probability import Grounds, is_coarse, probability_of
@@ -67,7 +68,7 @@ def assessed(
             few_signals=few,
             history=problem.history is not None,
         )
-        made.append(_graded(entry, grounds, evidence, kind))
+        made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds.leading)))
     if verdict != "named":
         return made, verdict, []
     weak = [entry for entry in made if entry["grade"]["level"] == WEAK]
@@ -102,6 +103,11 @@ def _graded(entry: dict[str, Any], grounds: Grounds, evidence: dict[str, Any], k
         "grade": grade_of(of_class, grounds, evidence, kind),
         "evidence": evidence,
     }
+
+
+def _never_led(name: str) -> str:
+    """Why it was not checked how often a name holds; empty where classes of blind tests were led by it."""
+    return "" if name in SEALED.held else "an effect that no blind test has named"
 
 
 def _doubt(entry: dict[str, Any]) -> str:

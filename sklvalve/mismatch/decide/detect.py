@@ -3,7 +3,12 @@
 
 At thousands of rows any simulation is found to be a little wrong, and the best of fifty effects is the best
 of fifty. So no textbook law says how strong evidence gets by chance. Healthy recordings do: each went
-through the whole search, and the p-value is the share of them that looked as far from their simulation.
+through the whole search, and the p-value is the share of them that looked as far from their simulation
+(quantiles of theirs, and beyond these a fitted tail: `null_reference`).
+
+`mismatch_p_value` is the one that a diagnosis reports. `judging` takes less where a pattern without an effect
+has a law of its own that says less: events, a cycle, slow error that noise does not allow, a straying stem,
+pulses.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The verdict by the evidence alone; what may overrule it stands in `verdict_of`."""
+"""The verdict by the evidence alone; where it may be overruled stands in `verdict_of`, in its order."""
 
 from __future__ import annotations
 
@@ -17,8 +17,16 @@ def verdict_of(
 ) -> tuple[str, list[Finding]]:
     """Verdict by the evidence alone, and the findings that stand.
 
-    `judging` asks rows left out before, and noise after it. Later steps may take a name back as well:
-    `referee` by a black box, `assessing` where every finding is weak, `suppression` by the data.
+    `judging` asks rows left out before it. After it these may make another verdict of it, in this order, each
+    with a rule of `rules` and words for `reasons_of`:
+
+    - `judging`: noise (``cannot_tell`` or ``none_of_these`` in place of names or of nothing), a stem that
+      strays (``cannot_tell``), a flow in pulses (``none_of_these``), events (``named``);
+    - `late`, `behind`: the last rows, and what lies behind a property;
+    - `suppression`: what the data may have made (``cannot_tell``);
+    - `referee`: what a black box forecasts better (``cannot_tell``), and names that make forecasts worse;
+    - `known_before`: what a history may have had already (``cannot_tell``);
+    - `assessing`: where every finding is weak (``cannot_tell``).
 
     Parameters
     ----------

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Groups of data defects that hide several effects, or look like them: what `Effect.hidden_by` is made of."""
+"""Groups of data defects that hide several effects, or look like them: what `Effect.hidden_by` is made of.
+
+`mismatch.data.gate` asks it: an effect that a defect of the recording hides is not tried.
+"""
 
 from collections.abc import Mapping
 from types import MappingProxyType

@@ -158,6 +158,15 @@ def test_entries_of_another_kind_have_a_grade_alone():
     assert (entry["grade"]["level"], verdict) == ("strong", "named")
 
 
+def test_an_effect_that_no_blind_test_has_named_has_no_probability():
+    own = _entry()
+    own["members"][0]["name"] = "worn_groove"
+    (entry,), _, _ = assessed([own], "named", 1e-5, AHEAD, [], _bench())
+    assert entry["probability"] is None
+    assert [member["probability"] for member in entry["members"]] == [None] * len(entry["members"])
+    assert "was not checked for an effect that no blind test has named" in entry["grade"]["reason"]
+
+
 def test_the_verdict_is_taken_back_where_all_is_weak():
     weak = _entry("flow_meter_bias", ["bias"])
     _, verdict, reasons = assessed([weak], "named", 1e-5, AHEAD, [], _bench())
