@@ -2,6 +2,7 @@
 """``sklvalve watch``: many valves, each day held against the valve's own history."""
 
 import datetime as dt
+import sys
 from argparse import ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable
 from pathlib import Path
@@ -16,7 +17,7 @@ _EXAMPLES = """examples:
   sklvalve watch plant.toml --state state --inspected FV-101 --on 2026-03-01 --note "packing renewed"
 """
 
-_PORT, _MINUTES = 8000, 60
+_PORT, _MINUTES, _A_WEEK = 8000, 60, 10_080
 
 
 def add_parser(commands) -> None:
@@ -42,7 +43,7 @@ def add_parser(commands) -> None:
     )  # fmt: skip
     parser.add_argument(
         "--every",
-        type=_jobs,
+        type=_minutes,
         metavar="MINUTES",
         help=f"look for new days while serving (default: {_MINUTES})",
     )
@@ -102,16 +103,17 @@ def run(args: Namespace) -> int:
     def look_again() -> None:
         try:
             look()
-        except InputError as error:
-            # a folder that is away for an hour ends no server
-            show(f"Not brought up to date: {error}")
+        except Exception as error:
+            # a folder that is away for an hour, or a full disk, ends no server
+            show(f"Not brought up to date: {type(error).__name__}: {error}", file=sys.stderr)
 
+    if args.serve is None:
+        look()
+        return 0
     # a port that is taken is told before the valves are read
-    server = None if args.serve is None else server_of(args.site, args.serve)
-    look()
-    if server is not None:
-        show(f"Open http://127.0.0.1:{args.serve} in a browser of this machine; Ctrl-C ends it.")
-        serve(server, look_again, 60.0 * (args.every or _MINUTES))
+    server = server_of(args.site, args.serve)
+    show(f"Open http://127.0.0.1:{args.serve} in a browser of this machine; Ctrl-C ends it.", file=sys.stderr)
+    serve(server, look, look_again, 60.0 * (args.every or _MINUTES))
     return 0
 
 
@@ -126,7 +128,7 @@ def content_of(plant, watches, state: Path) -> dict:
     """How each valve stands, as plain data."""
     from dataclasses import asdict
 
-    from sklvalve.watch.standing import epochs_of, standing_of
+    from sklvalve.watch.standing import epochs_of, standing_of, state_now
     from sklvalve.watch.store import Store
 
     store = Store(state)
@@ -136,8 +138,9 @@ def content_of(plant, watches, state: Path) -> dict:
         valves.append(
             {
                 "tag": each.tag,
-                "state": each.state,
+                "state": state_now(each.state, now),
                 "said": list(each.said),
+                "since": now.since or None,
                 "called": now.called or None,
                 "call": None if now.call is None else asdict(now.call),
                 "looks": [asdict(look) for look in (*now.looks, *now.calls)],
@@ -155,7 +158,7 @@ def lines_of(content: dict) -> list[str]:
         call = each["call"]
         lines += [
             "",
-            f"{each['tag']}  since {call['onset']}, called {each['called']}",
+            f"{each['tag']}  since {each['since']}, called {each['called']}",
             f"  {call['headline']}",
         ]
     others = [each for each in valves if each["state"] in ("no data", "commissioning", "cannot tell")]
@@ -177,6 +180,12 @@ def _jobs(text: str) -> int:
     if many < 1:
         raise ArgumentTypeError(f"expected a whole number from 1 on; got {text!r}")
     return many
+
+
+def _minutes(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= _A_WEEK:
+        raise ArgumentTypeError(f"expected whole minutes from 1 to {_A_WEEK}; got {text!r}")
+    return int(text)
 
 
 def _port(text: str) -> int:

@@ -12,6 +12,8 @@ from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding
 from sklvalve.watch.store import Store
 from sklvalve.watch.trend import Trend, reference_after, trend_since
 
+_UNEXPLAINED = "none_of_these"
+
 
 @dataclass(frozen=True, eq=False)
 class Standing:
@@ -36,19 +38,40 @@ class Standing:
 
     @property
     def call(self) -> Finding | None:
-        """What is known of its call: the last diagnosis that has a name, or else the first; None without."""
+        """What is known of its call; None without one.
+
+        The last diagnosis that has a name; else the last that found what no effect explains; else the first.
+        """
         named = [each for each in self.calls if each.names]
-        return next(iter(named[-1:] or self.calls[:1]), None)
+        shown = [each for each in self.calls if each.verdict == _UNEXPLAINED]
+        return next(iter(named[-1:] or shown[-1:] or self.calls[:1]), None)
 
     @property
     def called(self) -> str:
         """Day on which it called; empty where it has not."""
         return self.calls[0].called if self.calls else ""
 
+    @property
+    def since(self) -> str:
+        """First day of the change, by the diagnosis that tells it earliest; empty where it has not called."""
+        return min(self.calls[0].onset, self.call.onset) if self.call else ""
+
     @cached_property
     def trend(self) -> Trend:
         """Series since the last look, or since the commissioning."""
         return trend_since(self.records, reference_after(self.records, self.reference, self.looks))
+
+
+def state_now(state: str, standing: Standing) -> str:
+    """State that a run has told of a valve, unless an inspection was entered since.
+
+    Parameters
+    ----------
+    state : str
+        Of `Watch`.
+    standing : Standing
+    """
+    return "commissioning" if state == "calls" and not standing.calls else state
 
 
 def epochs_of(tag: str, store: Store) -> list[Epoch]:

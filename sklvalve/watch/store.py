@@ -18,8 +18,9 @@ from __future__ import annotations
 import datetime as dt
 import json
 import os
+import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -33,6 +34,7 @@ from sklvalve.watch.record import DayRecord, Epoch, Finding, Inspection
 
 SCHEMA = "sklvalve.watch/1"
 _META = b"sklvalve"
+_FORGOTTEN = 3600.0  # seconds
 
 
 class Store:
@@ -82,6 +84,7 @@ class Store:
         with held(self.folder) as ours:
             if not ours:
                 raise InputError(f"--state {self.folder}: another watch runs on it; wait until it has ended")
+            self._sweep()
             yield
 
     def save_day(self, tag: str, record: DayRecord) -> None:
@@ -144,10 +147,25 @@ class Store:
     def findings(self, tag: str) -> list[Finding]:
         """Calls of a valve, in their order."""
         made = _read_list(self.folder / "calls" / f"{tag}.json")
-        return [Finding(**(each | {"names": tuple(each["names"])})) for each in made]
+        # candidates that a diagnosis left open were once kept as names
+        named = [tuple(each["names"]) if each["verdict"] == "named" else () for each in made]
+        return [Finding(**(each | {"names": names})) for each, names in zip(made, named, strict=True)]
+
+    def _sweep(self) -> None:
+        """Remove drafts of runs that were killed long ago; a run that goes on has none so old."""
+        for draft in self.folder.rglob(".*.????????"):
+            with suppress(OSError):
+                if time.time() - draft.stat().st_mtime > _FORGOTTEN:
+                    draft.unlink()
 
     def save_finding(self, finding: Finding) -> None:
-        """Keep a call for attention beside those before."""
+        """Keep a call for attention beside those before, unless it is there.
+
+        A process of a run that was killed may go on for a while, and find the same.
+        """
+        kept = {(each.since, each.called) for each in self.findings(finding.valve)}
+        if (finding.since, finding.called) in kept:
+            return
         file = self.folder / "calls" / f"{finding.valve}.json"
         _write(file, _json([*map(asdict, self.findings(finding.valve)), asdict(finding)]))
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import datetime as dt
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -217,18 +218,26 @@ class _Run:
     ) -> Watch:
         """A valve that has called, diagnosed anew while its call has no name: what grows is told later.
 
-        The days between two diagnoses double, so that a year of a call costs eight.
+        The days with rows between two diagnoses double, so that a year of a call costs nine. A day whose rows
+        are gone, or refused, leaves its turn to the next one, and the valve calls all the same.
         """
-        trend, calls = standing.trend, standing.calls
-        at = {day.isoformat(): k for k, day in enumerate(trend.days)}
-        first, last = (at.get(each.called) for each in (calls[0], calls[-1]))
-        if calls[-1].names or first is None or last is None:
+        calls = standing.calls
+        if calls[-1].names or standing.trend.reference < FEWEST:
             return self._ends("calls")
-        day = first + max(1, 2 * (last - first))
-        if day >= len(trend.days):
-            return self._ends("calls")
-        self.store.save_finding(self._called(trend, day, history, files))
-        return self._judged(standing.records, history, files)
+        trend = standing.trend
+        days = [day.isoformat() for day in trend.days]
+        first, last = (bisect_left(days, each.called) for each in (calls[0], calls[-1]))
+        for day in range(first + max(1, 2 * (last - first)), len(days)):
+            if trend.days[day] not in files or trend.onset[day] < 0:
+                continue
+            try:
+                finding = self._called(trend, day, history, files)
+            except InputError as error:
+                self.said.append(f"{days[day]}: the call was not diagnosed again: {error}")
+                continue
+            self.store.save_finding(finding)
+            return self._judged(standing.records, history, files)
+        return self._ends("calls")
 
     def _called(
         self, trend: Trend, day: int, history: ValveHistory, files: dict[dt.date, DayFiles]

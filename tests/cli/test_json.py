@@ -36,7 +36,15 @@ COMMANDS = {
         {
             "plant": "Test",
             "valves": [
-                {"tag": "FV-1", "state": "no data", "said": [], "called": None, "call": None, "looks": []}
+                {
+                    "tag": "FV-1",
+                    "state": "no data",
+                    "said": [],
+                    "since": None,
+                    "called": None,
+                    "call": None,
+                    "looks": [],
+                }
             ],
         },
     ),

@@ -254,6 +254,83 @@ def test_a_call_without_a_name_is_diagnosed_again_on_later_days_until_it_has_one
     assert data.run().read == 0
 
 
+def unnamed(data, monkeypatch, days=45):
+    """A valve that has called without a name."""
+    monkeypatch.setattr(Data, "verdict", "cannot_tell")
+    for k in range(days):
+        data.put(k, shift=8.0 * (k >= 30))
+    return data.run()
+
+
+def test_a_look_that_is_refused_hides_no_call(data, monkeypatch):
+    assert unnamed(data, monkeypatch, days=33).state == "calls"
+
+    def refuses(*_):
+        raise InputError("too few rows move; give other days")
+
+    monkeypatch.setattr(module.MissingPhysicsFinder, "fit", refuses)
+    for k in range(33, 40):
+        data.put(k, shift=8.0)
+    told = data.run()
+    assert told.state == "calls"
+    assert "the call was not diagnosed again: too few rows move" in told.said[-1]
+
+
+def test_a_look_whose_rows_are_gone_is_made_on_the_next_day_that_has_some(data, monkeypatch):
+    unnamed(data, monkeypatch, days=33)
+    first = module.Store(data.root / "state").findings("FV-1")[0].called
+    for k in range(33, 37):
+        data.put(k, shift=8.0)
+    data.run()
+    gone = dt.date.fromisoformat(first) + dt.timedelta(days=8)
+    for k in range(37, 48):
+        if data.put(k, shift=8.0) == gone:
+            (data.root / "data" / "FV-1" / f"{gone}.csv").unlink()
+    assert data.run().state == "calls"
+
+
+def test_a_call_whose_reference_days_come_again_empty_is_still_a_call(data, monkeypatch):
+    unnamed(data, monkeypatch)
+    for k in range(5, 10):
+        data.put(k, text_of=lambda *_: "")
+    assert data.run().state == "calls"
+
+
+def test_runs_on_every_day_and_one_run_in_the_end_keep_the_same_bytes(data, tmp_path, monkeypatch):
+    monkeypatch.setattr(Data, "verdict", "cannot_tell")
+    days = [(k, 8.0 * (k >= 20)) for k in range(32)]
+    for k, shift in days:
+        data.put(k, shift)
+        data.run()
+    daily = tree(tmp_path / "state")
+    (tmp_path / "state").rename(tmp_path / "daily")
+    data.run()
+    assert tree(tmp_path / "state") == daily
+
+
+def test_what_two_processes_find_is_kept_once(data, monkeypatch):
+    unnamed(data, monkeypatch)
+    store = module.Store(data.root / "state")
+    kept = store.findings("FV-1")
+    for finding in kept:
+        store.save_finding(finding)
+    assert store.findings("FV-1") == kept
+
+
+def test_drafts_of_a_killed_run_are_swept_once_they_are_old(data):
+    import os
+
+    data.put(0)
+    data.run()
+    old, new = (data.root / "state" / "calls" / f".FV-1.json.{name}" for name in ("0badc0de", "deadbeef"))
+    old.parent.mkdir(exist_ok=True)
+    for each in (old, new):
+        each.write_text("")
+    os.utime(old, (1.0, 1.0))
+    data.run()
+    assert (old.exists(), new.exists()) == (False, True)
+
+
 def test_what_was_killed_goes_on_to_the_same_state(data, tmp_path, monkeypatch):
     for k in range(45):
         data.put(k, shift=8.0 * (k >= 30))

@@ -2,6 +2,7 @@
 """Pages for a browser of this machine: what is answered, what is not, and how they are kept up to date."""
 
 import http.client
+import socket
 from threading import Thread
 
 import pytest
@@ -56,7 +57,10 @@ def test_what_is_no_page_of_the_site_is_not_found(server, path):
 
 def test_a_page_from_elsewhere_cannot_read_them_through_its_own_name(server):
     assert asked(server, "/", host="evil.example:8000")[0] == 421
-    assert asked(server, "/", host="localhost:8000")[0] == 200
+    for host in ("127.0.0.1:80@evil", "localhost:evil.example", "", "[::1]:8000"):
+        assert asked(server, "/", host=host)[0] == 421, host
+    for host in ("localhost:8000", "LOCALHOST", "127.0.0.1"):
+        assert asked(server, "/", host=host)[0] == 200, host
 
 
 def test_nothing_can_be_written(server):
@@ -69,8 +73,9 @@ def test_only_this_machine_is_served(server):
 
 
 def test_a_port_that_is_taken_is_told(server, site):
-    with pytest.raises(InputError, match="give another port, such as 8001"):
-        server_of(site, server.server_address[1])
+    for port in (server.server_address[1], 70_000):
+        with pytest.raises(InputError, match="give another port, such as 8001"):
+            server_of(site, port)
 
 
 def test_pages_are_brought_up_to_date_until_a_person_ends_it(site):
@@ -81,8 +86,38 @@ def test_pages_are_brought_up_to_date_until_a_person_ends_it(site):
         if len(seen) == 3:
             raise KeyboardInterrupt
 
-    serve(server_of(site, 0), update, 0.01)
+    with pytest.raises(KeyboardInterrupt):
+        serve(server_of(site, 0), update, update, 0.01)
     assert len(seen) == 3
+
+
+def test_pages_of_an_earlier_run_are_shown_while_the_first_look_works(site):
+    made, seen = server_of(site, 0), []
+
+    def first():
+        seen.append(asked(made, "/")[0])
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        serve(made, first, first, 0.01)
+    assert seen == [200]
+
+
+def test_what_is_no_request_is_met_with_no_word_of_ours(server, capfd):
+    for line in (b"\x16\x03\x01\x02\x00\x01\r\n\r\n", b"GET / HTTP/2.0\r\n\r\n"):
+        with socket.create_connection(server.server_address, timeout=10) as connection:
+            connection.sendall(line)
+            connection.recv(1024)
+    assert "Traceback" not in capfd.readouterr().err
+    assert asked(server, "/")[0] == 200
+
+
+def test_only_pages_are_shown(server, site, tmp_path):
+    (site / "notes.txt").write_text("secret")
+    (site / "valves" / "link.html").symlink_to(tmp_path / "secret.txt")
+    for path in ("/notes.txt", "/valves/link.html", "/%00", "/valves/FV-1.html/"):
+        status, text, _ = asked(server, path)
+        assert (status, "secret" in text) == (404, False), path
 
 
 @pytest.mark.parametrize(
@@ -90,6 +125,7 @@ def test_pages_are_brought_up_to_date_until_a_person_ends_it(site):
     [
         (["--serve"], "--serve shows the pages of --site"),
         (["--site", "site", "--every", "5"], "--every belongs to --serve"),
+        (["--site", "site", "--serve", "--every", "99999"], "expected whole minutes from 1 to 10080"),
         (["--site", "site", "--serve", "0"], "expected a port from 1 to 65535; got '0'"),
     ],
 )

@@ -280,7 +280,7 @@ def _by_evidence(
     alone = _weighed(case, [], case.explanation.nominal)
     # where the mismatch is told anyway, what is rare among healthy recordings may say what it is, and so may
     # what leaves nothing rare where too much was left over since the history
-    known = case.problem.history is not None
+    known = case.problem.history is not None and weighed.evidence.rest is not None
     explains = known and _is_rare(case, alone.evidence) and not _is_rare(case, weighed.evidence)
     if alone.enough and (explains or any(map(case.is_rare, findings))):
         return findings, weighed.unknown, alone

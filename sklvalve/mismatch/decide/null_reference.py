@@ -184,9 +184,10 @@ class NullLaw:
             "rest": tuple(each.rest for each in several if each.rest is not None),
         }
         tables = {"effects": self.effects, "rest": self.rest}
-        # a valve that is unlike the others in one look is so in both
-        rarest = min((_in_reference(tables[k], v) for k, values in own.items() for v in values), default=1.0)
-        counts = _REFERENCE_COUNTS * min(1.0, rarest / _LIKE)
+        # a valve that is unlike the others in one look is so in both; of many looks the rarest is rare anyway
+        shares = [_in_reference(tables[k], v) for k, values in own.items() for v in values]
+        rarest = 1.0 - (1.0 - min(shares)) ** len(shares) if shares else 1.0
+        counts = float(_REFERENCE_COUNTS * min(1.0, rarest / _LIKE))
         rises = [np.log(max(v, 1.0)) for values in own.values() for v in values]
         rise = float(np.sqrt(np.mean(np.square(rises)))) if rises else 0.0
         return NullLaw(*(replace(t, own=own[k], counts=counts, own_scatter=rise) for k, t in tables.items()))
@@ -212,8 +213,9 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
 
     .. math:: \frac{k P(v) + \sum_i T_{10 + n}((\log v_i - \log v) / h)}{k + n}
 
-    k is 10 while the reference holds for the valve. Where a rehearsal is rarer in the reference than 5 %, k
-    falls with it: what is rare among other valves is then usual for this one.
+    k is 10 while the reference holds for the valve. Where the rarest rehearsal is rarer in the reference than
+    that of 5 % of valves, k falls with it: what is rare among other valves is then usual for this one. What
+    is usual among other valves stays so: the larger of the shares by this k and by 10 is taken.
 
     Parameters
     ----------
@@ -232,8 +234,8 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     if not many:
         return in_reference
     own = np.log(np.maximum([relative, *table.own], _TINY))
-    above = student.cdf((own[1:] - own[0]) / table.scatter, _REFERENCE_COUNTS + many)
-    return (table.counts * in_reference + float(np.sum(above))) / (table.counts + many)
+    above = float(np.sum(student.cdf((own[1:] - own[0]) / table.scatter, _REFERENCE_COUNTS + many)))
+    return max((k * in_reference + above) / (k + many) for k in (table.counts, _REFERENCE_COUNTS))
 
 
 def _in_reference(table: Table, relative: float) -> float:

@@ -117,7 +117,8 @@ def _rehearsed(judgement: Judgement, alpha: float) -> str | None:
         return None
     return (
         f"A difference this large occurs in {percent(by_reference)} of healthy recordings, but the second "
-        "half of this valve's history differs from the first about as much. So it is not told as a change."
+        "half of this valve's history differs from the first as well, by more than in other valves. So it is "
+        "not told as a change."
     )
 
 

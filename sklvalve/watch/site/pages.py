@@ -15,7 +15,7 @@ from sklvalve.watch.evidence import limit_of
 from sklvalve.watch.plant import Plant
 from sklvalve.watch.record import DayRecord, Finding, Inspection
 from sklvalve.watch.site.chart import chart
-from sklvalve.watch.standing import Standing
+from sklvalve.watch.standing import Standing, state_now
 from sklvalve.watch.store import Store
 from sklvalve.watch.trend import Trend
 from sklvalve.watch.valve import Watch
@@ -84,22 +84,22 @@ def page_of(
     """
     tag = watch.tag
     done = tuple(store.inspections(tag))
-    records, now = standing.records, standing.call
+    records, now, state = standing.records, standing.call, state_now(watch.state, standing)
     said = list(watch.said)
     if records and newest is not None and (newest - records[-1].day).days >= _SILENT:
         said.append(f"No rows since {records[-1].day}.")
     page: dict[str, Any] = {
         "tag": tag,
-        "state": watch.state,
-        "words": STATES[watch.state],
+        "state": state,
+        "words": STATES[state],
         "said": tuple(said),
         "done": done,
-        "earlier": tuple(f for f in store.findings(tag) if f not in standing.calls),
+        "earlier": tuple(f for f in store.findings(tag) if f != now),
         "days": len(records),
         "last": records[-1].day.isoformat() if records else "",
     }
     if now is not None:
-        page |= _call(now) | {"called": standing.called}
+        page |= _call(now, standing.calls[0]) | {"since": standing.since, "called": standing.called}
     trend = standing.trend
     if not trend.days or not trend.reference:
         return ValvePage(**page)
@@ -108,17 +108,21 @@ def page_of(
     return ValvePage(**page, pictures=_pictures(trend, standing.calls[:1], done, records, false_calls))
 
 
-def _call(finding: Finding) -> dict[str, Any]:
+def _call(finding: Finding, first: Finding) -> dict[str, Any]:
     names = " + ".join(" or ".join(spoken(n) for n in each.split("/")) for each in finding.names)
     unknown = {"none_of_these": "a change that no known effect explains"}
     return {
         "what": names or unknown.get(finding.verdict, "a change that is not identified"),
-        "since": finding.onset,
         # how often a sound valve calls was not measured on plants: no frequency is given
-        "how_sure": f"evidence {finding.evidence:,.0f}, where the limit is {finding.limit:,.0f}",
+        "how_sure": f"evidence {_number(first.evidence)}, where the limit is {_number(first.limit)}",
         "report": finding.report,
         "headline": finding.headline,
     }
+
+
+def _number(value: float) -> str:
+    """A number that may have thirty digits."""
+    return f"{value:,.0f}" if value < 1e6 else f"about 10^{np.log10(value):.0f}"
 
 
 def _size(called: str, trend: Trend) -> dict[str, Any]:

@@ -45,6 +45,20 @@ def test_a_valve_that_is_unlike_the_reference_is_not_held_against_it():
     assert chance(6.4, 1.0, rests=[28.0]) > 0.01
 
 
+def test_a_wild_rehearsal_makes_nothing_rarer():
+    # what is left over was quiet once, and effects were wild: a usual rest stays as usual as it was
+    law = AGAINST_HISTORY.with_own([Rehearsal(28.0, 0.1)])
+    for times in (1.0, 2.0):
+        strength = times * law.rest.typical(SOMEWHERE)
+        alone = survival(AGAINST_HISTORY.rest, strength, SOMEWHERE)
+        assert survival(law.rest, strength, SOMEWHERE) > 0.9 * alone
+
+
+def test_the_rarest_of_many_ordinary_rehearsals_is_no_sign_of_another_kind():
+    twenty = [Rehearsal(times) for times in np.linspace(0.4, 3.0, 20)]
+    assert AGAINST_HISTORY.with_own(twenty).effects.counts == 10.0
+
+
 def test_the_reference_loses_its_weight_without_a_step():
     counts = [
         AGAINST_HISTORY.with_own([Rehearsal(times)]).effects.counts for times in np.linspace(1.0, 30.0, 400)
