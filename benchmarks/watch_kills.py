@@ -4,9 +4,9 @@
     python -m benchmarks.watch_kills FOLDER [--kills 40] [--seed 0] [--no-dask]
 
 A small plant of simulated valves is watched once without disturbance. Then it is watched from nothing, and
-each run is killed at a random moment, half of them with their processes, before a last one may end. And once over two
-Dask workers, of which one is killed while it works. Every file of the three states must be the same, byte
-for byte. Ends with 1 where one differs. Needs a POSIX system, and `distributed` unless `--no-dask`.
+each run is killed at a random moment, half of them with their processes, before a last one may end. And once
+over two Dask workers, of which one is killed while it works. Every file of the three states must be the same,
+byte for byte. Ends with 1 where one differs. Needs a POSIX system, and `distributed` unless `--no-dask`.
 """
 
 import argparse
