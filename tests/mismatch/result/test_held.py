@@ -86,7 +86,7 @@ def test_what_was_there_and_has_changed_is_told(limit, change, now):
 
 def test_what_comes_beside_it_is_named():
     later = recorded(0.3)[1]
-    biased = changed(later, flow=later["flow"] + 0.04 * np.ptp(later["flow"]))
+    biased = changed(later, flow=later["flow"] + 0.05 * np.ptp(later["flow"]))
     content = diagnosed(clogged(), biased).content
     assert content["verdict"] == "named"
     assert "flow_meter_bias" in [member["name"] for member in content["effects"][0]["members"]]
