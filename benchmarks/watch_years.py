@@ -26,7 +26,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from scipy.stats import beta, chi2
+from scipy.stats import chi2
 
 from benchmarks.concealed.cases import Case
 from benchmarks.concealed.distances import Scene
@@ -34,6 +34,7 @@ from benchmarks.concealed.distances.detectable import of_times
 from benchmarks.concealed.plant import EFFECTS, NAMED, Course, Plant
 from benchmarks.concealed.record import recorded, valve_of
 from benchmarks.concealed.run import plain_lines
+from benchmarks.concealed.scoring.rates import Rate
 from sklvalve.recording.valve import Valve
 from sklvalve.watch import watch
 from sklvalve.watch.plant import Commissioning, Watched
@@ -163,12 +164,8 @@ def rate(many, years):
 
 
 def share(many, of):
-    """A share with its exact 95 % interval (Clopper and Pearson)."""
-    if not of:
-        return "-"
-    low = beta.ppf(0.025, many, of - many + 1) if many else 0.0
-    high = beta.ppf(0.975, many + 1, of - many) if many < of else 1.0
-    return f"{many / of:.0%} ({low:.0%}-{high:.0%}) of {of}"
+    """A share with its exact 95 % interval."""
+    return f"{Rate(many, of)} of {of}"
 
 
 def rows_of_table(lines):

@@ -59,12 +59,10 @@ def add_parser(commands) -> None:
 
 def run(args: Namespace) -> int:
     """Watch a plant, or enter an inspection."""
-    from sklvalve.cli.progress import progress
     from sklvalve.recording import InputError
     from sklvalve.watch.plant import read_plant
-    from sklvalve.watch.run import inspected, watch
+    from sklvalve.watch.run import inspected
     from sklvalve.watch.serve import serve, server_of
-    from sklvalve.watch.site import write_site
 
     plant = read_plant(args.plant)
     if args.inspected is not None:
@@ -81,40 +79,47 @@ def run(args: Namespace) -> int:
     if args.every is not None and args.serve is None:
         raise InputError("--every belongs to --serve; a run without it looks once")
 
-    def look() -> None:
-        with progress() as callback:
-            watches = watch(
-                plant,
-                args.data,
-                args.state,
-                n_jobs=args.jobs,
-                scheduler=args.scheduler,
-                random_state=args.seed,
-                report=report_of(callback),
-            )
-        content = content_of(plant, watches, Path(args.state))
-        lines = lines_of(content)
-        if args.site is not None:
-            index = write_site(args.site, plant, watches, args.state)
-            content |= {"site": str(index)}
-            lines += ["", f"Written: {index}"]
-        show(as_json(content) if args.json else "\n".join(lines))
+    if args.serve is None:
+        _look(args, plant)
+        return 0
 
     def look_again() -> None:
         try:
-            look()
+            _look(args, plant)
         except Exception as error:
             # a folder that is away for an hour, or a full disk, ends no server
             show(f"Not brought up to date: {type(error).__name__}: {error}", file=sys.stderr)
 
-    if args.serve is None:
-        look()
-        return 0
     # a port that is taken is told before the valves are read
     server = server_of(args.site, args.serve)
     show(f"Open http://127.0.0.1:{args.serve} in a browser of this machine; Ctrl-C ends it.", file=sys.stderr)
-    serve(server, look, look_again, 60.0 * (args.every or _MINUTES))
+    serve(server, lambda: _look(args, plant), look_again, 60.0 * (args.every or _MINUTES))
     return 0
+
+
+def _look(args: Namespace, plant) -> None:
+    """Bring valves and pages up to date, and tell how they stand."""
+    from sklvalve.cli.progress import progress
+    from sklvalve.watch.run import watch
+    from sklvalve.watch.site import write_site
+
+    with progress() as callback:
+        watches = watch(
+            plant,
+            args.data,
+            args.state,
+            n_jobs=args.jobs,
+            scheduler=args.scheduler,
+            random_state=args.seed,
+            report=report_of(callback),
+        )
+    content = content_of(plant, watches, Path(args.state))
+    lines = lines_of(content)
+    if args.site is not None:
+        index = write_site(args.site, plant, watches, args.state)
+        content |= {"site": str(index)}
+        lines += ["", f"Written: {index}"]
+    show(as_json(content) if args.json else "\n".join(lines))
 
 
 def report_of(callback: Callable[[str, float], None] | None) -> Callable[[int, int, str], None] | None:
@@ -134,7 +139,8 @@ def content_of(plant, watches, state: Path) -> dict:
     store = Store(state)
     valves = []
     for each in watches:
-        now = standing_of(each.tag, store, epochs_of(each.tag, store)[-1])
+        # of its calls alone: the days need not be read for these
+        now = standing_of(each.tag, store, epochs_of(each.tag, store)[-1], records=())
         valves.append(
             {
                 "tag": each.tag,
@@ -183,14 +189,16 @@ def _jobs(text: str) -> int:
 
 
 def _minutes(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= _A_WEEK:
-        raise ArgumentTypeError(f"expected whole minutes from 1 to {_A_WEEK}; got {text!r}")
-    return int(text)
+    return _from_one(text, _A_WEEK, "whole minutes")
 
 
 def _port(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 65_535:
-        raise ArgumentTypeError(f"expected a port from 1 to 65535; got {text!r}")
+    return _from_one(text, 65_535, "a port")
+
+
+def _from_one(text: str, most: int, what: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= most:
+        raise ArgumentTypeError(f"expected {what} from 1 to {most}; got {text!r}")
     return int(text)
 
 

@@ -142,7 +142,7 @@ def _log_factors(series: NDArray, commissioned: int, shape: str) -> NDArray:
     onsets = days[commissioned:]
     out = np.full((n, len(onsets)), -np.inf)
     seen = np.isfinite(series)
-    if seen[:commissioned].sum() < FEWEST or not len(onsets):
+    if seen[:commissioned].sum() < FEWEST:
         return out
     # about the sound mean, so that a large zero costs no digits
     y = np.where(seen, series - np.nanmean(series[:commissioned]), 0.0)

@@ -163,11 +163,11 @@ class Store:
 
         A process of a run that was killed may go on for a while, and find the same.
         """
-        kept = {(each.since, each.called) for each in self.findings(finding.valve)}
-        if (finding.since, finding.called) in kept:
+        kept = self.findings(finding.valve)
+        if any((each.since, each.called) == (finding.since, finding.called) for each in kept):
             return
         file = self.folder / "calls" / f"{finding.valve}.json"
-        _write(file, _json([*map(asdict, self.findings(finding.valve)), asdict(finding)]))
+        _write(file, _json([*map(asdict, kept), asdict(finding)]))
 
     def inspections(self, tag: str) -> list[Inspection]:
         """Inspections of a valve, in the order of their days."""
