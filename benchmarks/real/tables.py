@@ -4,6 +4,7 @@
 import json
 from pathlib import Path
 
+from benchmarks.concealed.report import markdown
 from benchmarks.concealed.scoring.rates import Rate
 from benchmarks.real.recordings import OUTSIDE, SIMULATED
 
@@ -92,7 +93,7 @@ def _line(row):
     cells += [row["verdict"], "; ".join(map(_name, row.get("names", ()))) or "-", judgement]
     cells += [_number(errors.get(kind)) for kind in ("nominal", "black_box", "corrected")]
     cells += [errors.get("proof") or "-", ", ".join(row.get("referee", ())) or "-", f"{row['seconds']:.0f}"]
-    return f"| {' | '.join(map(str, cells))} |"
+    return cells
 
 
 def table(rows):
@@ -102,27 +103,28 @@ def table(rows):
     def key(row):
         return place[row["judgement"]], not row.get("sure"), not row.get("referee"), row["recording"]
 
-    return "\n".join([counts(rows), "", *_head(_HEAD), *map(_line, sorted(rows, key=key))])
+    return "\n".join([counts(rows), "", markdown.table(_HEAD, map(_line, sorted(rows, key=key)))])
 
 
 def counts(rows):
     """Counts by kind of recording, and by valve, those of a simulator apart from the real ones."""
     head = ["recordings", "right", "wrong", "of these sure", "abstained", "unjudged", "failed"]
-    lines = _head([*head, "referee's flags", "names in a right class"])
+    head += ["referee's flags", "names in a right class"]
     real = [row for row in rows if row["kind"] != SIMULATED]
     kinds = dict.fromkeys(row["kind"] for row in real)
     groups = [(kind, [row for row in real if row["kind"] == kind]) for kind in kinds]
     groups += [("all real", real), (SIMULATED, [row for row in rows if row["kind"] == SIMULATED])]
-    lines += [_counted(name, part) for name, part in groups if part]
+    lines = [markdown.table(head, [_counted(name, part) for name, part in groups if part])]
     valves = valves_of(real)
     by_recording, by_valve = _share_wrong(row["judgement"] for row in real), _share_wrong(valves.values())
     lines += ["", f"Wrong answers of real recordings, in brackets the 95 % interval: {by_recording};"]
-    lines += [f"counted by valve {by_valve}.", "", *_head(["valves", "right", "wrong", "abstained"])]
+    lines += [f"counted by valve {by_valve}.", ""]
+    said = ("right", "wrong", "abstained")
+    by_kind = []
     for kind in [*(kind for kind in kinds if kind != OUTSIDE), "all real"]:
         words = [word for (of, _), word in valves.items() if kind in (of, "all real")]
-        cells = [kind, *(words.count(word) for word in ("right", "wrong", "abstained"))]
-        lines.append(f"| {' | '.join(map(str, cells))} |")
-    return "\n".join(lines)
+        by_kind.append([kind, *map(words.count, said)])
+    return "\n".join([*lines, markdown.table(["valves", *said], by_kind)])
 
 
 def _share_wrong(words):
@@ -141,19 +143,14 @@ def valves_of(rows):
     return {valve: min(several, key=_OF_A_VALVE.index) for valve, several in words.items()}
 
 
-def _head(cells):
-    return [f"| {' | '.join(cells)} |", "|---" * len(cells) + "|"]
-
-
 def _counted(name, part):
     said = {j: sum(row["judgement"] == j for row in part) for j in _ORDER}
     sure = sum(row["judgement"] == "wrong" and bool(row.get("sure")) for row in part)
     flags = sum(bool(row.get("referee")) for row in part)
     sizes = sorted({max(right_sizes(row)) for row in part if right_sizes(row)})
     named = " to ".join(map(str, dict.fromkeys((sizes[0], sizes[-1])))) if sizes else "-"
-    cells = [said[j] for j in ("right", "wrong")] + [sure]
-    cells += [said[j] for j in ("abstained", "unjudged", "failed")] + [flags, named]
-    return f"| {name} | {' | '.join(map(str, cells))} |"
+    cells = [name, said["right"], said["wrong"], sure]
+    return [*cells, said["abstained"], said["unjudged"], said["failed"], flags, named]
 
 
 def with_block(page, rows):
