@@ -71,7 +71,7 @@ def test_the_test_asked_for_leaves_a_smaller_class(stand, found, plan):
     assert set(found.diagnosis_.effects[0]) == set(PAIR)
     assert plan.pairs[0].expected > 14.0
     assert plan.moved  # at one pressure drop a leak and a zero are the same
-    # levels of the command within the same range are as good as one another; what is moved, and how far, is not
+    # one level of the command is as good as another near it; what is moved, and how far, is not
     moves = plan.sentence.split(":")[0].split("at each move ")[1]
     assert moves.startswith("the outlet pressure")
     assert f"at each move {moves}:" in found.diagnosis_.content["next_test"]
