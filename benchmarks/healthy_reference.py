@@ -33,11 +33,12 @@ from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import candidates, prepared_problem
-from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
+from sklvalve.mismatch.decide.detect import OF_EFFECTS, Evidence, mismatch_p_value
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
     EDGED,
+    LOOKS,
     Covariates,
     relative_to,
 )
@@ -56,11 +57,11 @@ ABOVE, KNOTS = 0.15, 18
 BEFORE = 3600
 # the quantile by which each effect is held against all together, and the least that it is taken for
 OF_EACH, LEAST = 0.95, 0.3
-WEAKEST = 0.1  # strengths below are as good as none
+# strengths below are as good as none: of effects standard deviations, of the rest as it is told
+WEAKEST = {"throughout": 2.0, "within": 2.0, "rest": 0.1}
 CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held_opening", "held_flow")
 # what else the typical strength is a line in
 LINE = (*CIRCUMSTANCES, "noise_without_opening", "noise_without_drop")
-STRENGTHS = ("effects", "rest")
 
 
 def correlated(rng, rows, share):
@@ -136,9 +137,12 @@ def searched(recording, before=None):
         problem = prepared_problem(recording, None, None, history=history)
         effects, _ = candidates(problem, "all", data)
         judged, _ = suppressed(finder._judged(problem, None, effects, data, 0), data, recording)
-    told = {name: getattr(judged.evidence, name) for name in STRENGTHS}
+    told = dict(judged.evidence.looks)
     told |= {name: getattr(judged.evidence.covariates, name) for name in CIRCUMSTANCES}
-    told["strengths"] = {key: round(found, 3) for key, found in judged.evidence.effect_strengths.items()}
+    told["strengths"] = {
+        look: {key: round(found, 3) for key, found in strengths.items()}
+        for look, strengths in judged.evidence.effect_strengths.items()
+    }
     return told | {"verdict": judged.verdict, "p_value": judged.p_value}
 
 
@@ -146,13 +150,14 @@ def table_of(rows, name):
     """The table of one strength, as `sklvalve.mismatch.decide.null_reference.Table` takes it."""
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
-    usual = {}
-    if name == "effects":
-        strengths = [row["strengths"] for row in rows]
+    usual, weakest = {}, WEAKEST[name]
+    if name in OF_EFFECTS:
+        strengths = [row["strengths"][name] for row in rows]
         strongest = np.array([max(each.values(), default=0.0) for each in strengths])
-        usual = usual_of(strengths, typical_of(rows, strongest)[0])
+        usual = usual_of(strengths, typical_of(rows, strongest, weakest)[0])
         found = np.array([relative_to(usual, each) for each in strengths])
-    typical, offset, slopes = typical_of(rows, found)
+        weakest /= np.median(list(usual.values()))
+    typical, offset, slopes = typical_of(rows, found, weakest)
     relative = found / typical
     quantiles = np.quantile(relative, np.linspace(0.0, 1.0 - ABOVE, KNOTS))
     excess = relative[relative > quantiles[-1]] - quantiles[-1]
@@ -189,11 +194,11 @@ def covariates_of(row):
     return Covariates(*(row[c] for c in CIRCUMSTANCES))
 
 
-def typical_of(rows, found):
+def typical_of(rows, found, weakest):
     """Typical strength of each recording in its covariates, and the line that gives its logarithm."""
     known = np.array([[getattr(covariates_of(row), c) for c in LINE] for row in rows])
     columns = np.column_stack([np.ones(len(rows)), known])
-    line, *_ = np.linalg.lstsq(columns, np.log(np.maximum(found, WEAKEST)), rcond=None)
+    line, *_ = np.linalg.lstsq(columns, np.log(np.maximum(found, weakest)), rcond=None)
     return np.exp(columns @ line), line[0], line[1:]
 
 
@@ -256,8 +261,7 @@ def check(rows, law):
     """Lines that say whether the p-values of the law in place are uniform, and what was alarmed."""
 
     def again(row):
-        strongest = law.effects.relative(row["strengths"])
-        return mismatch_p_value(Evidence(strongest, row["rest"], covariates_of(row), law=law))
+        return mismatch_p_value(Evidence.of(row["strengths"], row["rest"], covariates_of(row), law))
 
     p_values = np.array([again(row) for row in rows])
     uniform = kstest(p_values, "uniform").pvalue
@@ -297,7 +301,7 @@ def main(arguments=None):
     if options.what == "check":
         print("\n".join(check(rows, AGAINST_HISTORY if options.history else AGAINST_SHEET)))
     elif options.what == "table":
-        tables = {name: table_of(rows, name) for name in STRENGTHS}
+        tables = {name: table_of(rows, name) for name in LOOKS}
         made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table}"
         made_by += " --history" * options.history
         told = {"made_by": made_by, "recordings": recordings_of(rows, options.history), **tables}

@@ -12,11 +12,15 @@ class Rehearsal:
 
     Parameters
     ----------
-    effects : float
-        The strongest that any effect makes of it, relative to what is typical of healthy valves [1].
+    throughout : float
+        The strongest that any effect makes of it that acts throughout, relative to what is typical of healthy
+        valves [1].
+    within : float
+        The same of one that begins within it.
     rest : float or None
         The same of what is left over; None where that is not known.
     """
 
-    effects: float
+    throughout: float
+    within: float
     rest: float | None = None

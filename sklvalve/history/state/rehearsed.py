@@ -13,7 +13,7 @@ from sklvalve.simulation.state import number
 if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
 
-_KEYS = {"effects", "rest"}
+_KEYS = {"throughout", "within", "rest"}
 
 
 def told(history: ValveHistory) -> dict[str, Any]:
@@ -34,6 +34,7 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
     for each in several:
         if not isinstance(each, dict) or set(each) != _KEYS:
             raise ValueError("a rehearsal of it is none")
-        number(each["effects"], "the strength of a rehearsal", 0.0)
+        number(each["throughout"], "the strength of a rehearsal", 0.0)
+        number(each["within"], "the strength of a rehearsal", 0.0)
         if each["rest"] is not None:
             number(each["rest"], "what a rehearsal left over", 0.0)

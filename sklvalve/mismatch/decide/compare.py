@@ -212,8 +212,8 @@ def _tried(explanation: Explanation, threshold: float) -> list[Row]:
     """Rows of what was tried where nothing was found."""
     by_key = {e.key: e for e in explanation.effects}
     made = [
-        _Competitor(Term(by_key[key]), None, gain, sizes)
-        for key, (gain, sizes) in explanation.tried.items()
+        _Competitor(Term(by_key[key]), None, tried.gain, tried.sizes)
+        for key, tried in explanation.tried.items()
         if key in by_key
     ]
     return _ranked(explanation.problem, made, 1, threshold, None)

@@ -14,7 +14,7 @@ pulses.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
+    LOOKS,
     Covariates,
     NullLaw,
     survival,
@@ -34,11 +35,13 @@ from sklvalve.simulation.calibration import drop_is_unknown
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
-    from sklvalve.mismatch.search.explain import Explanation
+    from sklvalve.mismatch.search.explain import Explanation, Tried
     from sklvalve.mismatch.search.rivals import Finding
 
-# share of the level that the effects get; the rest is for the learnt rest, which seldom sees what they do not
-_FOR_EFFECTS = 0.75
+# looks at the effects
+OF_EFFECTS = ("throughout", "within")
+# shares of the level that each look at a recording gets; the rest seldom sees what the effects do not
+_SHARES = {"throughout": 0.45, "within": 0.3, "rest": 0.25}
 
 
 @dataclass(frozen=True)
@@ -47,26 +50,43 @@ class Evidence:
 
     Parameters
     ----------
-    effects : float
-        The strongest that any effect makes of it, relative to what is usual for that effect among healthy
-        recordings; zero where none was tried.
+    throughout : float
+        The strongest that any effect makes of it that acts throughout, relative to what is usual for that
+        effect among healthy recordings; zero where none was tried.
+    within : float
+        The same of effects that begin within the recording, by what they gain over those that act throughout.
+        A valve is never quite as it was known, so a difference from its beginning on is more usual.
     rest : float or None
         What the learnt rest makes of it, or, beside a history, how many times what that left over is left
         over now; None where neither is known.
     covariates : Covariates
         What chance depends on.
     effect_strengths : dict, default={}
-        Effect key -> standard deviations as `effect_strength` has them, of the effects tried beyond
-        their tolerance and of those found.
+        ``"throughout"`` and ``"within"`` -> effect key -> standard deviations as `effect_strength` has them,
+        of the effects tried beyond their tolerance and of those found.
     law : NullLaw, default=AGAINST_SHEET
         What chance makes of recordings like it.
     """
 
-    effects: float
+    throughout: float
+    within: float
     rest: float | None
     covariates: Covariates
-    effect_strengths: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
+    effect_strengths: dict[str, dict[str, float]] = field(default_factory=dict, compare=False, repr=False)
     law: NullLaw = field(default=AGAINST_SHEET, repr=False)
+
+    @classmethod
+    def of(
+        cls, strengths: dict[str, dict[str, float]], rest: float | None, covariates: Covariates, law: NullLaw
+    ) -> Evidence:
+        """Evidence by the strengths of effects, as `effect_strengths` gives them."""
+        throughout, within = (law.tables[look].relative(strengths[look]) for look in OF_EFFECTS)
+        return cls(throughout, within, rest, covariates, strengths, law)
+
+    @property
+    def looks(self) -> dict[str, float | None]:
+        """What each look at the recording saw."""
+        return {look: getattr(self, look) for look in LOOKS}
 
 
 def law_for(problem: Problem) -> NullLaw:
@@ -74,17 +94,19 @@ def law_for(problem: Problem) -> NullLaw:
     return AGAINST_SHEET if problem.history is None else AGAINST_HISTORY.with_own(problem.history.rehearsals_)
 
 
-def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, float]:
+def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, dict[str, float]]:
     """Strength of each effect beyond tolerance, of those found and those tried at the first step, by key.
 
-    The deviations of an effect are the root of twice the log likelihood that it gains.
+    The deviations of an effect are the root of twice the log likelihood that it gains: over the calibrated
+    simulation where it acts throughout, by beginning where it begins within the recording.
     """
-    seen = [(key, *tried) for key, tried in explanation.tried.items()]
-    seen += [(f.term.effect.key, f.gain, f.sizes) for f in explanation.findings]
-    by_key: dict[str, float] = {}
-    for key, gain, sizes in seen:
-        by_key[key] = max(by_key.get(key, 0.0), _effect_strength(gain, sizes, problem))
-    return by_key
+    by_look: dict[str, dict[str, float]] = {look: {} for look in OF_EFFECTS}
+    seen: list[tuple[str, Tried | Finding]] = [*explanation.tried.items()]
+    seen += [(f.term.effect.key, f) for f in explanation.findings]
+    for key, each in seen:
+        look, strength = _look_and_strength(each, problem)
+        by_look[look][key] = max(by_look[look].get(key, 0.0), strength)
+    return by_look
 
 
 def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -> float:
@@ -102,13 +124,16 @@ def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -
     -------
     p_value : float
     """
-    alone = {finding.term.effect.key: _effect_strength(finding.gain, finding.sizes, problem)}
-    law = law_for(problem)
-    return mismatch_p_value(Evidence(law.effects.relative(alone), None, covariates, law=law))
+    look, strength = _look_and_strength(finding, problem)
+    alone = {each: {finding.term.effect.key: strength} if each == look else {} for each in OF_EFFECTS}
+    return mismatch_p_value(Evidence.of(alone, None, covariates, law_for(problem)))
 
 
-def _effect_strength(gain: float, sizes: dict[str, float], problem: Problem) -> float:
-    return effect_strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(sizes, problem))
+def _look_and_strength(each: Tried | Finding, problem: Problem) -> tuple[str, float]:
+    begins = each.by_beginning is not None
+    gain = each.gain if each.by_beginning is None else each.by_beginning
+    deviations = np.sqrt(2.0 * max(gain, 0.0))
+    return "within" if begins else "throughout", effect_strength(deviations, in_counts(each.sizes, problem))
 
 
 def in_counts(sizes: dict[str, float], problem: Problem) -> float:
@@ -166,9 +191,9 @@ def _left_out(problem: Problem, finding: dict[str, Any]) -> float:
 def mismatch_p_value(evidence: Evidence) -> float:
     """Share of healthy recordings that look as far from their simulation as this one, or further.
 
-    The strength of the effects and that of the learnt rest are each held against their own among healthy
-    recordings in the same covariates. Of two looks at one recording either may raise the alarm: three
-    quarters of the level go to the effects, a quarter to the rest (Sidak, with weights).
+    The strongest effect that acts throughout, the strongest that begins within the recording, and the learnt
+    rest are each held against their own among healthy recordings in the same covariates. Any of these looks
+    at one recording may raise the alarm: each has a share of the level (Sidak, with weights 0.45, 0.3, 0.25).
 
     Parameters
     ----------
@@ -177,25 +202,26 @@ def mismatch_p_value(evidence: Evidence) -> float:
     Returns
     -------
     p_value : float
-        Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger either
-        part, the smaller. Never below 1e-12.
+        Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger any look,
+        the smaller. Never below 1e-12.
     """
-    law = evidence.law
-    if evidence.rest is None:
-        looks = [(law.effects, evidence.effects, 1.0)]
-    else:
-        looks = [(law.effects, evidence.effects, _FOR_EFFECTS), (law.rest, evidence.rest, 1.0 - _FOR_EFFECTS)]
-    # 1 - (1 - p)^(1 / weight), exact for a small p as well
+    seen = {look: found for look, found in evidence.looks.items() if found is not None}
+    of_all = sum(_SHARES[look] for look in seen)
+    # 1 - (1 - p)^(1 / share), exact for a small p as well
     p_values = [
-        -np.expm1(np.log1p(-min(survival(table, strongest, evidence.covariates), 1.0 - 1e-16)) / weight)
-        for table, strongest, weight in looks
+        -np.expm1(np.log1p(-min(_survival(evidence, look), 1.0 - 1e-16)) * of_all / _SHARES[look])
+        for look in seen
     ]
     return float(np.clip(min(p_values), LEAST_P_VALUE, 1.0))
 
 
+def _survival(evidence: Evidence, look: str) -> float:
+    return survival(evidence.law.tables[look], evidence.looks[look] or 0.0, evidence.covariates)
+
+
 def p_value_of_effects(evidence: Evidence) -> float:
     """Share of healthy recordings whose strongest effect is as strong as that of this one, or stronger."""
-    return survival(evidence.law.effects, evidence.effects, evidence.covariates)
+    return mismatch_p_value(replace(evidence, rest=None))
 
 
 def p_value_of_rest(evidence: Evidence) -> float:
@@ -213,9 +239,7 @@ def p_value_of_rest(evidence: Evidence) -> float:
     return 1.0 if evidence.rest is None else survival(evidence.law.rest, evidence.rest, evidence.covariates)
 
 
-def p_value_of_what_counts(
-    findings: Sequence[Finding], tried: dict[str, tuple[float, dict[str, float]]], problem: Problem
-) -> float:
+def p_value_of_what_counts(findings: Sequence[Finding], tried: dict[str, Tried], problem: Problem) -> float:
     """Probability that chance lifts an effect that does not count as far above what counts.
 
     The hypothesis is that no effect is larger than what counts in practice: the likelihood ratio of each
@@ -226,7 +250,7 @@ def p_value_of_what_counts(
     ----------
     findings : list of Finding
     tried : dict
-        Effect key -> (gain of its best single fit, sizes), where nothing was found.
+        Effect key -> its best single fit, where nothing was found.
     problem : Problem
 
     Returns
@@ -237,7 +261,7 @@ def p_value_of_what_counts(
     least = problem.least
     seen = [(f.gain, f.sizes, len(f.term.effect.parameters)) for f in findings]
     if not seen:
-        seen = [(gain, sizes, 2) for gain, sizes in tried.values()]
+        seen = [(each.gain, each.sizes, 2) for each in tried.values()]
     p_values = [1.0]
     for gain, sizes, parameters in seen:
         beyond = max(max(1.0 - least(c) / size, 0.0) if size > 0.0 else 0.0 for c, size in sizes.items())

@@ -301,8 +301,7 @@ def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
     """What is left beside findings, and the evidence for a mismatch with its p-values."""
     rest = case.residual_of(model)
     strengths = effect_strengths(case.explanation, case.problem)
-    law = law_for(case.problem)
-    evidence = Evidence(law.effects.relative(strengths), rest.strong, case.covariates, strengths, law)
+    evidence = Evidence.of(strengths, rest.strong, case.covariates, law_for(case.problem))
     p_value = mismatch_p_value(evidence)
     rare = _is_rare(case, evidence)
     # what chance leaves over as often takes no name away
@@ -413,7 +412,7 @@ def _pulses(case: Case, judged: Judgement) -> Judgement:
 def _suspects(explanation: Explanation) -> tuple[str, ...]:
     """Blocks of what was found, and of what comes near the best of what was tried; no name, but a place."""
     blocks = {f.term.effect.block for f in explanation.findings}
-    gains = {key: gain for key, (gain, _) in explanation.tried.items()}
+    gains = {key: tried.gain for key, tried in explanation.tried.items()}
     enough = _COMES_NEAR * max(gains.values(), default=0.0)
     blocks |= {e.block for e in explanation.effects if gains.get(e.key, -1.0) >= enough}
     return tuple(sorted(blocks))

@@ -10,6 +10,8 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import numpy as np
+from scipy.special import boxcox
+from scipy.stats import norm
 from scipy.stats import t as student
 
 if TYPE_CHECKING:
@@ -68,7 +70,11 @@ class Covariates:
 # so many rehearsals of one valve count as much as all valves of the reference, as long as no rehearsal is
 # rarer there than this: beyond that the reference counts for less, for this valve is none of its kind
 _REFERENCE_COUNTS, _LIKE = 10.0, 0.05
+# a tail is measured from its threshold to what a normal law exceeds at so many standard deviations
+_DEVIATIONS = 2.0
 _TINY = 1e-300
+#: What is looked at, each with a table of its own.
+LOOKS = ("throughout", "within", "rest")
 #: Covariates that are held within their range in the reference, besides the noise.
 EDGED = ("travel", "held_opening", "held_flow")
 
@@ -109,7 +115,7 @@ class Table:
     counts : float, default=10
         How many rehearsals of the valve count as much as the reference.
     own_scatter : float, default=0
-        How far the logarithms of the valve's rehearsals, of effects and rest, rise above the typical, rms.
+        How far the logarithms of the valve's rehearsals, of all looks, rise above the typical, rms.
     usual : dict, default={}
         Effect key -> how strong it gets by chance, relative to all effects together. Of two effects that look
         as strong the one that seldom does among healthy recordings is the rarer evidence. What the table
@@ -135,12 +141,14 @@ class Table:
 
     @property
     def scatter(self) -> float:
-        """Scatter of the logarithm of the relative strength, from its median to the threshold.
+        """Scatter of the logarithm of the relative strength, by how far its tail reaches.
 
         Of a valve with rehearsals it is pooled with theirs, the reference counting as so many of them.
         """
-        median = np.interp(0.5, np.linspace(self.above, 1.0, len(self.quantiles)), self.quantiles[::-1])
-        of_all, many = float(np.log(self.quantiles[-1] / median)), len(self.own)
+        threshold, rare = self.quantiles[-1], norm.sf(_DEVIATIONS)
+        reached = threshold + self.scale * boxcox(self.above / rare, self.shape)
+        of_all = float(np.log(reached / threshold) / (_DEVIATIONS - norm.isf(self.above)))
+        many = len(self.own)
         squares = _REFERENCE_COUNTS * of_all**2 + many * self.own_scatter**2
         return float(np.sqrt(squares / (_REFERENCE_COUNTS + many)))
 
@@ -164,12 +172,19 @@ class NullLaw:
 
     Parameters
     ----------
-    effects, rest : Table
-        Of the strongest effect, and of what is left over, as `Evidence` has it.
+    throughout, within, rest : Table
+        Of the strongest effect that acts throughout, of the strongest that begins within the recording, and
+        of what is left over, as `Evidence` has them.
     """
 
-    effects: Table
+    throughout: Table
+    within: Table
     rest: Table
+
+    @property
+    def tables(self) -> dict[str, Table]:
+        """Table of each look at a recording."""
+        return {look: getattr(self, look) for look in LOOKS}
 
     def with_own(self, rehearsals: Iterable[Rehearsal]) -> NullLaw:
         """The same law, with what one valve made of parts of its own history.
@@ -178,25 +193,23 @@ class NullLaw:
         ----------
         rehearsals : iterable of Rehearsal
         """
-        several = list(rehearsals)
-        own = {
-            "effects": tuple(each.effects for each in several),
-            "rest": tuple(each.rest for each in several if each.rest is not None),
-        }
-        tables = {"effects": self.effects, "rest": self.rest}
-        # a valve that is unlike the others in one look is so in both; of many looks the rarest is rare anyway
-        shares = [_in_reference(tables[k], v) for k, values in own.items() for v in values]
+        several, tables = list(rehearsals), self.tables
+        seen = {look: [getattr(each, look) for each in several] for look in LOOKS}
+        own = {look: tuple(v for v in values if v is not None) for look, values in seen.items()}
+        # a valve that is unlike the others in one look is so in all; of many looks the rarest is rare anyway
+        shares = [_in_reference(tables[look], v) for look, values in own.items() for v in values]
         rarest = 1.0 - (1.0 - min(shares)) ** len(shares) if shares else 1.0
         counts = float(_REFERENCE_COUNTS * min(1.0, rarest / _LIKE))
         rises = [np.log(max(v, 1.0)) for values in own.values() for v in values]
         rise = float(np.sqrt(np.mean(np.square(rises)))) if rises else 0.0
-        return NullLaw(*(replace(t, own=own[k], counts=counts, own_scatter=rise) for k, t in tables.items()))
+        made = {k: replace(t, own=own[k], counts=counts, own_scatter=rise) for k, t in tables.items()}
+        return NullLaw(**made)
 
 
 def _law_of(name: str) -> NullLaw:
     """Law of a file beside this one, which says by which command it was made."""
     stored = json.loads(files(__package__).joinpath(name).read_text(encoding="utf-8"))
-    return NullLaw(Table(**stored["effects"]), Table(**stored["rest"]))
+    return NullLaw(**{look: Table(**stored[look]) for look in LOOKS})
 
 
 #: Of recordings held against a data sheet, and against a history of the same valve.
@@ -221,7 +234,7 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     ----------
     table : Table
     strength : float
-        Of the effects or of the rest, as the table is.
+        Of the look that the table is of.
     covariates : Covariates
 
     Returns

@@ -64,6 +64,6 @@ def rehearsal_of(evidence: Evidence) -> Rehearsal:
     evidence : Evidence
         Of a recording that was held against a history.
     """
-    law, covariates = evidence.law, evidence.covariates
-    rest = None if evidence.rest is None else evidence.rest / law.rest.typical(covariates)
-    return Rehearsal(evidence.effects / law.effects.typical(covariates), rest)
+    tables, covariates = evidence.law.tables, evidence.covariates
+    seen = {look: found for look, found in evidence.looks.items() if found is not None}
+    return Rehearsal(**{look: found / tables[look].typical(covariates) for look, found in seen.items()})

@@ -26,12 +26,31 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.search.rivals import Finding
 
     Report = Callable[[float], object]
-    Tried = dict[str, tuple[float, dict[str, float]]]
 
 # of the effects fitted so many are settled under their own noise
 _TRIED = 3
 # a rival so many times as probable takes the place of an effect
 _CLEARLY = 30.0
+
+
+@dataclass(frozen=True)
+class Tried:
+    """What an effect would gain as the first one.
+
+    Parameters
+    ----------
+    gain : float
+        Log likelihood that it adds to the calibrated simulation.
+    sizes : dict
+        Channel -> change that it makes, share of span [1].
+    by_beginning : float or None, default=None
+        Of one that begins within the recording: log likelihood that it gains over the likeliest effect that
+        acts throughout. None of one that acts throughout.
+    """
+
+    gain: float
+    sizes: dict[str, float]
+    by_beginning: float | None = None
 
 
 @dataclass(eq=False)
@@ -48,7 +67,7 @@ class Explanation:
         With the effects taken up.
     findings : list of Finding
     tried : dict
-        Effect key -> (gain of its best single fit, sizes), at the first step.
+        Effect key -> its best single fit as `Tried`, at the first step.
     effects : tuple of Effect
         The candidates.
     """
@@ -57,7 +76,7 @@ class Explanation:
     nominal: Model
     model: Model
     findings: list[Finding]
-    tried: Tried = field(default_factory=dict)
+    tried: dict[str, Tried] = field(default_factory=dict)
     effects: tuple[Effect, ...] = ()
 
 
@@ -108,6 +127,7 @@ def explain(
         stood = problem.fit(stood.terms, start=stood)
         problem, model = search.taken_up(problem, stood)
     nominal = problem.fit((), start=search.nominal or nominal)
+    findings = [replace(f, by_beginning=search.by_beginning(f.gain, f.term, model.terms)) for f in findings]
     return Explanation(problem, nominal, model, findings, search.tried, tuple(effects))
 
 
@@ -129,7 +149,9 @@ class _Search:
     Attributes
     ----------
     tried : dict
-        Effect key -> what the effect would gain as the first one, and sizes.
+        Effect key -> what the effect would gain as the first one.
+    throughout : float
+        Log likelihood that the likeliest effect adds which acts throughout, as the first one.
     seen : dict
         Effect key -> the best fit met of the effect.
     nominal : Model or None
@@ -139,9 +161,20 @@ class _Search:
     def __init__(self, effects: Sequence[Effect], threshold: float, most: int, report: Report | None) -> None:
         self.effects, self.threshold = effects, threshold
         self.most, self.report = most, report
-        self.tried: Tried = {}
+        self.tried: dict[str, Tried] = {}
+        self.throughout = 0.0
         self.seen: dict[str, Model] = {}
         self.nominal: Model | None = None
+
+    def by_beginning(self, gain: float, term: Term, terms: Sequence[Term]) -> float | None:
+        """What a term of a hypothesis gains by beginning within the recording; None where it does not.
+
+        A valve that is not as it was known differs throughout: that it began then is what is gained beyond.
+        Where the hypothesis holds more terms, these have taken up what differs throughout.
+        """
+        if term.onset is None:
+            return None
+        return max(gain - self.throughout, 0.0) if len(terms) == 1 else gain
 
     def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
@@ -160,25 +193,21 @@ class _Search:
     ) -> tuple[Problem, Model, Model | None]:
         """A hypothesis so far, and with one effect more that matters; else None."""
         done = len(model.terms) / (self.most + 1)
-        candidates = _step(problem, model, self.effects, self.report, done)
+        candidates, throughout = _step(problem, model, self.effects, self.report, done)
         if first:
             found = self._calibrated_anew(problem, model, candidates)
             if found is not model:
                 problem = problem.with_noise_of(found, cautious=True)
                 model = problem.fit((), start=found)
-                candidates = _step(problem, model, self.effects, self.report, done)
-            self.nominal = model
+                candidates, throughout = _step(problem, model, self.effects, self.report, done)
+            self.nominal, self.throughout = model, throughout
         for m in candidates[:FITTED]:
             self.seen.setdefault(m.terms[-1].effect.key, m)
         if first:
             # what a data sheet leaves open is no mismatch, however clear it is
             beyond = [m for m in candidates if beyond_tolerance(problem, m, m.terms[-1])]
             for m in beyond:
-                gain = m.log_likelihood - model.log_likelihood
-                self.tried[m.terms[-1].effect.key] = (
-                    gain,
-                    problem.change(m, problem.baseline(m, model.terms, model)),
-                )
+                self._note(problem, m, model)
         promising = [m for m in candidates if is_relevant(problem, m, model, self.threshold)]
         problem, settled = self._first_that_counts(problem, model, promising)
         if settled is None and much_is_left(problem, model):
@@ -186,6 +215,13 @@ class _Search:
             self.seen |= {m.terms[-1].effect.key: m for m in elsewhere}
             problem, settled = self._first_that_counts(problem, model, elsewhere)
         return problem, model, settled
+
+    def _note(self, problem: Problem, model: Model, without: Model) -> None:
+        """Keep what the only effect of a hypothesis gains."""
+        gain, term = model.log_likelihood - without.log_likelihood, model.terms[-1]
+        sizes = problem.change(model, problem.baseline(model, without.terms, without))
+        by_beginning = self.by_beginning(gain, term, model.terms)
+        self.tried[term.effect.key] = Tried(gain, sizes, by_beginning)
 
     def _calibrated_anew(self, problem: Problem, nominal: Model, candidates: Sequence[Model]) -> Model:
         """The simulation without effects from where the best of these have led its calibration, if better.
@@ -208,11 +244,7 @@ class _Search:
                 return by_its_noise, settled
             # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
             if not model.terms and may_explain(by_its_noise, settled, without):
-                gain = settled.log_likelihood - without.log_likelihood
-                self.tried[chosen.terms[-1].effect.key] = (
-                    gain,
-                    problem.change(settled, problem.baseline(settled, without.terms, without)),
-                )
+                self._note(problem, settled, without)
             problem = problem.with_noise_of(model, cautious=True)
         return problem, None
 
@@ -257,8 +289,11 @@ def _simpler(
 
 def _step(
     problem: Problem, model: Model, effects: Sequence[Effect], report: Report | None, done: float
-) -> list[Model]:
-    """Hypotheses with one effect more, best first: all screened, the most promising fitted."""
+) -> tuple[list[Model], float]:
+    """Hypotheses with one effect more, best first: all screened, the most promising fitted.
+
+    And what the likeliest of those gains whose effect acts throughout.
+    """
     usable = [e for e in effects if not is_in(e, model.terms)]
     bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
     also: list[tuple[Model, list[Effect]]] = []
@@ -266,14 +301,18 @@ def _step(
         # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
         also = [(problem.sound(model), bent)]
     shown = report and (lambda share: report(done + 0.1 * share))
-    rough = _best_of_each(problem, screened(problem, model, usable, also=also, report=shown))
+    every = screened(problem, model, usable, also=also, report=shown)
+    rough = _best_of_each(problem, every)
     onset = rough[0].terms[-1].onset if rough else None
     refined: list[Model] = []
     for m in parallel_map(lambda m: _refine(problem, model, m, onset), rough[:FITTED]):
         refined.append(m)
         if report:
             report(done + 0.1 + 0.1 * len(refined) / FITTED)
-    return sorted(refined + rough[FITTED:], key=lambda m: penalised_likelihood(problem, m), reverse=True)
+    acting = [m.log_likelihood for m in (*every, *refined) if m.terms[-1].onset is None]
+    throughout = max(acting, default=model.log_likelihood) - model.log_likelihood
+    tried = refined + rough[FITTED:]
+    return sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True), max(throughout, 0.0)
 
 
 def _best_of_each(problem: Problem, tried: Iterable[Model]) -> list[Model]:

@@ -59,12 +59,16 @@ class Finding:
         Log likelihood that the explanation adds to the rest of the hypothesis.
     sizes : dict
         Channel -> change that it makes, share of span [1].
+    by_beginning : float or None, default=None
+        Of one that begins within the recording: log likelihood that it gains over the likeliest effect that
+        acts throughout. None of one that acts throughout, and where it was not asked.
     """
 
     term: Term
     rivals: list[Rival]
     gain: float
     sizes: dict[str, float]
+    by_beginning: float | None = None
 
 
 def find_rivals(
