@@ -34,11 +34,13 @@ print(to_text(finder.diagnosis_.to_dict()))
 #
 # Every effect of the catalogue is tried at several sizes, so the strongest of them always gains something.
 # Its strength is its gain over what is usual for that effect. A large number alone is therefore no alarm.
-# What counts is the strength of healthy recordings with as much noise and travel:
+# What counts is the strength of healthy recordings with as much noise and travel. Effects that act
+# throughout and effects that begin within the recording are held against their own:
 
 evidence = finder.evidence_
-typical = evidence.law.effects.typical(evidence.covariates)
-print(f"strongest effect tried: {evidence.effects:.2f}; typical of healthy recordings like it: {typical:.2f}")
+for look in ("throughout", "within"):
+    typical = evidence.law.tables[look].typical(evidence.covariates)
+    print(f"strongest effect, {look}: {evidence.looks[look]:.2f}; typical of healthy ones: {typical:.2f}")
 
 # %%
 # Calibration alone

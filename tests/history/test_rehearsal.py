@@ -9,7 +9,7 @@ from sklvalve.history import ValveHistory
 from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.history.state import require_sound_history
 
-MANY = [Rehearsal(1.5, 0.7), Rehearsal(13.0)]
+MANY = [Rehearsal(1.5, 0.2, 0.7), Rehearsal(13.0, 0.0)]
 
 
 @pytest.fixture
@@ -31,18 +31,20 @@ def test_they_come_back(rehearsed):
 
 def test_both_histories_keep_theirs(rehearsed, learnt_after):
     other = copy.deepcopy(learnt_after)
-    other.rehearsals_ = [Rehearsal(2.0, 1.0)]
-    assert rehearsed.merge(other).rehearsals_ == [*MANY, Rehearsal(2.0, 1.0)]
+    other.rehearsals_ = [Rehearsal(2.0, 0.5, 1.0)]
+    assert rehearsed.merge(other).rehearsals_ == [*MANY, Rehearsal(2.0, 0.5, 1.0)]
 
 
 @pytest.mark.parametrize(
     "each",
     [
         None,
-        [{"effects": 1.0}],
-        [{"effects": -1.0, "rest": None}],
-        [{"effects": float("nan"), "rest": None}],
-        [{"effects": 1.0, "rest": "much"}],
+        [{"throughout": 1.0, "within": 1.0}],
+        [{"effects": 1.0, "rest": None}],
+        [{"throughout": -1.0, "within": 1.0, "rest": None}],
+        [{"throughout": 1.0, "within": -1.0, "rest": None}],
+        [{"throughout": float("nan"), "within": 1.0, "rest": None}],
+        [{"throughout": 1.0, "within": 1.0, "rest": "much"}],
         ["far"],
     ],
 )

@@ -15,6 +15,7 @@ from sklvalve.mismatch.constants import IN_CLASS
 from sklvalve.mismatch.decide import compare, rules
 from sklvalve.mismatch.decide.compare import Comparison, HeldOut, Row, compared
 from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.search.explain import Tried
 from sklvalve.mismatch.search.rivals import Finding, Rival
 from sklvalve.recording import Recording, Valve
 
@@ -122,7 +123,7 @@ def _bench(**more):
 
 
 def test_where_nothing_was_found_nothing_may_be_the_likeliest():
-    tried = {"clogging": (2.0, {"flow": 0.02}), "erosion": (60.0, {"flow": 0.01})}
+    tried = {"clogging": Tried(2.0, {"flow": 0.02}), "erosion": Tried(60.0, {"flow": 0.01})}
     effects = (BY_KEY["clogging"], BY_KEY["erosion"])
     explanation = SimpleNamespace(problem=_bench(), findings=[], tried=tried, effects=effects)
     rows = compared(explanation, 15.0).rows
@@ -131,7 +132,7 @@ def test_where_nothing_was_found_nothing_may_be_the_likeliest():
     assert sum(row.posterior for row in rows) == pytest.approx(1.0)
     assert rows[0].size_over_relevance == pytest.approx(2.0)
     # what gains less than an effect must add is less likely than nothing
-    tried = {"erosion": (20.0, {"flow": 0.01})}
+    tried = {"erosion": Tried(20.0, {"flow": 0.01})}
     weak = SimpleNamespace(problem=_bench(), findings=[], tried=tried, effects=effects)
     assert compared(weak, 15.0).rows[0].hypothesis == "nothing"
     nothing = SimpleNamespace(problem=_bench(), findings=[], tried={}, effects=())

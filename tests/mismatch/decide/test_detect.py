@@ -16,6 +16,7 @@ from sklvalve.mismatch.decide.detect import (
     effect_strengths,
     in_counts,
     mismatch_p_value,
+    p_value_of_effects,
 )
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
@@ -24,10 +25,13 @@ from sklvalve.mismatch.decide.null_reference import (
     relative_to,
     survival,
 )
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.search.explain import Tried
 from sklvalve.mismatch.search.relevance import effect_strength
+from sklvalve.mismatch.search.rivals import Finding
 
-EFFECTS, RESIDUAL = AGAINST_SHEET.effects, AGAINST_SHEET.rest
-TABLES = [EFFECTS, RESIDUAL, AGAINST_HISTORY.effects, AGAINST_HISTORY.rest]
+EFFECTS, BEGUN, RESIDUAL = AGAINST_SHEET.throughout, AGAINST_SHEET.within, AGAINST_SHEET.rest
+TABLES = [table for law in (AGAINST_SHEET, AGAINST_HISTORY) for table in law.tables.values()]
 USUAL = Covariates(noise=-0.5, travel=0.6, no_opening=0.0, no_drop=0.0)
 CIRCUMSTANCES = st.builds(
     Covariates,
@@ -40,6 +44,7 @@ CIRCUMSTANCES = st.builds(
     held_flow=st.sampled_from((0.0, 1.0)),
 )
 STRENGTHS = st.floats(0.0, 200.0)
+BY_KEY = {effect.key: effect for effect in CATALOGUE}
 BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[channel])
 
 
@@ -61,17 +66,27 @@ def test_strength_grows_with_what_is_borne_out_and_with_the_size(z, size, more, 
 def test_strongest_fit_of_each_effect_and_largest_channel_are_taken():
     assert in_counts({"flow": 0.01, "opening": 0.01}, BENCH) == pytest.approx(2.0)
     assert in_counts({}, BENCH) == 0.0
-    weak, strong = (8.0, {"flow": 0.005}), (50.0, {"flow": 0.02})
-    tried = {"clogging": weak, "erosion": strong, "dead_time": (-9.0, {"opening": 0.5})}
+    weak, strong = Tried(8.0, {"flow": 0.005}), Tried(50.0, {"flow": 0.02})
+    tried = {"clogging": weak, "erosion": strong, "dead_time": Tried(-9.0, {"opening": 0.5})}
     searched = SimpleNamespace(tried=tried, findings=[])
     alone = {"clogging": effect_strength(4.0, 1.0), "erosion": effect_strength(10.0, 4.0), "dead_time": 0.0}
-    assert effect_strengths(searched, BENCH) == pytest.approx(alone)
-    eroded = SimpleNamespace(effect=SimpleNamespace(key="erosion"))
-    searched.findings = [SimpleNamespace(gain=5000.0, sizes={"flow": 0.02}, term=eroded)]
-    assert effect_strengths(searched, BENCH) == pytest.approx(
-        alone | {"erosion": effect_strength(100.0, 4.0)}
-    )
-    assert effect_strengths(SimpleNamespace(tried={}, findings=[]), BENCH) == {}
+    assert effect_strengths(searched, BENCH) == {"throughout": pytest.approx(alone), "within": {}}
+    eroded = Term(BY_KEY["erosion"])
+    searched.findings = [Finding(eroded, [], 5000.0, {"flow": 0.02})]
+    found = alone | {"erosion": effect_strength(100.0, 4.0)}
+    assert effect_strengths(searched, BENCH)["throughout"] == pytest.approx(found)
+    assert effect_strengths(SimpleNamespace(tried={}, findings=[]), BENCH) == {"throughout": {}, "within": {}}
+
+
+def test_what_begins_counts_by_what_it_gains_by_beginning():
+    tried = {
+        "clogging": Tried(5000.0, {"flow": 0.02}, by_beginning=50.0),
+        "erosion": Tried(50.0, {"flow": 0.02}),
+    }
+    begun = Finding(Term(BY_KEY["clogging"], 900.0), [], 9000.0, {"flow": 0.02}, by_beginning=72.0)
+    seen = effect_strengths(SimpleNamespace(tried=tried, findings=[begun]), BENCH)
+    assert seen["within"] == {"clogging": pytest.approx(effect_strength(12.0, 4.0))}
+    assert seen["throughout"] == {"erosion": pytest.approx(effect_strength(10.0, 4.0))}
 
 
 def test_what_is_seldom_strong_by_chance_counts_for_more():
@@ -85,9 +100,9 @@ def test_what_is_seldom_strong_by_chance_counts_for_more():
 
 def test_the_reference_knows_the_effects_of_the_catalogue():
     for law in (AGAINST_SHEET, AGAINST_HISTORY):
-        assert set(law.effects.usual) == {effect.key for effect in CATALOGUE}
-        assert all(0.0 < usual <= 1.0 for usual in law.effects.usual.values())
-        assert max(law.effects.usual.values()) > 2.0 * min(law.effects.usual.values())
+        for table in (law.throughout, law.within):
+            assert set(table.usual) == {effect.key for effect in CATALOGUE}
+            assert all(0.0 < usual <= 1.0 for usual in table.usual.values())
         assert law.rest.usual == {}
 
 
@@ -121,24 +136,29 @@ def test_beyond_the_circumstances_of_the_reference_their_edge_is_taken():
 
 
 @settings(max_examples=50, deadline=None)
-@given(STRENGTHS, STRENGTHS, st.floats(0.0, 50.0), st.floats(0.0, 50.0), CIRCUMSTANCES)
-def test_stronger_evidence_never_raises_the_p_value(effects, rest, more, still_more, where):
-    weak, strong = Evidence(effects, rest, where), Evidence(effects + more, rest + still_more, where)
+@given(st.tuples(STRENGTHS, STRENGTHS, STRENGTHS), st.tuples(*[st.floats(0.0, 50.0)] * 3), CIRCUMSTANCES)
+def test_stronger_evidence_never_raises_the_p_value(found, more, where):
+    weak, strong = Evidence(*found, where), Evidence(*np.add(found, more).tolist(), where)
     assert 1e-12 <= mismatch_p_value(strong) <= mismatch_p_value(weak) <= 1.0
 
 
-def test_two_looks_share_the_level():
-    alone = survival(EFFECTS, 6.0, USUAL)
-    assert mismatch_p_value(Evidence(6.0, None, USUAL)) == pytest.approx(alone)
-    assert mismatch_p_value(Evidence(6.0, 0.0, USUAL)) == pytest.approx(1.0 - (1.0 - alone) ** (4.0 / 3.0))
-    rest = survival(RESIDUAL, 6.0, USUAL)
-    assert mismatch_p_value(Evidence(0.0, 6.0, USUAL)) == pytest.approx(1.0 - (1.0 - rest) ** 4.0)
+@pytest.mark.parametrize(("look", "share"), [("throughout", 0.45), ("within", 0.3), ("rest", 0.25)])
+def test_looks_share_the_level(look, share):
+    quiet = {"throughout": 0.0, "within": 0.0, "rest": 0.0}
+    alone = survival(AGAINST_SHEET.tables[look], 6.0, USUAL)
+    seen = Evidence(**quiet | {look: 6.0}, covariates=USUAL)
+    assert mismatch_p_value(seen) == pytest.approx(1.0 - (1.0 - alone) ** (1.0 / share))
+    if look != "rest":
+        # where nothing is known of what is left over the others have its share
+        unknown = replace(seen, rest=None)
+        assert mismatch_p_value(unknown) == pytest.approx(1.0 - (1.0 - alone) ** (0.75 / share))
+        assert p_value_of_effects(seen) == mismatch_p_value(unknown)
 
 
 def test_p_values_of_drawn_strengths_are_uniform():
     rng, chances = np.random.default_rng(0), []
     grid = np.geomspace(1e-3, 100.0, 4000)
-    laws = [np.array([survival(table, v, USUAL) for v in grid]) for table in (EFFECTS, RESIDUAL)]
+    laws = [np.array([survival(table, v, USUAL) for v in grid]) for table in (EFFECTS, BEGUN, RESIDUAL)]
     for _ in range(400):
         drawn = [np.interp(rng.random(), law[::-1], grid[::-1]) for law in laws]
         chances.append(mismatch_p_value(Evidence(*map(float, drawn), USUAL)))
@@ -231,4 +251,4 @@ def test_healthy_recording_is_one_among_many_and_a_leak_is_not(found_healthy, fo
     leaking = found_leaking.diagnosis_.to_dict()["mismatch"]["p_value"]
     assert 0.02 < healthy <= 1.0
     assert leaking < 1e-4
-    assert found_leaking.evidence_.effects > 2.0 * found_healthy.evidence_.effects
+    assert found_leaking.evidence_.throughout > 2.0 * found_healthy.evidence_.throughout

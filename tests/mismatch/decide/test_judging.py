@@ -9,6 +9,7 @@ import pytest
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import judging
+from sklvalve.mismatch.search.explain import Tried
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
 from tests.mismatch.conftest import record
@@ -19,7 +20,7 @@ BY_KEY = {effect.key: effect for effect in CATALOGUE}
 def _explanation(tried, *found):
     findings = [SimpleNamespace(term=SimpleNamespace(effect=BY_KEY[key])) for key in found]
     return SimpleNamespace(
-        tried={key: (gain, {}) for key, gain in tried.items()}, findings=findings, effects=CATALOGUE
+        tried={key: Tried(gain, {}) for key, gain in tried.items()}, findings=findings, effects=CATALOGUE
     )
 
 

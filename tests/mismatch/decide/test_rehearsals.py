@@ -9,17 +9,17 @@ import pytest
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import make_valve_recording
 from sklvalve.history.rehearsal import Rehearsal
-from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
+from sklvalve.mismatch.decide.detect import OF_EFFECTS, Evidence, mismatch_p_value
 from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY, Covariates, survival
 from sklvalve.mismatch.decide.rehearsing import rehearsal_of
 
 SOMEWHERE = Covariates(noise=0.0, travel=0.5, no_opening=0.0, no_drop=0.0)
-TABLE = AGAINST_HISTORY.effects
+TABLE = AGAINST_HISTORY.throughout
 
 
 def chance(times, *own, rests=()):
-    made = [Rehearsal(effects, rest) for effects, rest in zip(own, rests or [None] * len(own), strict=True)]
-    table = AGAINST_HISTORY.with_own(made).effects
+    made = [Rehearsal(times, 1.0, rest) for times, rest in zip(own, rests or [None] * len(own), strict=True)]
+    table = AGAINST_HISTORY.with_own(made).throughout
     return survival(table, times * table.typical(SOMEWHERE), SOMEWHERE)
 
 
@@ -47,7 +47,7 @@ def test_a_valve_that_is_unlike_the_reference_is_not_held_against_it():
 
 def test_a_wild_rehearsal_makes_nothing_rarer():
     # what is left over was quiet once, and effects were wild: a usual rest stays as usual as it was
-    law = AGAINST_HISTORY.with_own([Rehearsal(28.0, 0.1)])
+    law = AGAINST_HISTORY.with_own([Rehearsal(28.0, 1.0, 0.1)])
     for times in (1.0, 2.0):
         strength = times * law.rest.typical(SOMEWHERE)
         alone = survival(AGAINST_HISTORY.rest, strength, SOMEWHERE)
@@ -55,13 +55,14 @@ def test_a_wild_rehearsal_makes_nothing_rarer():
 
 
 def test_the_rarest_of_many_ordinary_rehearsals_is_no_sign_of_another_kind():
-    twenty = [Rehearsal(times) for times in np.linspace(0.4, 3.0, 20)]
-    assert AGAINST_HISTORY.with_own(twenty).effects.counts == 10.0
+    twenty = [Rehearsal(times, 1.0) for times in np.linspace(0.4, 3.0, 20)]
+    assert AGAINST_HISTORY.with_own(twenty).throughout.counts == 10.0
 
 
 def test_the_reference_loses_its_weight_without_a_step():
     counts = [
-        AGAINST_HISTORY.with_own([Rehearsal(times)]).effects.counts for times in np.linspace(1.0, 30.0, 400)
+        AGAINST_HISTORY.with_own([Rehearsal(times, 1.0)]).throughout.counts
+        for times in np.linspace(1.0, 30.0, 400)
     ]
     assert counts[0] == 10.0
     assert counts[-1] < 1e-3
@@ -81,9 +82,11 @@ def test_the_chance_falls_without_a_step():
 
 @pytest.mark.parametrize("rest", [None, 3.0])
 def test_a_rehearsal_is_told_relative_to_what_is_typical(rest):
-    evidence = Evidence(5.0 * TABLE.typical(SOMEWHERE), rest, SOMEWHERE, law=AGAINST_HISTORY)
+    throughout, within = (5.0 * AGAINST_HISTORY.tables[look].typical(SOMEWHERE) for look in OF_EFFECTS)
+    evidence = Evidence(throughout, within, rest, SOMEWHERE, law=AGAINST_HISTORY)
     made = rehearsal_of(evidence)
-    assert made.effects == pytest.approx(5.0)
+    assert (made.throughout, made.within) == pytest.approx((5.0, 5.0))
+    assert (made.rest is None) is (rest is None)
     law = AGAINST_HISTORY.with_own([made])
     assert mismatch_p_value(replace(evidence, law=law)) > mismatch_p_value(evidence)
 
@@ -103,7 +106,7 @@ def test_a_change_is_told_unless_the_halves_of_the_history_lie_as_far_apart():
     assert len(history.rehearsals_) == 1
     told = finder.set_params(history=history).fit(whole.slice(1500, 3000)).diagnosis_
     assert told.verdict == "named"
-    history.rehearsals_ = [Rehearsal(10.0, 20.0)]
+    history.rehearsals_ = [Rehearsal(10.0, 10.0, 20.0)]
     found = finder.fit(whole.slice(1500, 3000)).diagnosis_.to_dict()
     assert found["verdict"] == "no_mismatch"
     assert any("second half of this valve's history" in reason for reason in found["reasons"])

@@ -15,6 +15,7 @@ from sklvalve.mismatch.decide.verdict import verdict_of
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.next_test.suggestions import next_test
+from sklvalve.mismatch.search.explain import Tried
 from sklvalve.mismatch.search.onset import best_onset
 from sklvalve.mismatch.search.rivals import Rival, class_of
 from sklvalve.simulation.fitting import PlainNoise
@@ -46,7 +47,7 @@ BYPASS = ("bypass_open", -10.5, 0.4)
 
 def test_nothing_tried_and_nothing_found_is_no_mismatch():
     assert _p() == 1.0
-    assert _p(tried={"clogging": (0.0, {"flow": 0.2})}) == pytest.approx(1.0)
+    assert _p(tried={"clogging": Tried(0.0, {"flow": 0.2})}) == pytest.approx(1.0)
 
 
 def test_what_is_too_small_to_count_is_no_evidence():
@@ -58,7 +59,7 @@ def test_p_value_is_that_of_the_likelihood_ratio_beyond_what_counts():
     assert _p([_finding(LEAK, gain=5.0)]) == pytest.approx(chi2.sf(2.0 * 5.0 * 0.9**2, 2), rel=1e-9)
     assert _p([_finding(LEAK, gain=1e5)]) == 1e-12
     # of what was tried two parameters are granted
-    tried = {"clogging": (5.0, {"flow": 0.05}), "erosion": (1e5, {"flow": 0.004})}
+    tried = {"clogging": Tried(5.0, {"flow": 0.05}), "erosion": Tried(1e5, {"flow": 0.004})}
     assert _p(tried=tried) == pytest.approx(chi2.sf(2.0 * 5.0 * 0.9**2, 3), rel=1e-9)
 
 
