@@ -5,14 +5,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.special import boxcox
-from scipy.stats import norm
-from scipy.stats import t as student
 
 if TYPE_CHECKING:
     from sklvalve.history.rehearsal import Rehearsal
@@ -70,9 +67,6 @@ class Covariates:
 # so many rehearsals of one valve count as much as all valves of the reference, as long as no rehearsal is
 # rarer there than this: beyond that the reference counts for less, for this valve is none of its kind
 _REFERENCE_COUNTS, _LIKE = 10.0, 0.05
-# a tail is measured from its threshold to what a normal law exceeds at so many standard deviations
-_DEVIATIONS = 2.0
-_TINY = 1e-300
 #: What is looked at, each with a table of its own.
 LOOKS = ("throughout", "within", "rest")
 #: Covariates that are held within their range in the reference, besides the noise.
@@ -111,11 +105,9 @@ class Table:
     scale, shape : float
         Of the tail.
     own : tuple of float, default=()
-        The same of rehearsals of the valve in question, each relative to what is typical in its covariates.
+        How many times what is typical the valve in question made of each of its rehearsals, at least 1.
     counts : float, default=10
         How many rehearsals of the valve count as much as the reference.
-    own_scatter : float, default=0
-        How far the logarithms of the valve's rehearsals, of all looks, rise above the typical, rms.
     usual : dict, default={}
         Effect key -> how strong it gets by chance, relative to all effects together. Of two effects that look
         as strong the one that seldom does among healthy recordings is the rarer evidence. What the table
@@ -133,24 +125,10 @@ class Table:
     usual: dict[str, float] = field(default_factory=dict)
     own: tuple[float, ...] = ()
     counts: float = _REFERENCE_COUNTS
-    own_scatter: float = 0.0
 
     def relative(self, effect_strengths: dict[str, float]) -> float:
         """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
         return relative_to(self.usual, effect_strengths)
-
-    @property
-    def scatter(self) -> float:
-        """Scatter of the logarithm of the relative strength, by how far its tail reaches.
-
-        Of a valve with rehearsals it is pooled with theirs, the reference counting as so many of them.
-        """
-        threshold, rare = self.quantiles[-1], norm.sf(_DEVIATIONS)
-        reached = threshold + self.scale * boxcox(self.above / rare, self.shape)
-        of_all = float(np.log(reached / threshold) / (_DEVIATIONS - norm.isf(self.above)))
-        many = len(self.own)
-        squares = _REFERENCE_COUNTS * of_all**2 + many * self.own_scatter**2
-        return float(np.sqrt(squares / (_REFERENCE_COUNTS + many)))
 
     def typical(self, covariates: Covariates) -> float:
         """Typical strength of healthy recordings."""
@@ -193,17 +171,14 @@ class NullLaw:
         ----------
         rehearsals : iterable of Rehearsal
         """
-        several, tables = list(rehearsals), self.tables
-        seen = {look: [getattr(each, look) for each in several] for look in LOOKS}
-        own = {look: tuple(v for v in values if v is not None) for look, values in seen.items()}
+        tables, looks = self.tables, [asdict(each) for each in rehearsals]
+        seen = [{look: v for look, v in each.items() if v is not None} for each in looks]
         # a valve that is unlike the others in one look is so in all; of many looks the rarest is rare anyway
-        shares = [_in_reference(tables[look], v) for look, values in own.items() for v in values]
+        own = tuple(max(1.0, *each.values()) for each in seen)
+        shares = [_in_reference(tables[look], v) for each in seen for look, v in each.items()]
         rarest = 1.0 - (1.0 - min(shares)) ** len(shares) if shares else 1.0
         counts = float(_REFERENCE_COUNTS * min(1.0, rarest / _LIKE))
-        rises = [np.log(max(v, 1.0)) for values in own.values() for v in values]
-        rise = float(np.sqrt(np.mean(np.square(rises)))) if rises else 0.0
-        made = {k: replace(t, own=own[k], counts=counts, own_scatter=rise) for k, t in tables.items()}
-        return NullLaw(**made)
+        return NullLaw(**{look: replace(table, own=own, counts=counts) for look, table in tables.items()})
 
 
 def _law_of(name: str) -> NullLaw:
@@ -220,15 +195,14 @@ AGAINST_HISTORY = _law_of("null_reference_with_history.json")
 def survival(table: Table, strength: float, covariates: Covariates) -> float:
     r"""Share of healthy recordings whose strength is at least this.
 
-    Where the valve has rehearsals of its own, n of them, they are pooled with the reference as a Dirichlet
-    process has it (Ferguson, Annals of Statistics 1, 1973), the reference counting as much as k, and each
-    :math:`v_i` smoothed by the scatter h of logarithms (Student's law with 10 + n degrees of freedom):
+    A rehearsal that came to :math:`v_i` times what is typical says that this valve's evidence is so many
+    times as large by chance. The laws of n rehearsals are pooled with the reference, which counts as much as
+    k of them:
 
-    .. math:: \frac{k P(v) + \sum_i T_{10 + n}((\log v_i - \log v) / h)}{k + n}
+    .. math:: \frac{k P(v) + \sum_i P(v / \max(v_i, 1))}{k + n}
 
     k is 10 while the reference holds for the valve. Where the rarest rehearsal is rarer in the reference than
-    that of 5 % of valves, k falls with it: what is rare among other valves is then usual for this one. What
-    is usual among other valves stays so: the larger of the shares by this k and by 10 is taken.
+    that of 5 % of valves, k falls with it: what is rare among other valves is then usual for this one.
 
     Parameters
     ----------
@@ -242,13 +216,10 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     share : float
         Between 0, never reached, and 1; falls with the strength, without a step.
     """
-    relative, many = strength / table.typical(covariates), len(table.own)
-    in_reference = _in_reference(table, relative)
-    if not many:
-        return in_reference
-    own = np.log(np.maximum([relative, *table.own], _TINY))
-    above = float(np.sum(student.cdf((own[1:] - own[0]) / table.scatter, _REFERENCE_COUNTS + many)))
-    return max((k * in_reference + above) / (k + many) for k in (table.counts, _REFERENCE_COUNTS))
+    relative = strength / table.typical(covariates)
+    by_own = sum(_in_reference(table, relative / times) for times in table.own)
+    in_all = table.counts * _in_reference(table, relative) + by_own
+    return float(in_all / (table.counts + len(table.own)))
 
 
 def _in_reference(table: Table, relative: float) -> float:
