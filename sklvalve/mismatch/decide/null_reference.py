@@ -214,7 +214,7 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     Returns
     -------
     share : float
-        Between 0, never reached, and 1; falls with the strength, without a step.
+        Between 0, never reached, and 1; falls with the strength, without a step but that from nothing at all.
     """
     relative = strength / table.typical(covariates)
     by_own = sum(_in_reference(table, relative / times) for times in table.own)
@@ -225,9 +225,12 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
 def _in_reference(table: Table, relative: float) -> float:
     """Share of the reference whose relative strength is at least this."""
     threshold = table.quantiles[-1]
+    if relative <= 0.0:
+        # many healthy recordings show nothing at all
+        return 1.0
     if relative <= threshold:
         chances = np.linspace(1.0, table.above, len(table.quantiles))
-        # below the least of the reference nothing is known but that all are above zero
+        # below the least of the reference nothing is known but that all are at zero or above
         return float(np.interp(relative, (0.0, *table.quantiles[1:]), chances))
     excess = (relative - threshold) / table.scale
     if table.shape < 1e-6:
