@@ -29,18 +29,17 @@ from scipy.stats import beta, genpareto, kstest
 from threadpoolctl import threadpool_limits
 
 from sklvalve.datasets import make_valve_recording
-from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
+from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import candidates, prepared_problem
-from sklvalve.mismatch.decide.detect import OF_EFFECTS, Evidence, mismatch_p_value
+from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
     EDGED,
     LOOKS,
     Covariates,
-    relative_to,
 )
 from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.recording import Recording, Valve, screen_recording
@@ -55,8 +54,6 @@ HELD, BANDS = 0.2, (0.001, 0.01)
 ABOVE, KNOTS = 0.15, 18
 # rows of a history
 BEFORE = 3600
-# the quantile by which each effect is held against all together, and the least that it is taken for
-OF_EACH, LEAST = 0.95, 0.3
 # strengths below are as good as none: of effects standard deviations, of the rest as it is told
 WEAKEST = {"throughout": 2.0, "within": 2.0, "rest": 0.1}
 CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held_opening", "held_flow")
@@ -150,14 +147,7 @@ def table_of(rows, name):
     """The table of one strength, as `sklvalve.mismatch.decide.null_reference.Table` takes it."""
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
-    usual, weakest = {}, WEAKEST[name]
-    if name in OF_EFFECTS:
-        strengths = [row["strengths"][name] for row in rows]
-        strongest = np.array([max(each.values(), default=0.0) for each in strengths])
-        usual = usual_of(strengths, typical_of(rows, strongest, weakest)[0])
-        found = np.array([relative_to(usual, each) for each in strengths])
-        weakest /= np.median(list(usual.values()))
-    typical, offset, slopes = typical_of(rows, found, weakest)
+    typical, offset, slopes = typical_of(rows, found, WEAKEST[name])
     relative = found / typical
     quantiles = np.quantile(relative, np.linspace(0.0, 1.0 - ABOVE, KNOTS))
     excess = relative[relative > quantiles[-1]] - quantiles[-1]
@@ -171,7 +161,6 @@ def table_of(rows, name):
         "above": ABOVE,
         "scale": short(scale),
         "shape": short(shape),
-        "usual": usual,
     }
 
 
@@ -200,26 +189,6 @@ def typical_of(rows, found, weakest):
     columns = np.column_stack([np.ones(len(rows)), known])
     line, *_ = np.linalg.lstsq(columns, np.log(np.maximum(found, weakest)), rcond=None)
     return np.exp(columns @ line), line[0], line[1:]
-
-
-def usual_of(strengths, typical):
-    """How strong each effect gets by chance: its own upper twentieth over that of the strongest of all.
-
-    An effect that was not tried in a recording, or stayed within tolerance, had no strength there. What was
-    never strong in some hundred recordings may be so in the next: none is taken for less than `LEAST`.
-    """
-    top = np.quantile([max(each.values(), default=0.0) for each in strengths] / typical, OF_EACH)
-    own = {
-        key: np.quantile([each.get(key, 0.0) for each in strengths] / typical, OF_EACH)
-        for key in sorted(set().union(*strengths))
-    }
-    usual = {key: short(min(max(value / top, LEAST), 1.0)) for key, value in own.items()}
-    # forms that no recording of the reference could show are as usual as others of their name, or as most
-    for effect in CATALOGUE:
-        alike = [usual[e.key] for e in CATALOGUE if e.name == effect.name and e.key in own]
-        usual.setdefault(effect.key, max(alike, default=short(np.median(list(own.values())) / top)))
-        usual[effect.key] = max(usual[effect.key], LEAST)
-    return dict(sorted(usual.items()))
 
 
 def tail_of(excess):

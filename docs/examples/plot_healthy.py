@@ -33,9 +33,9 @@ print(to_text(finder.diagnosis_.to_dict()))
 # valves of the last sealed run it was cautious: too seldom small, and too often above 0.9.
 #
 # Every effect of the catalogue is tried at several sizes, so the strongest of them always gains something.
-# Its strength is its gain over what is usual for that effect. A large number alone is therefore no alarm.
-# What counts is the strength of healthy recordings with as much noise and travel. Effects that act
-# throughout and effects that begin within the recording are held against their own:
+# A large strength alone is therefore no alarm. What counts is the strength of healthy recordings with as
+# much noise and travel, in standard deviations. Effects that act throughout and effects that begin within
+# the recording are held against their own:
 
 evidence = finder.evidence_
 for look in ("throughout", "within"):

@@ -51,8 +51,8 @@ class Evidence:
     Parameters
     ----------
     throughout : float
-        The strongest that any effect makes of it that acts throughout, relative to what is usual for that
-        effect among healthy recordings; zero where none was tried.
+        The strongest of the effects that act throughout, in standard deviations as `effect_strength` has
+        them; zero where none was tried.
     within : float
         The same of effects that begin within the recording, by what they gain over those that act throughout.
         A valve is never quite as it was known, so a difference from its beginning on is more usual.
@@ -62,8 +62,8 @@ class Evidence:
     covariates : Covariates
         What chance depends on.
     effect_strengths : dict, default={}
-        ``"throughout"`` and ``"within"`` -> effect key -> standard deviations as `effect_strength` has them,
-        of the effects tried beyond their tolerance and of those found.
+        ``"throughout"`` and ``"within"`` -> effect key -> strength, of the effects tried beyond their
+        tolerance and of those found.
     law : NullLaw, default=AGAINST_SHEET
         What chance makes of recordings like it.
     """
@@ -80,7 +80,7 @@ class Evidence:
         cls, strengths: dict[str, dict[str, float]], rest: float | None, covariates: Covariates, law: NullLaw
     ) -> Evidence:
         """Evidence by the strengths of effects, as `effect_strengths` gives them."""
-        throughout, within = (law.tables[look].relative(strengths[look]) for look in OF_EFFECTS)
+        throughout, within = (max(strengths[look].values(), default=0.0) for look in OF_EFFECTS)
         return cls(throughout, within, rest, covariates, strengths, law)
 
     @property
@@ -111,8 +111,6 @@ def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, di
 
 def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -> float:
     """Share of healthy recordings in which the strongest effect is as strong as this one, or stronger.
-
-    Each effect relative to what is usual for it.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
@@ -108,10 +108,6 @@ class Table:
         How many times what is typical the valve in question made of each of its rehearsals, at least 1.
     counts : float, default=10
         How many rehearsals of the valve count as much as the reference.
-    usual : dict, default={}
-        Effect key -> how strong it gets by chance, relative to all effects together. Of two effects that look
-        as strong the one that seldom does among healthy recordings is the rarer evidence. What the table
-        does not know is taken for the most usual that it knows.
     """
 
     recordings: int
@@ -122,13 +118,8 @@ class Table:
     above: float
     scale: float
     shape: float
-    usual: dict[str, float] = field(default_factory=dict)
     own: tuple[float, ...] = ()
     counts: float = _REFERENCE_COUNTS
-
-    def relative(self, effect_strengths: dict[str, float]) -> float:
-        """The largest of some strengths by effect, relative to what is usual; 0 where there are none."""
-        return relative_to(self.usual, effect_strengths)
 
     def typical(self, covariates: Covariates) -> float:
         """Typical strength of healthy recordings."""
@@ -136,12 +127,6 @@ class Table:
         edged = {c: float(np.clip(getattr(covariates, c), *self.ranges[c])) for c in EDGED}
         within = replace(covariates, noise=noise, **edged)
         return float(np.exp(self.offset + sum(s * getattr(within, c) for c, s in self.slopes.items())))
-
-
-def relative_to(usual: dict[str, float], effect_strengths: dict[str, float]) -> float:
-    """The largest of some strengths by effect, each over what is usual for it."""
-    most = max(usual.values(), default=1.0)
-    return max((strongest / usual.get(key, most) for key, strongest in effect_strengths.items()), default=0.0)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,6 @@ from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
     Covariates,
-    relative_to,
     survival,
 )
 from sklvalve.mismatch.inference.hypothesis import Term
@@ -87,23 +86,6 @@ def test_what_begins_counts_by_what_it_gains_by_beginning():
     seen = effect_strengths(SimpleNamespace(tried=tried, findings=[begun]), BENCH)
     assert seen["within"] == {"clogging": pytest.approx(effect_strength(12.0, 4.0))}
     assert seen["throughout"] == {"erosion": pytest.approx(effect_strength(10.0, 4.0))}
-
-
-def test_what_is_seldom_strong_by_chance_counts_for_more():
-    usual = {"sensor_lag": 0.8, "erosion": 0.4}
-    assert relative_to(usual, {"sensor_lag": 4.0, "erosion": 3.0}) == pytest.approx(7.5)
-    # nothing is known of an effect of one's own: it is taken for the most usual
-    assert relative_to(usual, {"mine": 6.0}) == pytest.approx(7.5)
-    assert relative_to({}, {"mine": 6.0}) == 6.0
-    assert relative_to(usual, {}) == 0.0
-
-
-def test_the_reference_knows_the_effects_of_the_catalogue():
-    for law in (AGAINST_SHEET, AGAINST_HISTORY):
-        for table in (law.throughout, law.within):
-            assert set(table.usual) == {effect.key for effect in CATALOGUE}
-            assert all(0.0 < usual <= 1.0 for usual in table.usual.values())
-        assert law.rest.usual == {}
 
 
 @pytest.mark.parametrize("table", TABLES)
