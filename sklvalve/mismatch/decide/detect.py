@@ -25,6 +25,7 @@ from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
     LOOKS,
+    OF_EFFECTS,
     Covariates,
     NullLaw,
     survival,
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.search.explain import Explanation, Tried
     from sklvalve.mismatch.search.rivals import Finding
 
-# looks at the effects
-OF_EFFECTS = ("throughout", "within")
 # shares of the level that each look at a recording gets; the rest seldom sees what the effects do not
 _SHARES = {"throughout": 0.45, "within": 0.3, "rest": 0.25}
 
@@ -128,10 +127,8 @@ def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -
 
 
 def _look_and_strength(each: Tried | Finding, problem: Problem) -> tuple[str, float]:
-    begins = each.by_beginning is not None
-    gain = each.gain if each.by_beginning is None else each.by_beginning
-    deviations = np.sqrt(2.0 * max(gain, 0.0))
-    return "within" if begins else "throughout", effect_strength(deviations, in_counts(each.sizes, problem))
+    look, gain = ("throughout", each.gain) if each.by_beginning is None else ("within", each.by_beginning)
+    return look, effect_strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(each.sizes, problem))
 
 
 def in_counts(sizes: dict[str, float], problem: Problem) -> float:

@@ -67,8 +67,9 @@ class Covariates:
 # so many rehearsals of one valve count as much as all valves of the reference, as long as no rehearsal is
 # rarer there than this: beyond that the reference counts for less, for this valve is none of its kind
 _REFERENCE_COUNTS, _LIKE = 10.0, 0.05
-#: What is looked at, each with a table of its own.
-LOOKS = ("throughout", "within", "rest")
+#: Looks at the effects, and all looks at a recording, each with a table of its own.
+OF_EFFECTS = ("throughout", "within")
+LOOKS = (*OF_EFFECTS, "rest")
 #: Covariates that are held within their range in the reference, besides the noise.
 EDGED = ("travel", "held_opening", "held_flow")
 

@@ -9,8 +9,8 @@ import pytest
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import make_valve_recording
 from sklvalve.history.rehearsal import Rehearsal
-from sklvalve.mismatch.decide.detect import OF_EFFECTS, Evidence, mismatch_p_value
-from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY, Covariates, survival
+from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
+from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY, OF_EFFECTS, Covariates, survival
 from sklvalve.mismatch.decide.rehearsing import rehearsal_of
 
 SOMEWHERE = Covariates(noise=0.0, travel=0.5, no_opening=0.0, no_drop=0.0)
@@ -18,7 +18,7 @@ TABLE = AGAINST_HISTORY.throughout
 
 
 def chance(times, *own, rests=()):
-    made = [Rehearsal(times, 1.0, rest) for times, rest in zip(own, rests or [None] * len(own), strict=True)]
+    made = [Rehearsal(once, 1.0, rest) for once, rest in zip(own, rests or [None] * len(own), strict=True)]
     table = AGAINST_HISTORY.with_own(made).throughout
     return survival(table, times * table.typical(SOMEWHERE), SOMEWHERE)
 
