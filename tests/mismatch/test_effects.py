@@ -22,8 +22,8 @@ NOTHING = {
     "clogging": {"limit": 1.0},
     "clogging_closing": {"limit": 0.0},
     "sensor_lag": {"lag": 1e-6},
-    "viscous_flow": {"viscosity": 1e-12},
-    "viscosity_change": {"viscosity": 1e-12, "fall": 0.04},
+    "viscous_flow": {"viscosity": 1e-12, "sharpness": 2.0},
+    "viscosity_change": {"viscosity": 1e-12, "fall": 0.04, "sharpness": 2.0},
     "gas_expansion": {"xt": 1e12},
 }
 

@@ -74,44 +74,67 @@ def test_flashing_swells_what_the_meter_counts():
 
 
 @pytest.mark.parametrize("size", [None, 0.05])
-def test_viscous_flow_is_that_of_the_standard(size):
+def test_viscous_flow_lies_near_the_standard(size):
+    """Below its kink where laminar and transitional flow meet, and on it at both ends."""
     kv = np.geomspace(0.01, 10.0, 60)
     drop = np.geomspace(1e3, 3e5, 60)
     sheet = SimpleNamespace(fl=0.9, fd=0.42, nominal_size=size, inlet_pipe=None, fluid={})
     trim = SimpleNamespace(rated=40.0, known=True)
     chain = chain_of(60, p1=4e5 + drop, p2=np.full(60, 4e5), valve=sheet, trim=trim)
-    for viscosity in (1e-6, 1e-5, 1e-4, 1e-3):
-        share = apply("viscous_flow", kv, {"viscosity": viscosity}, chain) / kv
+    for viscosity in (1e-6, 1e-5, 1e-4, 1e-3, 1e-1):
+        share = apply("viscous_flow", kv, {"viscosity": viscosity, "sharpness": 2.0}, chain) / kv
         assert np.all((share > 0.0) & (share <= 1.0))
         if size is not None:
             pipe = {"fl": 0.9, "fd": 0.42, "nominal_size": size, "kv_rated": 40.0, "warn": False}
             flow = liquid_flow(kv, chain.p1, chain.p2, 1000.0, viscosity=viscosity, **pipe)
             expected = flow / (kv * KV_TO_SI * np.sqrt(drop / 1000.0))
-            np.testing.assert_allclose(share, expected, rtol=3e-3)
+            # three tenths where its laws meet in a kink, and nearly laminar flow as it has it
+            near = np.where(expected < 1e-2, 0.03, 0.3)
+            assert np.all(np.abs(share / expected - 1.0) < near)
+
+
+def test_losses_of_laminar_and_turbulent_flow_add_up_with_a_sharpness_of_two():
+    chain = chain_of(3, p1=4e5 + np.array([1e3, 1e4, 1e5]), p2=np.full(3, 4e5))
+    flow = apply("viscous_flow", np.full(3, 0.5), {"viscosity": 2e-4, "sharpness": 2.0}, chain) * np.sqrt(
+        chain.dp
+    )
+    # drop = a Q + b Q^2, through three points
+    linear = chain.dp / flow
+    slopes = np.diff(linear) / np.diff(flow)
+    assert slopes[0] == pytest.approx(slopes[1], rel=1e-9)
+    assert slopes[0] > 0.0
 
 
 def test_far_below_turbulence_flow_is_proportional_to_drop_over_viscosity():
     chain = chain_of(3, p1=4e5 + np.array([1e3, 2e3, 2e3]), p2=np.full(3, 4e5))
-    made = apply("viscous_flow", np.full(3, 0.1), {"viscosity": 5e-3}, chain) * np.sqrt(chain.dp)
+    made = apply("viscous_flow", np.full(3, 0.1), {"viscosity": 5e-3, "sharpness": 2.0}, chain) * np.sqrt(
+        chain.dp
+    )
     assert made[1] / made[0] == pytest.approx(2.0, rel=1e-3)
-    thicker = apply("viscous_flow", np.full(3, 0.1), {"viscosity": 1e-2}, chain) * np.sqrt(chain.dp)
+    thicker = apply("viscous_flow", np.full(3, 0.1), {"viscosity": 1e-2, "sharpness": 2.0}, chain) * np.sqrt(
+        chain.dp
+    )
     np.testing.assert_allclose(thicker, 0.5 * made, rtol=1e-3)
     # nothing flows, nothing is lost
     still = chain_of(2, p1=np.full(2, 4e5), p2=np.full(2, 4e5))
-    np.testing.assert_array_equal(apply("viscous_flow", [0.0, 3.0], {"viscosity": 1e-3}, still), [0.0, 3.0])
+    np.testing.assert_array_equal(
+        apply("viscous_flow", [0.0, 3.0], {"viscosity": 1e-3, "sharpness": 2.0}, still), [0.0, 3.0]
+    )
 
 
 def test_viscosity_follows_the_fluid_or_its_own_law():
     warm = np.array([293.15, 333.15])
     water = chain_of(2, p1=np.full(2, 4.01e5), temperature=warm, fluid=fluid_from("water"))
     law = water.fluid.kinematic_viscosity(warm)
-    by_fluid = apply("viscous_flow", [1.0, 1.0], {"viscosity": 1e-3}, water)
+    by_fluid = apply("viscous_flow", [1.0, 1.0], {"viscosity": 1e-3, "sharpness": 2.0}, water)
     # an exponential through the same two viscosities
     fall = np.log(law[0] / law[1]) / 40.0
-    by_law = apply("viscosity_change", [1.0, 1.0], {"viscosity": 1e-3, "fall": fall}, water)
+    by_law = apply("viscosity_change", [1.0, 1.0], {"viscosity": 1e-3, "fall": fall, "sharpness": 2.0}, water)
     np.testing.assert_allclose(by_fluid, by_law, rtol=1e-6)
     assert by_fluid[1] > 1.2 * by_fluid[0]
-    constant = apply("viscous_flow", [1.0, 1.0], {"viscosity": 1e-3}, chain_of(2, p1=np.full(2, 4.01e5)))
+    constant = apply(
+        "viscous_flow", [1.0, 1.0], {"viscosity": 1e-3, "sharpness": 2.0}, chain_of(2, p1=np.full(2, 4.01e5))
+    )
     assert constant[0] == constant[1]
 
 

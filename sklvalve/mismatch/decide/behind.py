@@ -18,9 +18,8 @@ from sklvalve.mismatch.decide.compare import HeldOut
 from sklvalve.mismatch.decide.detect import p_value_of_one
 from sklvalve.mismatch.inference.hypothesis import Term, is_in
 from sklvalve.mismatch.proof.held_out import cross_validated, holds_out
-from sklvalve.mismatch.search.explain import fitted_with_its_noise, penalised_across_noises
-from sklvalve.mismatch.search.relevance import may_explain
-from sklvalve.mismatch.search.rivals import Finding, class_of, find_rivals
+from sklvalve.mismatch.search.own_noise import fitted_with_its_noise
+from sklvalve.mismatch.search.rivals import class_of, find_rivals
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.judgement import Judgement
@@ -59,10 +58,8 @@ def judged_behind(
     """
     explanation, covariates, judged = judge_on(problem, effects)
     behind: Judgement | None = None
-    for number in range(_MOST):
+    for _ in range(_MOST):
         held = _property_in_front(explanation, covariates, alpha)
-        if held is None and number == 0:
-            held = _likelier_alone(explanation, effects, covariates, alpha)
         if held is None:
             break
         holding = explanation.problem.holding((held,), _alone(explanation, held)[1])
@@ -85,38 +82,6 @@ def _property_in_front(explanation: Explanation, covariates: Covariates, alpha: 
     if not any(declared) or late or term.effect.kind_of(problem.plain, late) == "fault":
         return None
     return term if p_value_of_one(finding, problem, covariates) <= alpha else None
-
-
-def _likelier_alone(
-    explanation: Explanation,
-    effects: Sequence[Effect],
-    covariates: Covariates,
-    alpha: float,
-) -> Term | None:
-    """A property that by itself explains more than the strongest finding does; else None.
-
-    The search takes up first what gains most under the noise that the nominal simulation leaves, which hides
-    how much more the property explains.
-    """
-    if not explanation.findings:
-        return None
-    problem, front = explanation.problem, explanation.findings[0].term
-    touched = set(problem.channels_touched(front.effect))
-    best, likeliest = None, penalised_across_noises(*_alone(explanation, front))
-    for effect in effects:
-        if not effect.declared_as or not touched & set(problem.channels_touched(effect)):
-            continue
-        by_its_noise, model = _alone(explanation, Term(effect))
-        without = by_its_noise.fit((), start=explanation.nominal)
-        gain = model.log_likelihood - without.log_likelihood
-        finding = Finding(
-            model.terms[0], [], gain, problem.change(model, by_its_noise.baseline(model, (), without))
-        )
-        rare = p_value_of_one(finding, by_its_noise, covariates) <= alpha
-        likely = penalised_across_noises(by_its_noise, model)
-        if rare and likely > likeliest and may_explain(by_its_noise, model, without):
-            best, likeliest = model.terms[0], likely
-    return best
 
 
 def _alone(explanation: Explanation, term: Term) -> tuple[Problem, Model]:
@@ -146,7 +111,9 @@ def _joined(judged: Judgement, judged_beside: Judgement, effects: Sequence[Effec
         replace(f, rivals=[replace(r, model=whole(r.model)) for r in f.rivals])
         for f in judged_beside.findings
     ]
-    properties = find_rivals(problem, model, effects, None, of=added)
+    # by one noise and one calibration, as its rivals are
+    as_rivals = problem.fit(model.terms, start=model)
+    properties = find_rivals(problem, as_rivals, effects, None, of=added)
     return replace(
         judged_beside,
         problem=problem,

@@ -59,7 +59,8 @@ class Row:
     size_over_relevance : float
         The size in multiples of what counts [1].
     log_likelihood : float or None
-        What it gains on nothing in the same place [nat]; None of events, which no likelihood tells.
+        What it gains on nothing in the same place, each by the noise that it leaves [nat]; None of events,
+        which no likelihood tells.
     log_evidence : float or None
         The same less what its parameters and its times cost [nat].
     posterior : float
@@ -199,7 +200,7 @@ def _rows_of(explanation: Explanation, finding: Finding, place: int, threshold: 
         _Competitor(
             r.term,
             r.model,
-            r.model.log_likelihood - without.log_likelihood,
+            r.gain,
             problem.change(r.model, problem.baseline(r.model, rest, without)),
         )
         for r in finding.rivals

@@ -16,9 +16,9 @@ from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.residual.pulses import find_pulses
 from sklvalve.mismatch.residual.stem_residual import stem_residual
 from sklvalve.mismatch.search.events import simulated
-from sklvalve.mismatch.search.explain import fitted_with_its_noise
 from sklvalve.mismatch.search.onset import best_onset
 from sklvalve.mismatch.search.onset_sample import to_the_sample
+from sklvalve.mismatch.search.own_noise import fitted_with_its_noise
 from sklvalve.recording import Recording
 
 if TYPE_CHECKING:

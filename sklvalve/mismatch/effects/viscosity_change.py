@@ -6,7 +6,7 @@ import numpy as np
 from sklvalve.mismatch.effects._defects import WARMTH
 from sklvalve.mismatch.effects.base import Quantity, Shown
 from sklvalve.mismatch.effects.density_change import warms
-from sklvalve.mismatch.effects.viscous_flow import ViscousFlow
+from sklvalve.mismatch.effects.viscous_flow import SHARPNESS, ViscousFlow
 from sklvalve.simulation.chain import Chain
 
 _ROOM = 293.15
@@ -27,6 +27,7 @@ class ViscosityChange(ViscousFlow):
     parameters = (
         Quantity("viscosity", "m2/s", 5e-7, 5e-2, (1e-5, 2e-4, 2e-3), log=True, null=None),
         Quantity("fall", "1/K", 0.02, 0.15, (0.04,), log=True, null=None, shown=_FALL),
+        SHARPNESS,
     )
     needs = ("flow", "p1", "p2", "temperature")
     hidden_by = WARMTH

@@ -7,11 +7,17 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.constants import DISTINGUISHABLE
+from sklvalve.mismatch.constants import DETECTABLE, DISTINGUISHABLE
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in, penalised_likelihood
+from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.mismatch.search.intermittent import intermittent
 from sklvalve.mismatch.search.onset import fit_with_onset
 from sklvalve.mismatch.search.onset_sample import to_the_sample
+from sklvalve.mismatch.search.own_noise import (
+    explains_as_much,
+    fitted_with_its_noise,
+    penalised_across_noises,
+)
 from sklvalve.mismatch.search.relevance import SPREADS, beyond_tolerance, is_relevant, may_explain
 from sklvalve.mismatch.search.restart import much_is_left, restarted
 from sklvalve.mismatch.search.rivals import find_rivals, without_rival
@@ -28,7 +34,7 @@ if TYPE_CHECKING:
     Report = Callable[[float], object]
 
 # of the effects fitted so many are settled under their own noise
-_TRIED = 3
+_TRIED = 6
 # a rival so many times as probable takes the place of an effect
 _CLEARLY = 30.0
 
@@ -115,7 +121,9 @@ def explain(
     for last in (False, False, True):
         problem, model = _what_stands(problem, model, threshold)
         findings = find_rivals(problem, model, effects, report, search.seen)
-        better = _better_in_place(problem, findings) or _simpler(problem, findings, search.seen, threshold)
+        better = _better_in_place(problem, findings) or _simpler(
+            problem, model, findings, search.seen, threshold
+        )
         if better is None or last:
             break
         by_its_noise, stood = _what_stands(*_settle(problem, better), threshold)
@@ -236,17 +244,35 @@ class _Search:
     def _first_that_counts(
         self, problem: Problem, model: Model, candidates: Sequence[Model]
     ) -> tuple[Problem, Model | None]:
-        """The first hypothesis with one effect more that matters under its own noise too; else None."""
-        for chosen in candidates[:_TRIED]:
+        """The likeliest hypothesis with one effect more that matters, each by its own noise; else None."""
+        best: tuple[Problem, Model] | None = None
+        for chosen in _in_reach(problem, candidates, model):
             by_its_noise, settled = _settle(problem, chosen)
             without = by_its_noise.fit(settled.terms[:-1], start=model)
             if is_relevant(by_its_noise, settled, without, self.threshold):
-                return by_its_noise, settled
+                if model.terms and explains_as_much(
+                    problem, model, settled, settled.terms[-1], self.threshold
+                ):
+                    continue
+                if best is None or penalised_across_noises(*best) < penalised_across_noises(
+                    by_its_noise, settled
+                ):
+                    best = by_its_noise, settled
+                continue
             # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
             if not model.terms and may_explain(by_its_noise, settled, without):
                 self._note(problem, settled, without)
-            problem = problem.with_noise_of(model, cautious=True)
-        return problem, None
+        return best or (problem.with_noise_of(model, cautious=True), None)
+
+
+def _in_reach(problem: Problem, candidates: Sequence[Model], model: Model) -> list[Model]:
+    """Of hypotheses with one effect more those that may be the likeliest by their own noise."""
+    if not candidates:
+        return []
+    best = max(m.log_likelihood for m in candidates)
+    gain = best - model.log_likelihood
+    near = [m for m in candidates if distance(best, m.log_likelihood, gain) < DETECTABLE]
+    return near[:_TRIED]
 
 
 def _better_in_place(problem: Problem, findings: Sequence[Finding]) -> Model | None:
@@ -265,15 +291,19 @@ def _better_in_place(problem: Problem, findings: Sequence[Finding]) -> Model | N
 
 
 def _simpler(
-    problem: Problem, findings: Sequence[Finding], seen: dict[str, Model], threshold: float
+    problem: Problem, model: Model, findings: Sequence[Finding], seen: dict[str, Model], threshold: float
 ) -> Model | None:
     """A hypothesis with a rival in place of one effect that leaves no need for another one; else None.
 
-    What a poor choice among rivals gets wrong may pass for a second effect.
+    What a poor choice among rivals gets wrong may pass for a second effect, and so may what the equation of
+    the right one gets wrong.
     """
+    if len(findings) < 2:
+        return None
+    best: tuple[float, Model] | None = None
     for finding in findings:
-        inside = [r for r in finding.rivals if r.distance < DISTINGUISHABLE]
-        for rival in inside if len(findings) > 1 else ():
+        inside = [r for r in finding.rivals if r.distance < DISTINGUISHABLE and r.term is not finding.term]
+        for rival in inside:
             for other in rival.model.terms:
                 if other is rival.term:
                     continue
@@ -281,10 +311,12 @@ def _simpler(
                 starts = [rival.model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
                 fits = [problem.fit(others, start=start) for start in starts]
                 without = max(fits, key=lambda m: m.log_likelihood)
-                full = problem.fit((*others, other), start=rival.model)
-                if not is_relevant(problem, full, without, threshold):
-                    return without
-    return None
+                likely = penalised_across_noises(*fitted_with_its_noise(problem, without))
+                if (best is None or likely > best[0]) and explains_as_much(
+                    problem, without, model, other, threshold
+                ):
+                    best = likely, without
+    return None if best is None else best[1]
 
 
 def _step(
@@ -359,27 +391,6 @@ def _intermittent_if_likelier(problem: Problem, model: Model) -> tuple[Problem, 
     return problem, model
 
 
-def fitted_with_its_noise(problem: Problem, model: Model) -> tuple[Problem, Model]:
-    """Noise and hypothesis fitted in turn, twice.
-
-    Parameters
-    ----------
-    problem : Problem
-    model : Model
-        Where the fits begin.
-
-    Returns
-    -------
-    problem : Problem
-        Judged by the noise that the hypothesis leaves.
-    model : Model
-    """
-    for _ in range(2):
-        problem = problem.with_noise_of(model)
-        model = problem.fit(model.terms, start=model)
-    return problem, model
-
-
 def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """The same effect without its onset, where that is likelier when each is judged by its own noise.
 
@@ -399,11 +410,6 @@ def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Mo
     if little and gain_in_spreads(problem, model, throughout) < SPREADS:
         return by_its_noise, throughout
     return problem, model
-
-
-def penalised_across_noises(problem: Problem, model: Model) -> float:
-    """As `penalised_likelihood`, but comparable between noises: wide noise costs what it makes likelier."""
-    return penalised_likelihood(problem, model) - sum(problem.noise[c].log_spread for c in problem.channels)
 
 
 def _drop_what_no_longer_counts(

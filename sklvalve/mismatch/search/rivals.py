@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.effects.base import Effect
-from sklvalve.mismatch.inference.hypothesis import Model, Term, begun, is_in, penalised_likelihood
+from sklvalve.mismatch.inference.hypothesis import Model, Term, begun, complexity_penalty, is_in
 from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class
 from sklvalve.mismatch.search.onset_sample import to_the_sample
+from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, likelihood_across_noises
 from sklvalve.mismatch.search.relevance import may_be_instead
 from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 # rivals that come this near are fitted as well
 _WITHIN_REACH = 100.0
+# rivals at a smaller distance by the common noise are judged by their own, too
+_IN_REACH = 60.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,12 +40,15 @@ class Rival:
     probability : float
     distance : float
         Profile-likelihood distance D from the best.
+    gain : float
+        Log likelihood that it gains on nothing in its place, each by the noise that it leaves.
     """
 
     term: Term
     model: Model
     probability: float
     distance: float
+    gain: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -219,15 +225,32 @@ def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Mod
     without : Model
         The hypothesis without any of them.
     """
-    likelihoods = [fitted.log_likelihood for _, fitted in places]
-    best = max(likelihoods)
-    gain = best - without.log_likelihood
-    probabilities = posterior(np.array([penalised_likelihood(problem, fitted) for _, fitted in places]), gain)
+    gains = _gains_by_their_noise(problem, [fitted for _, fitted in places], without)
+    best = max(gains)
+    prices = [complexity_penalty(problem, term) for term, _ in places]
+    probabilities = posterior(np.array(gains) - np.array(prices), best)
     rivals = [
-        Rival(term, fitted, float(probability), distance(best, likelihood, gain))
-        for (term, fitted), probability, likelihood in zip(places, probabilities, likelihoods, strict=True)
+        Rival(term, fitted, float(probability), distance(best, gain, best), gain)
+        for (term, fitted), probability, gain in zip(places, probabilities, gains, strict=True)
     ]
     return sorted(rivals, key=lambda r: r.probability, reverse=True)
+
+
+def _gains_by_their_noise(problem: Problem, fits: Sequence[Model], without: Model) -> list[float]:
+    """Log likelihood that each gains on nothing in its place, every one by the noise that it leaves.
+
+    What is far behind by the common noise stays as far behind.
+    """
+    likelihoods = [m.log_likelihood for m in fits]
+    top = max(likelihoods)
+    near = [distance(top, likelihood, top - without.log_likelihood) < _IN_REACH for likelihood in likelihoods]
+    asked = [without, *(m for m, asks in zip(fits, near, strict=True) if asks)]
+    bare, *own = parallel_map(lambda m: likelihood_across_noises(*fitted_with_its_noise(problem, m)), asked)
+    left, best = iter(own), max(own)
+    return [
+        (next(left) if asks else best - (top - likelihood)) - bare
+        for asks, likelihood in zip(near, likelihoods, strict=True)
+    ]
 
 
 def _touch_the_same(problem: Problem, effect: Effect, other: Effect) -> bool:
