@@ -4,9 +4,9 @@
 #: No p-value is told below this: no model of noise and no reference is that good.
 LEAST_P_VALUE = 1e-12
 #: Share of an effect that its simulation gets wrong along the difference to another effect [1], the same as
-#: `SHARE_MISTAKEN`. With 0.10, each explanation judged by the noise that it leaves, 5 of 100 classes of a sealed
-#: draw lost the truth (benchmarks/NOTES_OF_TRIALS.md). Larger: classes hold more names. Smaller: classes leave
-#: out true names.
+#: `SHARE_MISTAKEN`. With 0.10, each explanation judged by the noise that it leaves, 5 of 100 classes of a
+#: sealed draw lost the truth (benchmarks/NOTES_OF_TRIALS.md). Larger: classes hold more names. Smaller:
+#: classes leave out true names.
 SHARE_WRONG = 0.15
 #: A class of explanations holds so much of the probability. Larger: classes hold more names.
 IN_CLASS = 0.95
