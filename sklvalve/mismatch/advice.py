@@ -42,7 +42,7 @@ def plan_next_test(
     .. math:: D = \\frac{2 (\\log L_i - \\log L_j)}{1 + 2 \\kappa^2 G}
 
     over the present recording and the test together, G the log likelihood that the effect adds and
-    :math:`\\kappa = 0.15` the share of it that a simulation gets wrong, one of two explanations is taken
+    :math:`\\kappa = 0.10` the share of it that a simulation gets wrong, one of two explanations is taken
     for the other with a chance of :math:`\\Phi(-\\sqrt D / 2)`.
 
     Parameters

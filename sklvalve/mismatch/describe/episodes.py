@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import chi2
 
+from sklvalve.mismatch.constants import SHARE_WRONG_BY_ONE_NOISE
 from sklvalve.mismatch.inference.hypothesis import SWITCH_PENALTY
 from sklvalve.mismatch.inference.posterior import temperature
 from sklvalve.simulation.robust import robust_cost, robust_weights
@@ -175,7 +176,7 @@ def course_of(evidence: Evidence, acts: np.ndarray, *, late: int = 0) -> TimePro
     even = np.linspace(0, n, min(_BLOCKS, n // _FEWEST_ROWS), endpoint=False).astype(int)
     starts = np.union1d(even, searched).astype(int)
     gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
-    raised = temperature(gain)
+    raised = temperature(gain, SHARE_WRONG_BY_ONE_NOISE)
     blocks = acts[starts]
     complexity_penalty = SWITCH_PENALTY * raised
     square, pull = evidence.quadratic(starts)
@@ -307,7 +308,7 @@ def growing_course(
         ramp = evidence.free(evidence.whitened(grown))
         sizes.append(float(ramp @ target) / max(float(ramp @ ramp), 1e-12))
         gains.append(0.5 * float(ramp @ target) * sizes[-1])
-    raised = temperature(max(gains))
+    raised = temperature(max(gains), SHARE_WRONG_BY_ONE_NOISE)
     reach = [2.0 * (max(gains) - g) <= _SMOOTH_95 * raised for g in gains]
     within = [k for k, near in zip(places, reach, strict=True) if near]
     likely = [size for size, near in zip(sizes, reach, strict=True) if near]

@@ -19,13 +19,15 @@ import numpy as np
 from sklvalve.mismatch.constants import IN_CLASS, SHARE_WRONG
 
 
-def temperature(gain: float) -> float:
+def temperature(gain: float, share: float = SHARE_WRONG) -> float:
     """How many nats of likelihood count as one.
 
     Parameters
     ----------
     gain : float
         Log likelihood that the best explanation gains on none.
+    share : float, default=0.15
+        What a simulation gets wrong of an effect [1].
 
     Returns
     -------
@@ -36,9 +38,9 @@ def temperature(gain: float) -> float:
     --------
     >>> from sklvalve.mismatch.inference.posterior import temperature
     >>> round(temperature(20.0), 2), round(temperature(2000.0), 1)
-    (1.4, 41.0)
+    (1.9, 91.0)
     """
-    return 1.0 + 2.0 * SHARE_WRONG**2 * max(gain, 0.0)
+    return 1.0 + 2.0 * share**2 * max(gain, 0.0)
 
 
 def posterior(scores: np.ndarray, gain: float) -> np.ndarray:
@@ -60,7 +62,7 @@ def posterior(scores: np.ndarray, gain: float) -> np.ndarray:
     --------
     >>> from sklvalve.mismatch.inference.posterior import posterior
     >>> posterior([-100.0, -103.0], gain=20.0).round(2)
-    array([0.89, 0.11])
+    array([0.83, 0.17])
     >>> posterior([-100.0, -103.0], gain=20_000.0).round(2)
     array([0.5, 0.5])
     """
@@ -69,7 +71,7 @@ def posterior(scores: np.ndarray, gain: float) -> np.ndarray:
     return weights / weights.sum()
 
 
-def distance(best: float, other: float, gain: float) -> float:
+def distance(best: float, other: float, gain: float, share: float = SHARE_WRONG) -> float:
     r"""Distance D of an explanation from the best one, as far as the simulation can be trusted.
 
     Twice the difference of log likelihoods, by the temperature. Two explanations at a distance D are taken
@@ -81,8 +83,10 @@ def distance(best: float, other: float, gain: float) -> float:
         Log likelihoods.
     gain : float
         Log likelihood that the best one gains on none.
+    share : float, default=0.15
+        What a simulation gets wrong of an effect [1].
     """
-    return 2.0 * max(best - other, 0.0) / temperature(gain)
+    return 2.0 * max(best - other, 0.0) / temperature(gain, share)
 
 
 def smallest_class(probabilities: dict) -> dict:

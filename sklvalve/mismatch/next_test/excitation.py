@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.constants import SHARE_WRONG_BY_ONE_NOISE
 from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.mismatch.next_test.forecast import ForecastRecord, Present
@@ -148,7 +149,9 @@ class Advisor:
             gain += costs[i, k] if self.without else 0.0
             for j in range(k):
                 if i != j:
-                    distances[i, j] = distance(likelihood[i], likelihood[j] - costs[i, j], gain)
+                    distances[i, j] = distance(
+                        likelihood[i], likelihood[j] - costs[i, j], gain, SHARE_WRONG_BY_ONE_NOISE
+                    )
         return distances
 
     def spread_after(self, program: Program, name: str) -> tuple[float, ...]:

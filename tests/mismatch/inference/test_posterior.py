@@ -14,7 +14,7 @@ _SCORES = st.lists(st.floats(-1e5, 0.0), min_size=1, max_size=12)
 
 def test_a_weak_effect_is_weighed_by_its_likelihood_and_a_strong_one_by_its_share_of_the_gain():
     assert temperature(0.0) == temperature(-5.0) == 1.0
-    odds = np.divide(*posterior([0.0, -3.0], gain=1.0))
+    odds = np.divide(*posterior([0.0, -3.0], gain=0.1))
     assert np.log(odds) == pytest.approx(3.0, rel=0.02)
     # of a gain so large that noise hardly counts, losing the same share has the same odds
     weak, strong = (np.divide(*posterior([0.0, -0.01 * gain], gain=gain)) for gain in (1e5, 1e7))
