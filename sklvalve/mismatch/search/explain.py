@@ -121,9 +121,7 @@ def explain(
     for last in (False, False, True):
         problem, model = _what_stands(problem, model, threshold)
         findings = find_rivals(problem, model, effects, report, search.seen)
-        better = _better_in_place(problem, findings) or _simpler(
-            problem, model, findings, search.seen, threshold
-        )
+        better = _better_in_place(problem, findings) or _simpler(problem, model, findings, search.seen)
         if better is None or last:
             break
         by_its_noise, stood = _what_stands(*_settle(problem, better), threshold)
@@ -250,9 +248,7 @@ class _Search:
             by_its_noise, settled = _settle(problem, chosen)
             without = by_its_noise.fit(settled.terms[:-1], start=model)
             if is_relevant(by_its_noise, settled, without, self.threshold):
-                if model.terms and explains_as_much(
-                    problem, model, settled, settled.terms[-1], self.threshold
-                ):
+                if model.terms and explains_as_much(problem, model, settled, settled.terms[-1]):
                     continue
                 if best is None or penalised_across_noises(*best) < penalised_across_noises(
                     by_its_noise, settled
@@ -291,7 +287,7 @@ def _better_in_place(problem: Problem, findings: Sequence[Finding]) -> Model | N
 
 
 def _simpler(
-    problem: Problem, model: Model, findings: Sequence[Finding], seen: dict[str, Model], threshold: float
+    problem: Problem, model: Model, findings: Sequence[Finding], seen: dict[str, Model]
 ) -> Model | None:
     """A hypothesis with a rival in place of one effect that leaves no need for another one; else None.
 
@@ -312,9 +308,7 @@ def _simpler(
                 fits = [problem.fit(others, start=start) for start in starts]
                 without = max(fits, key=lambda m: m.log_likelihood)
                 likely = penalised_across_noises(*fitted_with_its_noise(problem, without))
-                if (best is None or likely > best[0]) and explains_as_much(
-                    problem, without, model, other, threshold
-                ):
+                if (best is None or likely > best[0]) and explains_as_much(problem, without, model, other):
                     best = likely, without
     return None if best is None else best[1]
 

@@ -10,8 +10,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from sklvalve.mismatch.constants import IN_CLASS
 from sklvalve.mismatch.inference.hypothesis import Model, Term, penalised_likelihood
-from sklvalve.mismatch.inference.posterior import temperature
+from sklvalve.mismatch.inference.posterior import posterior
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -48,11 +51,11 @@ def penalised_across_noises(problem: Problem, model: Model) -> float:
     return penalised_likelihood(problem, model) - sum(problem.noise[c].log_spread for c in problem.channels)
 
 
-def explains_as_much(problem: Problem, simple: Model, full: Model, term: Term, threshold: float) -> bool:
-    """Whether a hypothesis explains all that another does which has one effect more, but for its own errors.
+def explains_as_much(problem: Problem, simple: Model, full: Model, term: Term) -> bool:
+    """Whether a hypothesis is in one class with another that has one effect more.
 
-    An equation gets a share of its effect wrong, and what it gets wrong is no effect of its own: what the
-    other gains counts by the temperature of what this one explains in the same signals.
+    An equation gets a share of its effect wrong, and what it gets wrong is no effect of its own. So the two
+    are weighed as rivals are, by the temperature of what the simple one explains in the same signals.
 
     Parameters
     ----------
@@ -60,8 +63,6 @@ def explains_as_much(problem: Problem, simple: Model, full: Model, term: Term, t
     simple, full : Model
     term : Term
         What the other has more.
-    threshold : float
-        Log likelihood that an effect must add beyond its price.
 
     Returns
     -------
@@ -73,4 +74,4 @@ def explains_as_much(problem: Problem, simple: Model, full: Model, term: Term, t
         penalised_across_noises(*fitted_with_its_noise(problem, m))
         for m in (problem.fit(elsewhere, start=simple), simple, full)
     )
-    return more - less < threshold * temperature(less - bare)
+    return bool(posterior(np.array([less, more]), less - bare)[0] > 1.0 - IN_CLASS)

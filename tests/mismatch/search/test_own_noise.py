@@ -53,20 +53,20 @@ def test_a_second_effect_must_tell_more_than_the_first_one_gets_wrong(leaking):
         first: problem.fit((first, second), start=fits[first])
         for first, second in ((LEAK, GAIN), (GAIN, LEAK))
     }
-    assert explains_as_much(problem, fits[LEAK], both[LEAK], GAIN, THRESHOLD)
-    assert not explains_as_much(problem, fits[GAIN], both[GAIN], LEAK, THRESHOLD)
+    assert explains_as_much(problem, fits[LEAK], both[LEAK], GAIN)
+    assert not explains_as_much(problem, fits[GAIN], both[GAIN], LEAK)
 
 
 def test_what_is_explained_in_another_signal_asks_for_no_more(leaking, monkeypatch):
     problem, _, fits = leaking
     asked = []
     monkeypatch.setattr(
-        "sklvalve.mismatch.search.own_noise.temperature", lambda gain: asked.append(gain) or 1.0
+        "sklvalve.mismatch.search.own_noise.posterior", lambda both, gain: asked.append(gain) or both
     )
-    explains_as_much(problem, fits[LEAK], fits[LEAK], DEAD, THRESHOLD)
+    explains_as_much(problem, fits[LEAK], fits[LEAK], DEAD)
     assert "opening" in problem.channels
     assert asked == [pytest.approx(0.0, abs=1e-6)]
-    explains_as_much(problem, fits[LEAK], fits[LEAK], GAIN, THRESHOLD)
+    explains_as_much(problem, fits[LEAK], fits[LEAK], GAIN)
     assert asked[-1] > THRESHOLD
 
 
