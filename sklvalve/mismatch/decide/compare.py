@@ -59,8 +59,8 @@ class Row:
     size_over_relevance : float
         The size in multiples of what counts [1].
     log_likelihood : float or None
-        What it gains on nothing in the same place, each by the noise that it leaves [nat]; None of events,
-        which no likelihood tells.
+        What it gains on nothing in the same place [nat]: the best by the noise that it leaves, the others as
+        much less as each by its own; None of events, which no likelihood tells.
     log_evidence : float or None
         The same less what its parameters and its times cost [nat].
     posterior : float
@@ -196,17 +196,19 @@ def _rows_of(explanation: Explanation, finding: Finding, place: int, threshold: 
     problem = explanation.problem
     rest = tuple(m for m in explanation.model.terms if m is not finding.term)
     without = problem.fit(rest, start=explanation.model)
+    # explanations differ as each one's own noise has it; nothing is held against the best by that one's noise
+    best = max(r.gain for r in finding.rivals)
     made = [
         _Competitor(
             r.term,
             r.model,
-            r.gain,
+            finding.gain + r.gain - best,
             problem.change(r.model, problem.baseline(r.model, rest, without)),
         )
         for r in finding.rivals
     ]
     held_out = HeldOut(problem, without)
-    return _ranked(problem, made, place, threshold, held_out)
+    return _ranked(problem, made, place, threshold, best, held_out)
 
 
 def _tried(explanation: Explanation, threshold: float) -> list[Row]:
@@ -217,7 +219,8 @@ def _tried(explanation: Explanation, threshold: float) -> list[Row]:
         for key, tried in explanation.tried.items()
         if key in by_key
     ]
-    return _ranked(explanation.problem, made, 1, threshold, None)
+    gain = max((c.gain for c in made), default=0.0)
+    return _ranked(explanation.problem, made, 1, threshold, gain, None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -233,11 +236,12 @@ def _ranked(
     made: list[_Competitor],
     place: int,
     threshold: float,
+    explained: float,
     held_out: HeldOut | None,
 ) -> list[Row]:
     scores = np.array([0.0, *(c.gain - complexity_penalty(problem, c.term) for c in made)])
     before_data = np.array([threshold, *[0.0] * len(made)])
-    probabilities = posterior(scores + before_data, max((c.gain for c in made), default=0.0))
+    probabilities = posterior(scores + before_data, explained)
     order = np.argsort(-probabilities, kind="stable")
     rows: list[Row] = []
     before = 0.0
