@@ -17,6 +17,7 @@ from sklvalve.mismatch.search.own_noise import (
     explains_as_much,
     fitted_with_its_noise,
     penalised_across_noises,
+    penalised_by_its_noise,
 )
 from sklvalve.mismatch.search.relevance import SPREADS, beyond_tolerance, is_relevant, may_explain
 from sklvalve.mismatch.search.restart import much_is_left, restarted
@@ -243,22 +244,25 @@ class _Search:
         self, problem: Problem, model: Model, candidates: Sequence[Model]
     ) -> tuple[Problem, Model | None]:
         """The likeliest hypothesis with one effect more that matters, each by its own noise; else None."""
-        best: tuple[Problem, Model] | None = None
+        counting: list[tuple[Problem, Model]] = []
         for chosen in _in_reach(problem, candidates, model):
             by_its_noise, settled = _settle(problem, chosen)
             without = by_its_noise.fit(settled.terms[:-1], start=model)
             if is_relevant(by_its_noise, settled, without, self.threshold):
-                if model.terms and explains_as_much(problem, model, settled, settled.terms[-1]):
-                    continue
-                if best is None or penalised_across_noises(*best) < penalised_across_noises(
-                    by_its_noise, settled
-                ):
-                    best = by_its_noise, settled
+                counting.append((by_its_noise, settled))
                 continue
             # what a data sheet leaves open, or is absurd, speaks for no mismatch however much it gains
             if not model.terms and may_explain(by_its_noise, settled, without):
                 self._note(problem, settled, without)
-        return best or (problem.with_noise_of(model, cautious=True), None)
+        if model.terms and counting:
+            less = penalised_by_its_noise(problem, model)
+            counting = [
+                (by_its_noise, m)
+                for by_its_noise, m in counting
+                if not explains_as_much(problem, model, m.terms[-1], less, penalised_by_its_noise(problem, m))
+            ]
+        nothing = problem.with_noise_of(model, cautious=True), None
+        return max(counting, key=lambda one: penalised_across_noises(*one)) if counting else nothing
 
 
 def _in_reach(problem: Problem, candidates: Sequence[Model], model: Model) -> list[Model]:
@@ -296,6 +300,7 @@ def _simpler(
     """
     if len(findings) < 2:
         return None
+    more = penalised_by_its_noise(problem, model)
     best: tuple[float, Model] | None = None
     for finding in findings:
         inside = [r for r in finding.rivals if r.distance < DISTINGUISHABLE and r.term is not finding.term]
@@ -307,9 +312,9 @@ def _simpler(
                 starts = [rival.model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
                 fits = [problem.fit(others, start=start) for start in starts]
                 without = max(fits, key=lambda m: m.log_likelihood)
-                likely = penalised_across_noises(*fitted_with_its_noise(problem, without))
-                if (best is None or likely > best[0]) and explains_as_much(problem, without, model, other):
-                    best = likely, without
+                less = penalised_by_its_noise(problem, without)
+                if (best is None or less > best[0]) and explains_as_much(problem, without, other, less, more):
+                    best = less, without
     return None if best is None else best[1]
 
 

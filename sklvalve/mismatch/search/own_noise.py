@@ -43,15 +43,20 @@ def fitted_with_its_noise(problem: Problem, model: Model) -> tuple[Problem, Mode
 
 def likelihood_across_noises(problem: Problem, model: Model) -> float:
     """Log likelihood, comparable between noises: wide noise costs what it makes likelier."""
-    return model.log_likelihood - sum(problem.noise[c].log_spread for c in problem.channels)
+    return model.log_likelihood - _cost_of_noise(problem)
 
 
 def penalised_across_noises(problem: Problem, model: Model) -> float:
     """As `penalised_likelihood`, but comparable between noises."""
-    return penalised_likelihood(problem, model) - sum(problem.noise[c].log_spread for c in problem.channels)
+    return penalised_likelihood(problem, model) - _cost_of_noise(problem)
 
 
-def explains_as_much(problem: Problem, simple: Model, full: Model, term: Term) -> bool:
+def penalised_by_its_noise(problem: Problem, model: Model) -> float:
+    """As `penalised_likelihood`, by the noise that the hypothesis leaves."""
+    return penalised_across_noises(*fitted_with_its_noise(problem, model))
+
+
+def explains_as_much(problem: Problem, simple: Model, term: Term, less: float, more: float) -> bool:
     """Whether a hypothesis is in one class with another that has one effect more.
 
     An equation gets a share of its effect wrong, and what it gets wrong is no effect of its own. So the two
@@ -60,9 +65,11 @@ def explains_as_much(problem: Problem, simple: Model, full: Model, term: Term) -
     Parameters
     ----------
     problem : Problem
-    simple, full : Model
+    simple : Model
     term : Term
         What the other has more.
+    less, more : float
+        Of this one and of the other, `penalised_by_its_noise`.
 
     Returns
     -------
@@ -70,8 +77,9 @@ def explains_as_much(problem: Problem, simple: Model, full: Model, term: Term) -
     """
     here = set(problem.channels_touched(term.effect))
     elsewhere = [m for m in simple.terms if not here & set(problem.channels_touched(m.effect))]
-    bare, less, more = (
-        penalised_across_noises(*fitted_with_its_noise(problem, m))
-        for m in (problem.fit(elsewhere, start=simple), simple, full)
-    )
+    bare = penalised_by_its_noise(problem, problem.fit(elsewhere, start=simple))
     return bool(posterior(np.array([less, more]), less - bare)[0] > 1.0 - IN_CLASS)
+
+
+def _cost_of_noise(problem: Problem) -> float:
+    return float(sum(problem.noise[c].log_spread for c in problem.channels))

@@ -13,6 +13,7 @@ from sklvalve.mismatch.search.own_noise import (
     explains_as_much,
     fitted_with_its_noise,
     likelihood_across_noises,
+    penalised_by_its_noise,
 )
 from sklvalve.mismatch.search.rivals import weighed
 from sklvalve.recording import Recording, Valve
@@ -34,6 +35,11 @@ def _likelihood(problem, model):
     return likelihood_across_noises(*fitted_with_its_noise(problem, model))
 
 
+def as_much(problem, simple, full, term):
+    less, more = (penalised_by_its_noise(problem, m) for m in (simple, full))
+    return explains_as_much(problem, simple, term, less, more)
+
+
 def test_the_right_hypothesis_is_the_likeliest_by_its_own_noise(leaking):
     problem, nominal, fits = leaking
     others = (fits[GAIN], nominal)
@@ -53,8 +59,8 @@ def test_a_second_effect_must_tell_more_than_the_first_one_gets_wrong(leaking):
         first: problem.fit((first, second), start=fits[first])
         for first, second in ((LEAK, GAIN), (GAIN, LEAK))
     }
-    assert explains_as_much(problem, fits[LEAK], both[LEAK], GAIN)
-    assert not explains_as_much(problem, fits[GAIN], both[GAIN], LEAK)
+    assert as_much(problem, fits[LEAK], both[LEAK], GAIN)
+    assert not as_much(problem, fits[GAIN], both[GAIN], LEAK)
 
 
 def test_what_is_explained_in_another_signal_asks_for_no_more(leaking, monkeypatch):
@@ -63,10 +69,10 @@ def test_what_is_explained_in_another_signal_asks_for_no_more(leaking, monkeypat
     monkeypatch.setattr(
         "sklvalve.mismatch.search.own_noise.posterior", lambda both, gain: asked.append(gain) or both
     )
-    explains_as_much(problem, fits[LEAK], fits[LEAK], DEAD)
+    as_much(problem, fits[LEAK], fits[LEAK], DEAD)
     assert "opening" in problem.channels
     assert asked == [pytest.approx(0.0, abs=1e-6)]
-    explains_as_much(problem, fits[LEAK], fits[LEAK], GAIN)
+    as_much(problem, fits[LEAK], fits[LEAK], GAIN)
     assert asked[-1] > THRESHOLD
 
 
