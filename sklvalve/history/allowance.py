@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What may change between a valve's history and a later recording without anything being wrong."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from sklvalve.simulation.parameters import Parameter
-
-# what a calibration finds of these hangs on the programme that drove the stem, as far as a sheet leaves open
-_OF_THE_PROGRAMME = ("actuator_loop", "actuator_vent", "actuator_feedback")
+from sklvalve.simulation.parameters import Parameter, ParameterVector
 
 
 @dataclass(frozen=True)
@@ -17,9 +14,9 @@ class Allowance:
     """Standard deviations of what changes without a fault between a history and a later recording.
 
     Season, supply and a sensor that was set to zero again change a little. More changes because a simulation
-    is no valve: the time constants that fit it best hang on the programme. The defaults are the scatter of
-    calibrations between two recordings of an hour each of the same sound valve, on 225 valves of two
-    simulated plants (:doc:`/history`).
+    is no valve: the time constants that fit it best hang on the programme. What they make of the signals does
+    not: driven alike, a sound valve's stem comes out as before. The defaults are the scatter between two
+    recordings of an hour each of the same sound valve, on valves of two simulated plants (:doc:`/history`).
 
     Parameters
     ----------
@@ -32,9 +29,10 @@ class Allowance:
         what is left open before any data [1].
     recovery : float, default=0.01
         F_L, relative [1].
-    response : float, default=0.4
+    response : float, default=0.001
         Time constants, speeds, gains and friction of positioner, actuator and meter, and the knee of choking:
-        share of what the data sheet leaves open [1].
+        by how much (rms) they may move stem and flow, share of travel and of the flow's span [1]. What moved
+        nothing in the history stays as open as the data sheet leaves it.
     position_zero : float, default=0.001
         Zero of the position sensor, and of the stem under it [1 = travel].
     flow_zero : float, default=0.001
@@ -47,25 +45,46 @@ class Allowance:
     trim: float = 0.003
     unseen_drop: float = 0.02
     recovery: float = 0.01
-    response: float = 0.4
+    response: float = 0.001
     position_zero: float = 0.001
     flow_zero: float = 0.001
     pressure_zero: float = 0.0015
 
-    def of(self, parameter: Parameter, spans: Mapping[str, float]) -> float:
-        """Allowance of one parameter of a calibration, in the numbers that an optimiser moves.
+    def covariance(
+        self, parameters: Sequence[Parameter], spans: Mapping[str, float], moves: np.ndarray
+    ) -> np.ndarray:
+        r"""Covariance of what may change of a calibration.
+
+        .. math:: A^{-1} = \operatorname{diag}(a_i^{-2}) + M_{rr} / r^2
+
+        with :math:`a_i` the spread of each parameter, r the `response`, and M the mean products of the
+        signals' derivatives by the parameters of the response: together they move the signals by about r in
+        each direction.
 
         Parameters
         ----------
-        parameter : Parameter
+        parameters : sequence of Parameter
         spans : mapping of str to float
             Role -> span of it in the history [SI].
+        moves : ndarray of shape (m, m)
+            Mean over the rows of a history of products of derivatives of the signals, each as share of its
+            travel or span, in scaled parameters.
 
         Returns
         -------
-        spread : float
-            Standard deviation; of the logarithm where the parameter moves by that.
+        covariance : ndarray of shape (m, m)
+            In scaled parameters.
         """
+        spread = [self._named(p, spans) for p in parameters]
+        of_response = np.array([a is None for a in spread])
+        allowed = [_open_to(p) if a is None else a for a, p in zip(spread, parameters, strict=True)]
+        precision = np.diag((ParameterVector(parameters).scale / np.array(allowed)) ** 2)
+        precision += np.where(np.outer(of_response, of_response), moves / self.response**2, 0.0)
+        covariance = np.linalg.inv(precision)
+        return 0.5 * (covariance + covariance.T)
+
+    def _named(self, parameter: Parameter, spans: Mapping[str, float]) -> float | None:
+        """Allowance of one parameter in the numbers that an optimiser moves; None of one of the response."""
         name = parameter.name
         known = {
             "position_zero": self.position_zero,
@@ -89,8 +108,12 @@ class Allowance:
             # calibrated without a prior (`ValveHistory.prior_of`), so that its own change is told as such
             # and is not taken for another effect.
             return self.capacity * (1.0 if parameter.log else _reach(parameter))
-        open_to_it = parameter.spread or _reach(parameter)
-        return open_to_it if name in _OF_THE_PROGRAMME else self.response * open_to_it
+        return None
+
+
+def _open_to(parameter: Parameter) -> float:
+    """What a data sheet leaves open, or bounds alone."""
+    return parameter.spread or _reach(parameter)
 
 
 def _reach(parameter: Parameter) -> float:

@@ -169,7 +169,7 @@ def windows_of(
     n = len(chain.time)
     predictions = simulate_channels(chain, values, [c for g in groups for c in g.channels])
     noise = noise_left(chain, predictions, tolerance)
-    errors, slopes = zip(*(_linearised(chain, g, values, noise) for g in groups), strict=True)
+    linearised = [_linearised(chain, g, values, noise) for g in groups]
     many = max(1, round(n / WINDOW))
     edges = np.linspace(0, n, many + 1).astype(int)
     left = {c: residual_of(chain, predictions, c, None) for c in predictions}
@@ -180,9 +180,7 @@ def windows_of(
             begins=chain.recording.stamps[low],
             rows=int(high - low),
             seconds=float(chain.time[high - 1] - chain.time[low]),
-            information=tuple(
-                _information(e, s, g, n, rows) for e, s, g in zip(errors, slopes, groups, strict=True)
-            ),
+            information=tuple(_information(*each, rows) for each in linearised),
             left={c: _rms(left[c][rows]) for c in left},
             slow={c: slow_size(left[c][rows], predictions[c][rows], spans[c]) for c in left},
             noise={c: parts_of(noise[c]) for c in predictions},
@@ -205,23 +203,32 @@ def parts_of(noise: Any) -> NoiseParts:
 
 def _linearised(
     chain: Chain, group: Group, values: dict[str, float], noise: dict[str, Any]
-) -> tuple[np.ndarray, np.ndarray]:
-    """Whitened errors of a group, channel after channel, and their derivatives by scaled parameters."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Whitened errors of a group's channels (c, n), and derivatives by scaled parameters (m, c, n).
+
+    Those of the errors, and those of the signals as share of their spans. Distances from the sheet's priors
+    are no part of what the rows say.
+    """
     misfit = Misfit(chain, group.parameters, group.channels, noise, fixed=values)
+    spans = spans_of(chain.recording, group.channels)
     z = misfit.vector.pack(values)
-    errors = misfit.errors(z)
-    slopes = misfit.slopes(z, errors).T * misfit.vector.scale[:, None]
-    # distances from the sheet's priors stand behind the rows, and are no part of what these say
-    rows = len(group.channels) * len(chain.time)
-    return errors[:rows], slopes[:, :rows]
+    here = misfit.predictions(z)
+    errors, slopes, moves = misfit.whitened(here), [], []
+    for beside, reach in zip(*misfit.neighbours(z), strict=True):
+        there, times = misfit.predictions(beside), misfit.vector.scale[len(slopes)] / reach
+        slopes.append(times * (misfit.whitened(there) - errors))
+        moves.append([times / spans[c] * (there[c] - here[c]) for c in group.channels])
+    shape = len(group.channels), len(chain.time)
+    return errors.reshape(shape), np.reshape(slopes, (-1, *shape)), np.nan_to_num(np.array(moves))
 
 
-def _information(errors: np.ndarray, slopes: np.ndarray, group: Group, n: int, rows: slice) -> Information:
-    """Normal equations of the rows of one window."""
-    at = np.concatenate([np.arange(rows.start, rows.stop) + k * n for k in range(len(group.channels))])
-    part = np.ascontiguousarray(slopes[:, at])
-    gradient, hessian = normal_equations(part, robust_weights(errors[at]), errors[at])
-    return Information(hessian, -gradient)
+def _information(errors: np.ndarray, slopes: np.ndarray, moves: np.ndarray, rows: slice) -> Information:
+    """Normal equations of the rows of one window, and how the signals moved in it."""
+    left, m = errors[:, rows].ravel(), len(slopes)
+    part = np.ascontiguousarray(slopes[..., rows].reshape(m, -1))
+    gradient, hessian = normal_equations(part, robust_weights(left), left)
+    moved = moves[..., rows].reshape(m, -1)
+    return Information(hessian, -gradient, moved @ moved.T / (rows.stop - rows.start))
 
 
 def _rms(left: np.ndarray) -> float:

@@ -82,6 +82,7 @@ def moved(history: ValveHistory, other: ValveHistory) -> list[Window]:
                 Information(
                     information.hessian * np.outer(ratio, ratio),
                     ratio * (information.pull - information.hessian @ away),
+                    information.moves * np.outer(ratio, ratio),
                 )
                 for information, (ratio, away) in zip(window.information, ways, strict=True)
             ),

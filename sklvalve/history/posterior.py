@@ -26,10 +26,13 @@ class Information:
         Of half the weighed squares of whitened errors, in scaled parameters.
     pull : ndarray of shape (m,)
         Where the window's own best lies: ``hessian @ best``, counted from the point.
+    moves : ndarray of shape (m, m)
+        Mean over the rows of products of the derivatives of the signals, each as share of its travel or span.
     """
 
     hessian: np.ndarray
     pull: np.ndarray
+    moves: np.ndarray
 
 
 def expected(
@@ -41,9 +44,9 @@ def expected(
 ) -> tuple[np.ndarray, np.ndarray]:
     r"""Mean and covariance of the calibration of a window that is yet to come.
 
-    The calibration of window w is :math:`\theta_w = \theta + u_w`, with :math:`u_w \sim N(0, Q)`, Q diagonal,
-    found by expectation and maximisation. The next recording's calibration has the posterior of
-    :math:`\theta`, another :math:`u`, and the allowance upon it.
+    The calibration of window w is :math:`\theta_w = \theta + u_w`, with :math:`u_w \sim N(0, Q)`, Q diagonal in
+    the directions in which the allowance is, found by expectation and maximisation. The next recording's
+    calibration has the posterior of :math:`\theta`, another :math:`u`, and the allowance upon it.
 
     Parameters
     ----------
@@ -52,8 +55,8 @@ def expected(
         Of the data sheet's prior.
     begin : ndarray of shape (m,)
         Mean of the data sheet's prior, counted from the common point.
-    allowance : ndarray of shape (m,)
-        Variance that is allowed without a fault.
+    allowance : ndarray of shape (m, m)
+        Covariance of what is allowed without a fault.
     bounds : tuple of ndarray of shape (m,)
         How far each parameter may lie from the common point, down (negative) and up: the mean stays inside.
 
@@ -63,20 +66,23 @@ def expected(
         Counted from the common point.
     covariance : ndarray of shape (m, m)
     """
-    usual = _SHARE_WITHIN**2 * allowance
+    sizes, ways = np.linalg.eigh(allowance)
+    usual = _SHARE_WITHIN**2 * sizes
     changes = usual.copy()
     for _ in range(_ROUNDS):
-        mean, covariance = _of_the_valve(windows, precision, begin, changes, bounds)
-        seen = np.zeros(len(changes))
+        mean, covariance = _of_the_valve(windows, precision, begin, (ways * changes) @ ways.T, bounds)
+        sharp, seen = (ways / changes) @ ways.T, np.zeros(len(changes))
         for window in windows:
             # what this window's own change is, given what is known of the valve
-            own = np.linalg.inv(window.hessian + np.diag(1.0 / changes))
+            own = np.linalg.inv(window.hessian + sharp)
             step = own @ (window.pull - window.hessian @ mean)
             through = own @ window.hessian
-            seen += step**2 + np.diag(own) + np.einsum("ij,jk,ik->i", through, covariance, through)
+            scatter = own + through @ covariance @ through.T
+            seen += (ways.T @ step) ** 2 + np.einsum("ij,ik,kj->j", ways, scatter, ways)
         changes = (seen + _WINDOWS_AS_EXPECTED * usual) / (len(windows) + _WINDOWS_AS_EXPECTED)
-    mean, covariance = _of_the_valve(windows, precision, begin, changes, bounds)
-    return mean, covariance + np.diag(changes + allowance)
+    within = (ways * changes) @ ways.T
+    mean, covariance = _of_the_valve(windows, precision, begin, within, bounds)
+    return mean, covariance + within + allowance
 
 
 def _of_the_valve(
@@ -89,7 +95,7 @@ def _of_the_valve(
     """Mean within bounds, and covariance, of what windows have in common."""
     total, pull = np.diag(precision), precision * begin
     for window in windows:
-        spread = np.linalg.inv(np.eye(len(changes)) + window.hessian * changes)
+        spread = np.linalg.inv(np.eye(len(changes)) + window.hessian @ changes)
         total = total + spread @ window.hessian
         pull = pull + spread @ window.pull
     total = 0.5 * (total + total.T)

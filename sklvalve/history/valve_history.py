@@ -390,10 +390,11 @@ class ValveHistory(BaseEstimator):
             here, scale = vector.pack(self.values_), vector.scale
             sheet = np.array([p.spread or np.inf for p in group.parameters]) / scale
             begin = (vector.pack({}) - here) / scale
-            allowed = np.array([allowance.of(p, self.spans_) for p in group.parameters]) / scale
             windows = [w.information[k] for w in self.windows_]
+            moves = np.average([w.moves for w in windows], axis=0, weights=[w.rows for w in self.windows_])
+            allowed = allowance.covariance(group.parameters, self.spans_, moves)
             reach = (vector.low - here) / scale, (vector.high - here) / scale
-            mean, covariance = expected(windows, np.maximum(sheet**-2.0, 1e-9), begin, allowed**2, reach)
+            mean, covariance = expected(windows, np.maximum(sheet**-2.0, 1e-9), begin, allowed, reach)
             means.append(np.clip(here + scale * mean, vector.low, vector.high))
             covariances.append(covariance * np.outer(scale, scale))
             names += vector.names

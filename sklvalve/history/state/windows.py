@@ -25,7 +25,7 @@ _ROUNDING = 1e-6
 
 
 def told(history: ValveHistory) -> dict[str, Any]:
-    """Arrays over the windows: of shape (w,), of pulls (w, m), of Hessians (w, m, m)."""
+    """Arrays over the windows: of shape (w,), of pulls (w, m), of Hessians and moves (w, m, m)."""
     windows = history.windows_
     channels = history.channels
     return {
@@ -36,6 +36,7 @@ def told(history: ValveHistory) -> dict[str, Any]:
             {
                 "hessian": np.array([w.information[k].hessian for w in windows]),
                 "pull": np.array([w.information[k].pull for w in windows]),
+                "moves": np.array([w.information[k].moves for w in windows]),
             }
             for k in range(len(history._groups_))
         ],
@@ -56,7 +57,7 @@ def put_back(history: ValveHistory, part: dict[str, Any]) -> None:
             begins=begins,
             rows=int(part["rows"][k]),
             seconds=float(part["seconds"][k]),
-            information=tuple(Information(g["hessian"][k], g["pull"][k]) for g in groups),
+            information=tuple(Information(g["hessian"][k], g["pull"][k], g["moves"][k]) for g in groups),
             left={c: float(each[k]) for c, each in left.items()},
             slow={c: float(each[k]) for c, each in slow.items()},
             noise={
@@ -100,14 +101,16 @@ def _require_sound_slow(each: Any, channel: str, w: int) -> None:
 
 
 def _require_sound_information(each: Any, w: int, m: int) -> None:
-    hessian = array(mapping({"information": each}, "information").get("hessian"), "a Hessian", (w, m, m))
+    mapping({"information": each}, "information")
     array(each.get("pull"), "a pull", (w, m))
-    if not np.allclose(hessian, hessian.transpose(0, 2, 1), rtol=1e-6, atol=1e-6):
-        raise ValueError("a Hessian is not symmetric")
-    # a curvature below zero would make of an uncertainty an imaginary one
-    size = np.linalg.eigvalsh(hessian)
-    if (size[:, 0] < -_ROUNDING * np.maximum(size[:, -1], 1.0)).any():
-        raise ValueError("a Hessian bends down")
+    for name, words in (("hessian", "Hessian"), ("moves", "table of moves")):
+        curvature = array(each.get(name), f"a {words}", (w, m, m))
+        if not np.allclose(curvature, curvature.transpose(0, 2, 1), rtol=1e-6, atol=1e-6):
+            raise ValueError(f"a {words} is not symmetric")
+        # a curvature below zero would make of an uncertainty an imaginary one
+        size = np.linalg.eigvalsh(curvature)
+        if (size[:, 0] < -_ROUNDING * np.maximum(size[:, -1], 1.0)).any():
+            raise ValueError(f"a {words} bends down")
 
 
 def _require_sound_noise(parts: dict[str, Any], channel: str, w: int) -> None:

@@ -47,10 +47,11 @@ def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:
     ----------
     problem : Problem
     """
+    moves = "command" in problem.recording and not problem.coupled
     if problem.history is not None:
         known = {p.name: p.start for p in problem.calibration(problem.channels)}
-        return Model((), problem.plain, known | problem.held_values, {}, np.nan, {}), {}
-    moves = "command" in problem.recording and not problem.coupled
+        sound = {name: value for name, value in known.items() if moves and name.startswith("actuator_")}
+        return Model((), problem.plain, known | problem.held_values, {}, np.nan, {}), sound
     values, sound = first_values(
         problem.plain,
         problem.calibration(("opening",)) if moves else (),

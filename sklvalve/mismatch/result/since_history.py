@@ -34,7 +34,7 @@ _ALLOWED = {
     "trim": "capacity at each opening beside that at full travel, relative",
     "unseen_drop": "the same where no pressure drop is recorded, share of what is open before any data",
     "recovery": "pressure recovery factor F_L, relative",
-    "response": "time constants, speeds, gains and friction, share of what the data sheet leaves open",
+    "response": "stem and flow by time constants, speeds, gains and friction, rms, share of the span",
     "position_zero": "zero of the position sensor and of the stem, share of travel",
     "flow_zero": "zero of the flow meter, share of its span",
     "pressure_zero": "zero of a pressure sensor, share of its span",
