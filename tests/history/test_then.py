@@ -35,8 +35,8 @@ def test_deviations_of_a_logarithm_are_those_of_its_ratio(expected):
 
 def test_where_the_sheet_knows_as_much_nothing_was_learnt(expected):
     assert expected["capacity"].informed
-    # a trim that is used between shut and open says little of the onset of choking
-    assert not expected["actuator_loop"].informed
+    # where the valve does not choke nothing moves with the knee: it stays as open as the sheet leaves it
+    assert not expected["knee"].informed
 
 
 def test_the_simulation_of_then_fits_what_came_after_a_sound_history(learnt, after):

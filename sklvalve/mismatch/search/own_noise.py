@@ -30,7 +30,7 @@ def fitted_with_its_noise(problem: Problem, model: Model) -> tuple[Problem, Mode
     ----------
     problem : Problem
     model : Model
-        Where the fits begin: fitted by the noise of the problem.
+        Where the fits begin.
 
     Returns
     -------
@@ -38,7 +38,7 @@ def fitted_with_its_noise(problem: Problem, model: Model) -> tuple[Problem, Mode
         Judged by the noise that the hypothesis leaves.
     model : Model
     """
-    met = [(problem, model)]
+    met = [(problem, problem.judged(model))]
     for _ in range(2):
         problem = problem.with_noise_of(model)
         model = problem.fit(model.terms, start=model)

@@ -36,6 +36,11 @@ class _Bench:
     def simulate(self, members, values):
         return None
 
+    def judged(self, model):
+        """Far less likely by the noise that another model left."""
+        own = self.noise["flow"].log_spread == self.spreads[model.terms[-1].onset]
+        return SimpleNamespace(**vars(model) | {"log_likelihood": model.log_likelihood if own else -1e9})
+
     def with_noise_of(self, model):
         return _Bench(self.likelihoods, self.spreads, self.spreads[model.terms[-1].onset])
 
