@@ -49,7 +49,7 @@ class ChokedFlow(Effect):
 
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # F_L belongs to the trim: one that the simulation holds must be off by more than a sheet may be
-        if not chain.choking:
+        if late or not chain.choking:
             return True
         sheet = chain.valve.fl
         typical = float(np.mean(at_travel(sheet, np.linspace(0.1, 1.0, 10)))) if sheet is not None else 0.9

@@ -33,4 +33,4 @@ class FlowMeterBias(Effect):
 
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         span = span_of(chain.recording["flow"])
-        return abs(p["bias"]) > tolerance.flow_zero * span
+        return late or abs(p["bias"]) > tolerance.flow_zero * span

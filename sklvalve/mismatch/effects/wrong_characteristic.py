@@ -47,7 +47,7 @@ class WrongCharacteristic(Effect):
 
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         x, phi = visited(chain)
-        return beyond_trim(np.expm1(self._bend(x, p)), phi, tolerance)
+        return late or beyond_trim(np.expm1(self._bend(x, p)), phi, tolerance)
 
     @staticmethod
     def _bend(x: np.ndarray, p: dict[str, float]) -> np.ndarray:
