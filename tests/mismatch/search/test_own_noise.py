@@ -53,6 +53,17 @@ def test_the_likelihood_does_not_hang_on_the_noise_that_it_begins_with(leaking):
     assert by_wide == pytest.approx(by_narrow, abs=1.0)
 
 
+def test_no_hypothesis_is_less_likely_than_by_the_noise_that_it_came_with(leaking, monkeypatch):
+    problem, nominal, fits = leaking
+    by_its_own, fitted = fitted_with_its_noise(problem, fits[LEAK])
+    # a noise fit that ends in a valley of its own: whatever it is asked for, the noise of nothing
+    valley = problem.with_noise_of(nominal)
+    monkeypatch.setattr(type(problem), "with_noise_of", lambda self, model: self.with_noise(valley.noise))
+    kept, model = fitted_with_its_noise(by_its_own, fitted)
+    assert kept is by_its_own
+    assert model.log_likelihood == pytest.approx(fitted.log_likelihood, abs=0.01)
+
+
 def test_a_second_effect_must_tell_more_than_the_first_one_gets_wrong(leaking):
     problem, _, fits = leaking
     both = {
