@@ -32,7 +32,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--records", type=int, default=60)
     parser.add_argument("--first", type=int, default=1000)
-    parser.add_argument("--nastier", action="store_true", help="noise of kinds that the reference has none of")
+    parser.add_argument(
+        "--nastier", action="store_true", help="noise of kinds that the reference has none of"
+    )
     settings = parser.parse_args()
     found = {}
     for seed in range(settings.first, settings.first + settings.records):

@@ -213,7 +213,9 @@ def _linearised(
     spans = spans_of(chain.recording, group.channels)
     z = misfit.vector.pack(values)
     here = misfit.predictions(z)
-    errors, slopes, moves = misfit.whitened(here), [], []
+    errors = misfit.whitened(here)
+    slopes: list[np.ndarray] = []
+    moves: list[list[np.ndarray]] = []
     for beside, reach in zip(*misfit.neighbours(z), strict=True):
         there, times = misfit.predictions(beside), misfit.vector.scale[len(slopes)] / reach
         slopes.append(times * (misfit.whitened(there) - errors))

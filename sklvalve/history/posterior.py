@@ -44,9 +44,9 @@ def expected(
 ) -> tuple[np.ndarray, np.ndarray]:
     r"""Mean and covariance of the calibration of a window that is yet to come.
 
-    The calibration of window w is :math:`\theta_w = \theta + u_w`, with :math:`u_w \sim N(0, Q)`, Q diagonal in
-    the directions in which the allowance is, found by expectation and maximisation. The next recording's
-    calibration has the posterior of :math:`\theta`, another :math:`u`, and the allowance upon it.
+    The calibration of window w is :math:`\theta_w = \theta + u_w`, with :math:`u_w \sim N(0, Q)`. Q is
+    diagonal in the directions in which the allowance is, and found by expectation and maximisation. The next
+    recording's calibration has the posterior of :math:`\theta`, another :math:`u`, and the allowance upon it.
 
     Parameters
     ----------
