@@ -14,15 +14,16 @@ import argparse
 import numpy as np
 from healthy_reference import draw
 
-from sklvalve import InputError, ValveHistory
-from sklvalve.history.then import _simulation
+from sklvalve import ValveHistory
+from sklvalve.history.then import simulation_then
+from sklvalve.recording import InputError
 from sklvalve.simulation.calibration import spans_of
 
 
 def scatter_of(before, now):
     """Channel -> rms difference of the two simulations of one recording, share of its span."""
     two = [ValveHistory().fit([recording]) for recording in (before, now)]
-    first, second = (_simulation(each, each.values_).simulate(now) for each in two)
+    first, second = (simulation_then(each).simulate(now) for each in two)
     spans = spans_of(now, two[0].channels)
     return {c: float(np.sqrt(np.nanmean((first[c] - second[c]) ** 2)) / spans[c]) for c in two[0].channels}
 

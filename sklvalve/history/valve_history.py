@@ -34,7 +34,7 @@ from sklvalve.history.learning import (
 )
 from sklvalve.history.merging import moved, require_mergeable
 from sklvalve.history.operating_range import OperatingRange
-from sklvalve.history.posterior import expected
+from sklvalve.history.posterior import FromSheet, centred, expected
 from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.history.sources import Source
 from sklvalve.history.state.settings import settings_of
@@ -161,7 +161,7 @@ class ValveHistory(BaseEstimator):
         self.range_ = OperatingRange()
         self.by_itself_: ByItself | None = None
         self.rehearsals_: list[Rehearsal] = []
-        return self._learn(recordings, self.onsets or {})
+        return self._learn(recordings, self.onsets or {}, calibrated=True)
 
     @whole_or_nothing
     def update(self, X: Recording | Iterable[Recording]) -> ValveHistory:
@@ -189,7 +189,9 @@ class ValveHistory(BaseEstimator):
         dated = all(isinstance(recording.stamps[0], str) for recording in recordings)
         return self._learn(recordings, (self.onsets or {}) if dated else {})
 
-    def _learn(self, recordings: Sequence[Recording], onsets: dict[str, Any]) -> ValveHistory:
+    def _learn(
+        self, recordings: Sequence[Recording], onsets: dict[str, Any], *, calibrated: bool = False
+    ) -> ValveHistory:
         tolerance = self.tolerance or Tolerance()
         self.recordings_ = [*self.recordings_, *require_further(recordings, self.recordings_)]
         self.windows_ = list(self.windows_)
@@ -198,6 +200,8 @@ class ValveHistory(BaseEstimator):
                 self.windows_ += windows_of(
                     self._chain(piece, onsets), self._groups_, self.values_, tolerance
                 )
+        if calibrated:
+            self.windows_ = self._centred()
         self.range_ = self.range_.merged(OperatingRange.of(recordings))
         self.prior_ = self._expected()
         return self
@@ -380,24 +384,29 @@ class ValveHistory(BaseEstimator):
         each = sorted((w.noise[channel] for w in self.windows_), key=lambda parts: parts.size)
         return each[len(each) // 2]
 
+    def _centred(self) -> list[Window]:
+        """The windows that the calibration was fitted to, as they stand where it is the best one."""
+        groups = [
+            centred([w.information[k] for w in self.windows_], FromSheet.of(group.parameters, self.values_))
+            for k, group in enumerate(self._groups_)
+        ]
+        each = zip(self.windows_, zip(*groups, strict=True), strict=True)
+        return [replace(window, information=of_groups) for window, of_groups in each]
+
     def _expected(self) -> JointPrior:
         """The prior of the next recording, of all groups of channels in one."""
         self.__dict__.pop("_known", None)
         allowance = self.allowance or Allowance()
         names, means, covariances = [], [], []
         for k, group in enumerate(self._groups_):
-            vector = ParameterVector(group.parameters)
-            here, scale = vector.pack(self.values_), vector.scale
-            sheet = np.array([p.spread or np.inf for p in group.parameters]) / scale
-            begin = (vector.pack({}) - here) / scale
+            sheet = FromSheet.of(group.parameters, self.values_)
             windows = [w.information[k] for w in self.windows_]
             moves = np.average([w.moves for w in windows], axis=0, weights=[w.rows for w in self.windows_])
             allowed = allowance.covariance(group.parameters, self.spans_, moves)
-            reach = (vector.low - here) / scale, (vector.high - here) / scale
-            mean, covariance = expected(windows, np.maximum(sheet**-2.0, 1e-9), begin, allowed, reach)
-            means.append(np.clip(here + scale * mean, vector.low, vector.high))
-            covariances.append(covariance * np.outer(scale, scale))
-            names += vector.names
+            mean, covariance = expected(windows, sheet, allowed)
+            means.append(sheet.unscaled(mean))
+            covariances.append(covariance * np.outer(sheet.vector.scale, sheet.vector.scale))
+            names += sheet.vector.names
         size = np.cumsum([0, *map(len, means)])
         covariance = np.zeros((size[-1], size[-1]))
         for k, part in enumerate(covariances):

@@ -13,6 +13,7 @@ from sklvalve.mismatch.data.preparation import candidates, lasting, prepared_pro
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.recording import Recording, Valve, join_recordings
 from sklvalve.simulation import ValveSimulation
+from sklvalve.simulation.parameters import ParameterVector
 from tests.history.plant import made
 
 LEAK, GAIN, DRIFT = (
