@@ -47,7 +47,8 @@ def test_what_is_held_is_free_and_its_allowance_is_small():
     assert by_name["capacity"].joint is history.prior_
     # what it was is known nevertheless, and not blurred by what a leak may grow to
     (leak,) = [p for p in history.parameters if p.name == "seat_leakage.leak_kv"]
-    assert Allowance().of(leak, history.spans_) < 0.001 * leak.high
+    (allowed,) = Allowance().covariance([leak], history.spans_, np.zeros((1, 1))).ravel()
+    assert np.sqrt(allowed) * ParameterVector([leak]).scale[0] < 0.001 * leak.high
     # no calibration is drawn back to a leak of before
     found = history.expected_of(history.values_ | {"seat_leakage.leak_kv": 3.0})
     assert found["seat_leakage.leak_kv"] == 3.0
