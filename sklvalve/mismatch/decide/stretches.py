@@ -129,7 +129,8 @@ def _fitted(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """The problem with the noise that a hypothesis leaves in every row, and the hypothesis fitted to that."""
     # rows between a stretch and the onset that it suggested must not pass for noise
     fitted = _dated(problem, problem.simulate(model.terms, model.values))
-    problem, fitted = fitted_with_its_noise(problem, fitted)
+    # the whole has no noise yet but a first guess, by which no likelihood is comparable
+    problem, fitted = fitted_with_its_noise(problem.with_noise_of(fitted), fitted)
     for term in fitted.terms:
         if term.onset is not None and not term.effect.grows:
             others = tuple(m for m in fitted.terms if m is not term)
