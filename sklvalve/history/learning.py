@@ -216,8 +216,8 @@ def _linearised(
     errors = misfit.whitened(here)
     slopes: list[np.ndarray] = []
     moves: list[list[np.ndarray]] = []
-    for beside, reach in zip(*misfit.neighbours(z), strict=True):
-        there, times = misfit.predictions(beside), misfit.vector.scale[len(slopes)] / reach
+    for beside, reach, scale in zip(*misfit.neighbours(z), misfit.vector.scale, strict=True):
+        there, times = misfit.predictions(beside), scale / reach
         slopes.append(times * (misfit.whitened(there) - errors))
         moves.append([times / spans[c] * (there[c] - here[c]) for c in group.channels])
     shape = len(group.channels), len(chain.time)

@@ -101,7 +101,7 @@ def _require_sound_slow(each: Any, channel: str, w: int) -> None:
 
 
 def _require_sound_information(each: Any, w: int, m: int) -> None:
-    mapping({"information": each}, "information")
+    each = mapping({"information": each}, "information")
     array(each.get("pull"), "a pull", (w, m))
     for name, words in (("hessian", "Hessian"), ("moves", "table of moves")):
         curvature = array(each.get(name), f"a {words}", (w, m, m))
