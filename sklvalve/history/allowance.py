@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sklvalve.history.moving import open_to, reach_of
 from sklvalve.simulation.parameters import Parameter, ParameterVector
 
 
@@ -57,9 +58,8 @@ class Allowance:
 
         .. math:: A^{-1} = \operatorname{diag}(a_i^{-2}) + M_{rr} / r^2
 
-        with :math:`a_i` the spread of each parameter, r the `response`, and M the mean products of the
-        signals' derivatives by the parameters of the response: together they move the signals by about r in
-        each direction.
+        with :math:`a_i` the spread of each parameter, r the `response`, and M the mean products of what the
+        parameters of the response move the signals by: together they move them by about r in each direction.
 
         Parameters
         ----------
@@ -67,8 +67,7 @@ class Allowance:
         spans : mapping of str to float
             Role -> span of it in the history [SI].
         moves : ndarray of shape (m, m)
-            Mean over the rows of a history of products of derivatives of the signals, each as share of its
-            travel or span, in scaled parameters.
+            Mean over the rows of a history of products of what the scaled parameters move the signals by.
 
         Returns
         -------
@@ -77,7 +76,7 @@ class Allowance:
         """
         spread = [self._named(p, spans) for p in parameters]
         of_response = np.array([a is None for a in spread])
-        allowed = [_open_to(p) if a is None else a for a, p in zip(spread, parameters, strict=True)]
+        allowed = [open_to(p) if a is None else a for a, p in zip(spread, parameters, strict=True)]
         precision = np.diag((ParameterVector(parameters).scale / np.array(allowed)) ** 2)
         precision += np.where(np.outer(of_response, of_response), moves / self.response**2, 0.0)
         covariance = np.linalg.inv(precision)
@@ -107,18 +106,5 @@ class Allowance:
             # it gets no more than a capacity does. That keeps what it was sharp; in a later recording it is
             # calibrated without a prior (`ValveHistory.prior_of`), so that its own change is told as such
             # and is not taken for another effect.
-            return self.capacity * (1.0 if parameter.log else _reach(parameter))
+            return self.capacity * (1.0 if parameter.log else reach_of(parameter))
         return None
-
-
-def _open_to(parameter: Parameter) -> float:
-    """What a data sheet leaves open, or bounds alone."""
-    return parameter.spread or _reach(parameter)
-
-
-def _reach(parameter: Parameter) -> float:
-    """What bounds alone leave open."""
-    if parameter.log:
-        return 1.0
-    width = parameter.high - parameter.low
-    return 0.25 * width if np.isfinite(width) else max(abs(parameter.start), 1e-12)

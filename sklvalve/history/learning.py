@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from sklvalve.history.moving import moved_by
 from sklvalve.history.posterior import Information
 from sklvalve.recording import Recording, join_recordings
 from sklvalve.simulation.calibration import calibration_parameters, channels_of, spans_of
@@ -206,22 +207,19 @@ def _linearised(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Whitened errors of a group's channels (c, n), and derivatives by scaled parameters (m, c, n).
 
-    Those of the errors, and those of the signals as share of their spans. Distances from the sheet's priors
+    Those of the errors, and differences of the signals as `moved_by` has them. Distances from the sheet
     are no part of what the rows say.
     """
     misfit = Misfit(chain, group.parameters, group.channels, noise, fixed=values)
-    spans = spans_of(chain.recording, group.channels)
     z = misfit.vector.pack(values)
     here = misfit.predictions(z)
     errors = misfit.whitened(here)
-    slopes: list[np.ndarray] = []
-    moves: list[list[np.ndarray]] = []
-    for beside, reach, scale in zip(*misfit.neighbours(z), misfit.vector.scale, strict=True):
-        there, times = misfit.predictions(beside), scale / reach
-        slopes.append(times * (misfit.whitened(there) - errors))
-        moves.append([times / spans[c] * (there[c] - here[c]) for c in group.channels])
+    slopes = [
+        scale / reach * (misfit.whitened(misfit.predictions(beside)) - errors)
+        for beside, reach, scale in zip(*misfit.neighbours(z), misfit.vector.scale, strict=True)
+    ]
     shape = len(group.channels), len(chain.time)
-    return errors.reshape(shape), np.reshape(slopes, (-1, *shape)), np.nan_to_num(np.array(moves))
+    return errors.reshape(shape), np.reshape(slopes, (-1, *shape)), moved_by(misfit, z, here)
 
 
 def _information(errors: np.ndarray, slopes: np.ndarray, moves: np.ndarray, rows: slice) -> Information:
