@@ -21,14 +21,14 @@ class Allowance:
 
     Parameters
     ----------
-    capacity : float, default=0.002
+    capacity : float, default=0.001
         Capacity together with the meter's gain, relative [1].
-    trim : float, default=0.003
+    trim : float, default=0.002
         Capacity at each opening beside that at full travel, relative [1].
     unseen_drop : float, default=0.02
         The same where no pressure drop is recorded, and pump and line change with the programme: share of
         what is left open before any data [1].
-    recovery : float, default=0.01
+    recovery : float, default=0.003
         F_L, relative [1].
     response : float, default=0.001
         Time constants, speeds, gains and friction of positioner, actuator and meter, and the knee of choking:
@@ -36,18 +36,21 @@ class Allowance:
         nothing in the history stays as open as the data sheet leaves it.
     position_zero : float, default=0.001
         Zero of the position sensor, and of the stem under it [1 = travel].
+    play : float, default=0.0006
+        Play of the linkage, and of the plug [1 = travel].
     flow_zero : float, default=0.001
         Zero of the flow meter, share of its span [1].
     pressure_zero : float, default=0.0015
         Zero of a pressure sensor, share of its span [1].
     """
 
-    capacity: float = 0.002
-    trim: float = 0.003
+    capacity: float = 0.001
+    trim: float = 0.002
     unseen_drop: float = 0.02
-    recovery: float = 0.01
+    recovery: float = 0.003
     response: float = 0.001
     position_zero: float = 0.001
+    play: float = 0.0006
     flow_zero: float = 0.001
     pressure_zero: float = 0.0015
 
@@ -88,6 +91,8 @@ class Allowance:
         known = {
             "position_zero": self.position_zero,
             "stem_zero": self.position_zero,
+            "link_play": self.play,
+            "plug_play": self.play,
             "flow_zero": self.flow_zero * spans.get("flow", 1.0),
             "dp_zero": self.pressure_zero * spans.get("p1", 1.0),
             "fl_scale": self.recovery,

@@ -13,7 +13,7 @@ import numpy as np
 from sklvalve.history.moving import moved_by
 from sklvalve.history.posterior import Information
 from sklvalve.recording import Recording, join_recordings
-from sklvalve.simulation.calibration import calibration_parameters, channels_of, spans_of
+from sklvalve.simulation.calibration import calibration_parameters, channels_of, sound_play, spans_of
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.first_values import first_values
 from sklvalve.simulation.fitting import Misfit, first_noise, fit_chain, residual_of, simulate_channels
@@ -86,7 +86,14 @@ def groups_of(chain: Chain, tolerance: Tolerance) -> tuple[Group, ...]:
     brought = [q.parameter_of(e.key) for e in chain.effects for q in e.quantities(chain)]
     joined = "opening" not in chain.recording or bool(brought)
     each = [channels] if joined else [(c,) for c in sorted(channels)]
-    return tuple(Group(c, (*calibration_parameters(chain, tolerance, c), *brought)) for c in each)
+    plays = sound_play(chain.recording, tolerance)
+    return tuple(
+        Group(
+            c,
+            (*calibration_parameters(chain, tolerance, c), *(plays[k] for k in c if k in plays), *brought),
+        )
+        for c in each
+    )
 
 
 def sampled(recordings: Sequence[Recording]) -> Recording:

@@ -18,6 +18,8 @@ _WORDS = {
     "flow_zero": "zero of the flow meter",
     "position_zero": "zero of the position sensor",
     "stem_zero": "zero of the stem",
+    "link_play": "play in the linkage",
+    "plug_play": "play between stem and plug",
     "dp_zero": "zero of the pressure drop",
     "meter_lag": "lag of the flow meter",
     "meter_ahead": "timing of the flow meter between two rows",
@@ -36,7 +38,9 @@ _WORDS = {
     "actuator_delay": "delay of the stem",
     "actuator_dead_band": "dead band of the actuator",
 }
-_SHARES = {"flow_zero": "", "position_zero": "% of travel", "stem_zero": "% of travel"}
+_SHARES = {"flow_zero": "", "position_zero": "% of travel", "stem_zero": "% of travel"} | dict.fromkeys(
+    ("link_play", "plug_play"), "% of travel"
+)
 
 
 class Then(NamedTuple):

@@ -121,6 +121,25 @@ def calibration_parameters(chain, tolerance, channels):
     return parameters
 
 
+def sound_play(recording, tolerance):
+    """Channel -> play of a sound valve that it shows: in the linkage, and between stem and plug.
+
+    A data sheet leaves as much open, and calibration to one recording takes none of it: there play is told
+    by its size. Only a history says of how much that it was there before.
+    """
+    found = {}
+    if "opening" in recording and "simulated_opening" not in recording:
+        found["opening"] = _play("link_play", tolerance)
+        if "simulated_flow" not in recording:
+            found["flow"] = _play("plug_play", tolerance)
+    return found
+
+
+def _play(name, tolerance):
+    most = tolerance.play
+    return Parameter(name, "1", 0.0, most, 0.1 * most, spread=0.3 * most)
+
+
 def opening_parameters(recording, valve, tolerance):
     """Parameters of positioner, actuator and position sensor that stay open."""
     if "simulated_opening" in recording:

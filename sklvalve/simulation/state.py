@@ -24,6 +24,8 @@ _RANGES = {
     "actuator_speed": (1e-7, 1e4),
     "position_zero": (-1.0, 1.0),
     "stem_zero": (-1.0, 1.0),
+    "link_play": (0.0, 1.0),
+    "plug_play": (0.0, 1.0),
     "capacity": (0.0, 1e7),
     "meter_lag": (1e-4, 1e5),
     "meter_ahead": (0.0, 10.0),

@@ -22,6 +22,8 @@ class Tolerance:
         Stroke time, dead time and dead band where the sheet declares them, relative [1].
     static_error : float, default=0.01
         Width of the static error of positioner, friction and play together [1 = travel].
+    play : float, default=0.01
+        Play of the linkage, and of the plug; against a history none, for that has told it [1 = travel].
     position_zero : float, default=0.01
         Zero of the position sensor [1 = travel].
     flow_zero : float, default=0.005
@@ -40,6 +42,7 @@ class Tolerance:
     response: float = 3.0
     declared: float = 0.25
     static_error: float = 0.01
+    play: float = 0.01
     position_zero: float = 0.01
     flow_zero: float = 0.005
     pressure_zero: float = 0.0025

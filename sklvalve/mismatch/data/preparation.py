@@ -91,6 +91,9 @@ def prepared_problem(
             f"the effects are {', '.join(_NAMES)}"
         )
     tolerance = tolerance or Tolerance()
+    if history is not None:
+        # the play of this valve is in its history's calibration: what is more is a change
+        tolerance = replace(tolerance, play=0.0)
     trim = history.trim_ if history is not None else trim
     return Problem.of(
         recording,

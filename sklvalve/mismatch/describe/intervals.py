@@ -146,7 +146,7 @@ def _of_sound_valves(problem: Problem, term: Term, fitted: Model, quantity: Quan
     def beyond(size: float, tolerance: Tolerance) -> bool:
         return term.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)
 
-    allowed, exact = problem.tolerance, replace(problem.tolerance, static_error=0.0)
+    allowed, exact = problem.tolerance, replace(problem.tolerance, static_error=0.0, play=0.0)
     if beyond(quantity.low, allowed) or not beyond(quantity.high, allowed) or not beyond(quantity.low, exact):
         return 0.0
     low, high = quantity.low, quantity.high

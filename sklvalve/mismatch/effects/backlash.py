@@ -96,7 +96,7 @@ class Backlash(Effect):
         return play_with_overshoot(value, chain.step, p["width"], p["overshoot"], p["first_side"])
 
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
-        return p["width"] > tolerance.static_error
+        return p["width"] > tolerance.play
 
 
 class LinkageBacklash(Backlash):

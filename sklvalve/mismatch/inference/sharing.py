@@ -11,7 +11,7 @@ from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.recording import Recording, Valve
 from sklvalve.simulation import Tolerance
-from sklvalve.simulation.calibration import calibration_parameters
+from sklvalve.simulation.calibration import calibration_parameters, sound_play
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parameters import Parameter
@@ -54,7 +54,10 @@ class Sharing:
         parameters: list[Parameter] = calibration_parameters(self.plain, self.tolerance, channels)
         for term in self._telling(self.held, channels):
             parameters += [q.parameter_of(term.effect.key) for q in term.effect.quantities(self.plain)]
-        return parameters if self.history is None else self.history.prior_of(parameters)
+        if self.history is None:
+            return parameters
+        plays = sound_play(self.recording, self.history.tolerance or Tolerance())
+        return self.history.prior_of([*parameters, *(plays[c] for c in channels if c in plays)])
 
     def parameters(
         self, chain: Chain, channels: Sequence[str], terms: Iterable[Term], attempt: int = 0
