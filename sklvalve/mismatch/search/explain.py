@@ -326,10 +326,12 @@ def _step(
     And what the likeliest of those gains whose effect acts throughout.
     """
     usable = [e for e in effects if not is_in(e, model.terms)]
-    bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
+    # calibrated to what lacks an effect, an actuator, and all that a history knows sharply, may lie where that
+    # effect no longer helps
+    known = problem.history is not None
+    bent = [e for e in usable if known or e.stage in ACTUATOR_STAGES]
     also: list[tuple[Model, list[Effect]]] = []
-    if bent and not any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
-        # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
+    if bent and not any(known or m.effect.stage in ACTUATOR_STAGES for m in model.terms):
         also = [(problem.sound(model), bent)]
     shown = report and (lambda share: report(done + 0.1 * share))
     every = screened(problem, model, usable, also=also, report=shown)
