@@ -326,8 +326,8 @@ def _step(
     And what the likeliest of those gains whose effect acts throughout.
     """
     usable = [e for e in effects if not is_in(e, model.terms)]
-    # calibrated to what lacks an effect, an actuator, and all that a history knows sharply, may lie where that
-    # effect no longer helps
+    # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps, and so may
+    # all that a history knows sharply
     known = problem.history is not None
     bent = [e for e in usable if known or e.stage in ACTUATOR_STAGES]
     also: list[tuple[Model, list[Effect]]] = []
