@@ -41,16 +41,17 @@ def calibrated(problem: Problem) -> tuple[Problem, Model]:
 
 
 def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:
-    """Values to begin with, as a model of values alone, and those of a sound actuator, or of a known valve.
+    """Values to begin with, as a model of values alone, and those of a sound actuator.
 
     Parameters
     ----------
     problem : Problem
     """
+    moves = "command" in problem.recording and not problem.coupled
     if problem.history is not None:
         known = {p.name: p.start for p in problem.calibration(problem.channels)}
-        return Model((), problem.plain, known | problem.held_values, {}, np.nan, {}), known
-    moves = "command" in problem.recording and not problem.coupled
+        sound = {name: value for name, value in known.items() if moves and name.startswith("actuator_")}
+        return Model((), problem.plain, known | problem.held_values, {}, np.nan, {}), sound
     values, sound = first_values(
         problem.plain,
         problem.calibration(("opening",)) if moves else (),

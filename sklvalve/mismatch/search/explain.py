@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
 # of the effects fitted so many are settled under their own noise
 _TRIED = 6
+# and of those begun where a history expects the valve so many are fitted
+_FROM_WHAT_IS_KNOWN = 2
 # a rival so many times as probable takes the place of an effect
 _CLEARLY = 30.0
 
@@ -326,15 +328,15 @@ def _step(
     And what the likeliest of those gains whose effect acts throughout.
     """
     usable = [e for e in effects if not is_in(e, model.terms)]
-    # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps, and so may
-    # all that a history knows sharply
-    known = problem.history is not None
-    bent = [e for e in usable if known or e.stage in ACTUATOR_STAGES]
+    bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
     also: list[tuple[Model, list[Effect]]] = []
-    if bent and not any(known or m.effect.stage in ACTUATOR_STAGES for m in model.terms):
+    if bent and not any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
+        # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
         also = [(problem.sound(model), bent)]
     shown = report and (lambda share: report(done + 0.1 * share))
     every = screened(problem, model, usable, also=also, report=shown)
+    if problem.history is not None and not model.terms:
+        every += _from_what_is_known(problem, model, usable)
     rough = _best_of_each(problem, every)
     onset = rough[0].terms[-1].onset if rough else None
     refined: list[Model] = []
@@ -346,6 +348,18 @@ def _step(
     throughout = max(acting, default=model.log_likelihood) - model.log_likelihood
     tried = refined + rough[FITTED:]
     return sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True), max(throughout, 0.0)
+
+
+def _from_what_is_known(problem: Problem, model: Model, effects: Sequence[Effect]) -> list[Model]:
+    """The likeliest two hypotheses with one effect, fitted from where a history expects the valve.
+
+    Calibrated to what lacks an effect, all that a history knows sharply may lie where the effect no longer
+    helps. What effects gain there, before anything else has moved, tells them apart best.
+    """
+    known = {p.name: p.start for p in problem.calibration(problem.channels)}
+    base = problem.judged(problem.simulate((), model.values | known))
+    best = _best_of_each(problem, screened(problem, base, effects))[:_FROM_WHAT_IS_KNOWN]
+    return list(parallel_map(lambda m: problem.fit(m.terms, start=m), best))
 
 
 def _best_of_each(problem: Problem, tried: Iterable[Model]) -> list[Model]:
