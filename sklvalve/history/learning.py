@@ -87,12 +87,10 @@ def groups_of(chain: Chain, tolerance: Tolerance) -> tuple[Group, ...]:
     joined = "opening" not in chain.recording or bool(brought)
     each = [channels] if joined else [(c,) for c in sorted(channels)]
     plays = sound_play(chain.recording, tolerance)
+    loose = [tuple(p for k in c for p in plays.get(k, ())) for c in each]
     return tuple(
-        Group(
-            c,
-            (*calibration_parameters(chain, tolerance, c), *(plays[k] for k in c if k in plays), *brought),
-        )
-        for c in each
+        Group(c, (*calibration_parameters(chain, tolerance, c), *play, *brought))
+        for c, play in zip(each, loose, strict=True)
     )
 
 

@@ -20,6 +20,7 @@ _WORDS = {
     "stem_zero": "zero of the stem",
     "link_play": "play in the linkage",
     "plug_play": "play between stem and plug",
+    "plug_overshoot": "swing of the stem after a stroke",
     "dp_zero": "zero of the pressure drop",
     "meter_lag": "lag of the flow meter",
     "meter_ahead": "timing of the flow meter between two rows",

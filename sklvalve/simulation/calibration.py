@@ -122,22 +122,24 @@ def calibration_parameters(chain, tolerance, channels):
 
 
 def sound_play(recording, tolerance):
-    """Channel -> play of a sound valve that it shows: in the linkage, and between stem and plug.
+    """Channel -> parameters of the play that a sound valve has: in the linkage, and between stem and plug.
 
     A data sheet leaves as much open, and calibration to one recording takes none of it: there play is told
-    by its size. Only a history says of how much that it was there before.
+    by its size. Only a history says how much of it was there before.
     """
-    found = {}
+    most, found = tolerance.play, {}
+
+    def width(name):
+        return Parameter(name, "1", 0.0, most, 0.1 * most, spread=0.3 * most)
+
     if "opening" in recording and "simulated_opening" not in recording:
-        found["opening"] = _play("link_play", tolerance)
-        if "simulated_flow" not in recording:
-            found["flow"] = _play("plug_play", tolerance)
+        found["opening"] = (width("link_play"),)
+    if "simulated_flow" not in recording:
+        found["flow"] = (
+            width("plug_play"),
+            Parameter("plug_overshoot", "1", 0.0, 0.3, 0.03, spread=0.05),
+        )
     return found
-
-
-def _play(name, tolerance):
-    most = tolerance.play
-    return Parameter(name, "1", 0.0, most, 0.1 * most, spread=0.3 * most)
 
 
 def opening_parameters(recording, valve, tolerance):

@@ -16,7 +16,7 @@ from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
 from sklvalve.simulation.free_run import free_run, key_of_free_run
 from sklvalve.simulation.parallel_map import parallel_map
-from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table, play
+from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table, play, play_with_overshoot
 from sklvalve.simulation.trim import GRID
 
 ATMOSPHERE = 101_325.0
@@ -198,7 +198,9 @@ class Chain:
         if run is None:
             run = free_run(self, values, self._through)
             self._keep([(key, run)])
-        return self._through("stem", _loose(run, values, "link_play"), values)
+        if values.get("link_play", 0.0) > 0.0:
+            run = play(run, values["link_play"])
+        return self._through("stem", run, values)
 
     def free_runs_ahead(self, several):
         """Run the stem for several sets of values side by side, to have the results at hand later."""
@@ -227,7 +229,10 @@ class Chain:
     def flow(self, values, stem=None):
         """Flow as the meter would show it for a stem's opening [m3/s, or kg/s where recorded by mass]."""
         stem = self.drive(values) if stem is None else stem
-        plug = np.clip(self._through("plug", _loose(stem, values, "plug_play"), values), 0.0, 1.0)
+        if values.get("plug_play", 0.0) > 0.0:
+            swing = values["plug_overshoot"]
+            stem = play_with_overshoot(stem, self.step, values["plug_play"], swing, 0.0)
+        plug = np.clip(self._through("plug", stem, values), 0.0, 1.0)
         self.plug, self._table = plug, self.trim.table(values)
         kv = self.capacity_at(plug)
         kv = self._through("capacity", kv, values)
@@ -288,12 +293,6 @@ class Chain:
         if margin is not None and np.isfinite(fl).any():
             size = choked_drop(drop, margin, fl, knee)
         return np.sign(drop) * np.sqrt(size / self.density)
-
-
-def _loose(moved, values, name):
-    """What follows a movement through the play of a sound valve, where that is known [1]."""
-    width = values.get(name, 0.0)
-    return play(moved, width) if width > 0.0 else moved
 
 
 def _same(one, other):

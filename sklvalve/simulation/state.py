@@ -26,6 +26,7 @@ _RANGES = {
     "stem_zero": (-1.0, 1.0),
     "link_play": (0.0, 1.0),
     "plug_play": (0.0, 1.0),
+    "plug_overshoot": (0.0, 1.0),
     "capacity": (0.0, 1e7),
     "meter_lag": (1e-4, 1e5),
     "meter_ahead": (0.0, 10.0),
@@ -51,6 +52,7 @@ _TOGETHER = (
         "actuator_filter",
     ),
     ("meter_lag", "meter_ahead"),
+    ("plug_play", "plug_overshoot"),
     ("given_gain", "meter_lag", "meter_ahead"),
     ("fl_scale", "fl_slope", "knee"),
 )

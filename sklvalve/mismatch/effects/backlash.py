@@ -1,64 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Play, between the stem's sensor and the plug or in the linkage before the sensor."""
 
-from math import exp
-
-import numba as nb
 import numpy as np
 
 from sklvalve.mismatch.effects._defects import MOVES, hidden
 from sklvalve.mismatch.effects._shown import PLAY
 from sklvalve.mismatch.effects.base import Effect, Quantity
 from sklvalve.simulation.chain import Chain
-from sklvalve.simulation.stages import play
+from sklvalve.simulation.stages import play, play_with_overshoot
 from sklvalve.simulation.tolerance import Tolerance
-
-# a positioner's swing after a stroke is over in about this time [s]
-_SWING = 1.0
-
-
-@nb.njit(cache=True, nogil=True)
-def play_with_overshoot(
-    inside: np.ndarray, step: np.ndarray, width: float, overshoot: float, first_side: float
-) -> np.ndarray:
-    """Play whose driving part swings beyond its samples after a stroke.
-
-    Parameters
-    ----------
-    inside, step : ndarray of shape (n,)
-        Recorded movement of the driving part [1], and time since the sample before [s].
-    width : float
-        Whole gap [1].
-    overshoot : float
-        How far the driving part goes beyond where it is next seen, share of the movement just made [1].
-    first_side : float
-        Where in its gap the driven part stands at the beginning, -1 to 1 [1].
-
-    Returns
-    -------
-    outside : ndarray of shape (n,)
-        Movement of the driven part [1].
-    """
-    half = 0.5 * width
-    out = np.empty_like(inside)
-    y = np.nan
-    before = 0.0
-    moved = 0.0
-    for k in range(len(inside)):
-        v = inside[k]
-        if v != v:
-            out[k] = np.nan
-            continue
-        if y != y:
-            y = v + half * first_side
-            before = v
-        moved = moved * exp(-step[k] / _SWING) + v - before
-        before = v
-        peak = v + overshoot * moved
-        y = min(max(y, peak - half), peak + half)
-        y = min(max(y, v - half), v + half)
-        out[k] = y
-    return out
 
 
 class Backlash(Effect):

@@ -57,7 +57,7 @@ class Sharing:
         if self.history is None:
             return parameters
         plays = sound_play(self.recording, self.history.tolerance or Tolerance())
-        return self.history.prior_of([*parameters, *(plays[c] for c in channels if c in plays)])
+        return self.history.prior_of([*parameters, *(p for c in channels for p in plays.get(c, ()))])
 
     def parameters(
         self, chain: Chain, channels: Sequence[str], terms: Iterable[Term], attempt: int = 0
