@@ -55,7 +55,7 @@ ABOVE, KNOTS = 0.15, 18
 # rows of a history
 BEFORE = 3600
 # strengths below are as good as none: of effects standard deviations, of the rest as it is told
-WEAKEST = {"throughout": 2.0, "within": 2.0, "rest": 0.1}
+WEAKEST = {"throughout": 2.0, "stem": 2.0, "within": 2.0, "rest": 0.1}
 CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held_opening", "held_flow")
 # what else the typical strength is a line in
 LINE = (*CIRCUMSTANCES, "noise_without_opening", "noise_without_drop")
@@ -270,7 +270,7 @@ def main(arguments=None):
     if options.what == "check":
         print("\n".join(check(rows, AGAINST_HISTORY if options.history else AGAINST_SHEET)))
     elif options.what == "table":
-        tables = {name: table_of(rows, name) for name in LOOKS}
+        tables = {name: table_of(rows, name) for name in LOOKS if name in rows[0]}
         made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table}"
         made_by += " --history" * options.history
         told = {"made_by": made_by, "recordings": recordings_of(rows, options.history), **tables}

@@ -13,7 +13,7 @@ from sklvalve.simulation.state import number
 if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
 
-_KEYS = {"throughout", "within", "rest"}
+_STRENGTHS = ("throughout", "stem", "within")
 
 
 def told(history: ValveHistory) -> dict[str, Any]:
@@ -32,9 +32,9 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
     if not isinstance(several, list | tuple):
         raise ValueError("its rehearsals are none")
     for each in several:
-        if not isinstance(each, dict) or set(each) != _KEYS:
+        if not isinstance(each, dict) or set(each) != {*_STRENGTHS, "rest"}:
             raise ValueError("a rehearsal of it is none")
-        number(each["throughout"], "the strength of a rehearsal", 0.0)
-        number(each["within"], "the strength of a rehearsal", 0.0)
+        for look in _STRENGTHS:
+            number(each[look], "the strength of a rehearsal", 0.0)
         if each["rest"] is not None:
             number(each["rest"], "what a rehearsal left over", 0.0)

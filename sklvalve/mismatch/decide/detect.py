@@ -24,7 +24,6 @@ from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
-    LOOKS,
     OF_EFFECTS,
     Covariates,
     NullLaw,
@@ -33,6 +32,7 @@ from sklvalve.mismatch.decide.null_reference import (
 from sklvalve.mismatch.search.relevance import effect_strength
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.given import ACTUATOR_STAGES
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 # shares of the level that each look at a recording gets; the rest seldom sees what the effects do not
 _SHARES = {"throughout": 0.45, "within": 0.3, "rest": 0.25}
+# where what drives the stem is looked at by itself, both have half of that
+_SHARES_APART = _SHARES | {"throughout": 0.225, "stem": 0.225}
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,10 @@ class Evidence:
 
     Parameters
     ----------
-    throughout : float
+    throughout : float, default=0
         The strongest of the effects that act throughout, in standard deviations as `effect_strength` has
         them; zero where none was tried.
-    within : float
+    within : float, default=0
         The same of effects that begin within the recording, by what they gain over those that act throughout.
         A valve is never quite as it was known, so a difference from its beginning on is more usual.
     rest : float or None
@@ -65,6 +67,9 @@ class Evidence:
         tolerance and of those found.
     law : NullLaw, default=AGAINST_SHEET
         What chance makes of recordings like it.
+    stem : float, default=0
+        Where the law looks at it by itself: the strongest of effects that act throughout on positioner and
+        actuator, which is none of `throughout` then.
     """
 
     throughout: float
@@ -73,19 +78,21 @@ class Evidence:
     covariates: Covariates
     effect_strengths: dict[str, dict[str, float]] = field(default_factory=dict, compare=False, repr=False)
     law: NullLaw = field(default=AGAINST_SHEET, repr=False)
+    stem: float = 0.0
 
     @classmethod
     def of(
         cls, strengths: dict[str, dict[str, float]], rest: float | None, covariates: Covariates, law: NullLaw
     ) -> Evidence:
         """Evidence by the strengths of effects, as `effect_strengths` gives them."""
-        throughout, within = (max(strengths[look].values(), default=0.0) for look in OF_EFFECTS)
-        return cls(throughout, within, rest, covariates, strengths, law)
+        best = dict.fromkeys(("throughout", "within"), 0.0)
+        best |= {look: max(found.values(), default=0.0) for look, found in strengths.items()}
+        return cls(**best, rest=rest, covariates=covariates, effect_strengths=strengths, law=law)
 
     @property
     def looks(self) -> dict[str, float | None]:
         """What each look at the recording saw."""
-        return {look: getattr(self, look) for look in LOOKS}
+        return {look: getattr(self, look) for look in self.law.tables}
 
 
 def law_for(problem: Problem) -> NullLaw:
@@ -99,11 +106,12 @@ def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, di
     The deviations of an effect are the root of twice the log likelihood that it gains: over the calibrated
     simulation where it acts throughout, by beginning where it begins within the recording.
     """
-    by_look: dict[str, dict[str, float]] = {look: {} for look in OF_EFFECTS}
+    law = law_for(problem)
+    by_look: dict[str, dict[str, float]] = {look: {} for look in OF_EFFECTS if look in law.tables}
     seen: list[tuple[str, Tried | Finding]] = [*explanation.tried.items()]
     seen += [(f.term.effect.key, f) for f in explanation.findings]
     for key, each in seen:
-        look, strength = _look_and_strength(each, problem)
+        look, strength = _look_and_strength(each, problem, law)
         by_look[look][key] = max(by_look[look].get(key, 0.0), strength)
     return by_look
 
@@ -121,13 +129,15 @@ def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -
     -------
     p_value : float
     """
-    look, strength = _look_and_strength(finding, problem)
-    alone = {each: {finding.term.effect.key: strength} if each == look else {} for each in OF_EFFECTS}
-    return mismatch_p_value(Evidence.of(alone, None, covariates, law_for(problem)))
+    law = law_for(problem)
+    look, strength = _look_and_strength(finding, problem, law)
+    return mismatch_p_value(Evidence.of({look: {finding.term.effect.key: strength}}, None, covariates, law))
 
 
-def _look_and_strength(each: Tried | Finding, problem: Problem) -> tuple[str, float]:
+def _look_and_strength(each: Tried | Finding, problem: Problem, law: NullLaw) -> tuple[str, float]:
     look, gain = ("throughout", each.gain) if each.by_beginning is None else ("within", each.by_beginning)
+    if look == "throughout" and law.stem is not None and each.stage in ACTUATOR_STAGES:
+        look = "stem"
     return look, effect_strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(each.sizes, problem))
 
 
@@ -189,6 +199,7 @@ def mismatch_p_value(evidence: Evidence) -> float:
     The strongest effect that acts throughout, the strongest that begins within the recording, and the learnt
     rest are each held against their own among healthy recordings in the same covariates. Any of these looks
     at one recording may raise the alarm: each has a share of the level (Sidak, with weights 0.45, 0.3, 0.25).
+    Beside a history, positioner and actuator are looked at by themselves, with half of the first share.
 
     Parameters
     ----------
@@ -201,10 +212,11 @@ def mismatch_p_value(evidence: Evidence) -> float:
         the smaller. Never below 1e-12.
     """
     seen = {look: found for look, found in evidence.looks.items() if found is not None}
-    of_all = sum(_SHARES[look] for look in seen)
+    shares = _SHARES if evidence.law.stem is None else _SHARES_APART
+    of_all = sum(shares[look] for look in seen)
     # 1 - (1 - p)^(1 / share), exact for a small p as well
     p_values = [
-        -np.expm1(np.log1p(-min(_survival(evidence, look), 1.0 - 1e-16)) * of_all / _SHARES[look])
+        -np.expm1(np.log1p(-min(_survival(evidence, look), 1.0 - 1e-16)) * of_all / shares[look])
         for look in seen
     ]
     return float(np.clip(min(p_values), LEAST_P_VALUE, 1.0))

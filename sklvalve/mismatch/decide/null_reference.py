@@ -67,8 +67,9 @@ class Covariates:
 # so many rehearsals of one valve count as much as all valves of the reference, as long as no rehearsal is
 # rarer there than this: beyond that the reference counts for less, for this valve is none of its kind
 _REFERENCE_COUNTS, _LIKE = 10.0, 0.05
-#: Looks at the effects, and all looks at a recording, each with a table of its own.
-OF_EFFECTS = ("throughout", "within")
+#: Looks at the effects, and all looks at a recording, each with a table of its own. What drives the stem is
+#: looked at by itself beside a history, where chance makes more of it; else it is one of the first.
+OF_EFFECTS = ("throughout", "stem", "within")
 LOOKS = (*OF_EFFECTS, "rest")
 #: Covariates that are held within their range in the reference, besides the noise.
 EDGED = ("travel", "held_opening", "held_flow")
@@ -139,16 +140,20 @@ class NullLaw:
     throughout, within, rest : Table
         Of the strongest effect that acts throughout, of the strongest that begins within the recording, and
         of what is left over, as `Evidence` has them.
+    stem : Table or None, default=None
+        Of the strongest that acts throughout on positioner and actuator; None where it is one of the others.
     """
 
     throughout: Table
     within: Table
     rest: Table
+    stem: Table | None = None
 
     @property
     def tables(self) -> dict[str, Table]:
         """Table of each look at a recording."""
-        return {look: getattr(self, look) for look in LOOKS}
+        every = {look: getattr(self, look) for look in LOOKS}
+        return {look: table for look, table in every.items() if table is not None}
 
     def with_own(self, rehearsals: Iterable[Rehearsal]) -> NullLaw:
         """The same law, with what one valve made of parts of its own history.
@@ -170,7 +175,7 @@ class NullLaw:
 def _law_of(name: str) -> NullLaw:
     """Law of a file beside this one, which says by which command it was made."""
     stored = json.loads(files(__package__).joinpath(name).read_text(encoding="utf-8"))
-    return NullLaw(**{look: Table(**stored[look]) for look in LOOKS})
+    return NullLaw(**{look: Table(**stored[look]) for look in LOOKS if look in stored})
 
 
 #: Of recordings held against a data sheet, and against a history of the same valve.

@@ -55,11 +55,14 @@ class Tried:
     by_beginning : float or None, default=None
         Of one that begins within the recording: log likelihood that it gains over the likeliest effect that
         acts throughout. None of one that acts throughout.
+    stage : str, default=""
+        Of the effect.
     """
 
     gain: float
     sizes: dict[str, float]
     by_beginning: float | None = None
+    stage: str = ""
 
 
 @dataclass(eq=False)
@@ -230,7 +233,7 @@ class _Search:
         gain, term = model.log_likelihood - without.log_likelihood, model.terms[-1]
         sizes = problem.change(model, problem.baseline(model, without.terms, without))
         by_beginning = self.by_beginning(gain, term, model.terms)
-        self.tried[term.effect.key] = Tried(gain, sizes, by_beginning)
+        self.tried[term.effect.key] = Tried(gain, sizes, by_beginning, term.effect.stage)
 
     def _calibrated_anew(self, problem: Problem, nominal: Model, candidates: Sequence[Model]) -> Model:
         """The simulation without effects from where the best of these have led its calibration, if better.

@@ -76,6 +76,11 @@ class Finding:
     sizes: dict[str, float]
     by_beginning: float | None = None
 
+    @property
+    def stage(self) -> str:
+        """Stage of its effect."""
+        return self.term.effect.stage
+
 
 def find_rivals(
     problem: Problem,

@@ -44,7 +44,7 @@ CIRCUMSTANCES = st.builds(
 )
 STRENGTHS = st.floats(0.0, 200.0)
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
-BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[channel])
+BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[channel], history=None)
 
 
 def test_strength_takes_noise_and_a_wrong_simulation_together():
@@ -237,3 +237,23 @@ def test_healthy_recording_is_one_among_many_and_a_leak_is_not(found_healthy, fo
     assert 0.02 < healthy <= 1.0
     assert leaking < 1e-4
     assert found_leaking.evidence_.throughout > 2.0 * found_healthy.evidence_.throughout
+
+
+def test_what_drives_the_stem_is_looked_at_by_itself_beside_a_history():
+    searched = SimpleNamespace(
+        tried={
+            "friction": Tried(50.0, {"opening": 0.02}, stage="actuator"),
+            "erosion": Tried(8.0, {"flow": 0.02}, stage="capacity"),
+        },
+        findings=[],
+    )
+    known = SimpleNamespace(least=BENCH.least, history=SimpleNamespace(rehearsals_=[]))
+    apart, together = effect_strengths(searched, known), effect_strengths(searched, BENCH)
+    assert set(apart["stem"]) == {"friction"}
+    assert set(apart["throughout"]) == {"erosion"}
+    assert set(together["throughout"]) == {"friction", "erosion"}
+    assert "stem" not in together
+    evidence = Evidence.of(apart, None, USUAL, AGAINST_HISTORY)
+    assert evidence.looks["stem"] == apart["stem"]["friction"] > evidence.looks["throughout"]
+    weaker = Evidence.of(apart | {"stem": {}}, None, USUAL, AGAINST_HISTORY)
+    assert mismatch_p_value(evidence) < mismatch_p_value(weaker)

@@ -84,10 +84,10 @@ def test_the_chance_falls_without_a_step():
 
 @pytest.mark.parametrize("rest", [None, 3.0])
 def test_a_rehearsal_is_told_relative_to_what_is_typical(rest):
-    throughout, within = (5.0 * AGAINST_HISTORY.tables[look].typical(SOMEWHERE) for look in OF_EFFECTS)
-    evidence = Evidence(throughout, within, rest, SOMEWHERE, law=AGAINST_HISTORY)
+    strong = {look: 5.0 * AGAINST_HISTORY.tables[look].typical(SOMEWHERE) for look in OF_EFFECTS}
+    evidence = Evidence(**strong, rest=rest, covariates=SOMEWHERE, law=AGAINST_HISTORY)
     made = rehearsal_of(evidence)
-    assert (made.throughout, made.within) == pytest.approx((5.0, 5.0))
+    assert (made.throughout, made.stem, made.within) == pytest.approx((5.0, 5.0, 5.0))
     assert (made.rest is None) is (rest is None)
     law = AGAINST_HISTORY.with_own([made])
     assert mismatch_p_value(replace(evidence, law=law)) > mismatch_p_value(evidence)
