@@ -36,6 +36,7 @@ _ALLOWED = {
     "recovery": "pressure recovery factor F_L, relative",
     "response": "stem and flow by time constants, speeds, gains and friction, rms, share of the span",
     "position_zero": "zero of the position sensor and of the stem, share of travel",
+    "play": "play of the linkage and of the plug, share of travel",
     "flow_zero": "zero of the flow meter, share of its span",
     "pressure_zero": "zero of a pressure sensor, share of its span",
 }

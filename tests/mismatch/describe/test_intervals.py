@@ -90,7 +90,7 @@ def test_a_calibration_answers_as_far_as_the_sheet_lets_it(healthy, bench):
 def test_a_static_error_of_a_sound_valve_may_be_in_it_or_not(held, key, name, value, sound):
     ends = {}
     for error in (1e-6, 0.01):
-        open_by = replace(held, tolerance=replace(held.tolerance, static_error=error))
+        open_by = replace(held, tolerance=replace(held.tolerance, static_error=error, play=error))
         ends[error] = np.array(_interval(open_by, key, {name: value}, 0.0))
     np.testing.assert_allclose(ends[0.01] - ends[1e-6], [-sound, sound], rtol=1e-3)
 

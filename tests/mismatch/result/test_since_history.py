@@ -91,7 +91,7 @@ def test_a_sound_valve_has_changed_by_nothing(healthy):
 
 def test_what_it_cannot_say(healthy):
     limits = healthy.diagnosis_.content["since_history"]["cannot_say"]
-    assert "actuator_filter" in limits["not_informed"]
+    assert "dp_zero" in limits["not_informed"]
     assert "capacity" not in limits["not_informed"]
     for each in limits["outside"]:
         assert each["share"] >= 0.01
