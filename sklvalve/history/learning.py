@@ -86,11 +86,16 @@ def groups_of(chain: Chain, tolerance: Tolerance) -> tuple[Group, ...]:
     brought = [q.parameter_of(e.key) for e in chain.effects for q in e.quantities(chain)]
     joined = "opening" not in chain.recording or bool(brought)
     each = [channels] if joined else [(c,) for c in sorted(channels)]
-    plays = sound_play(chain.recording, tolerance)
-    loose = [tuple(p for k in c for p in plays.get(k, ())) for c in each]
     return tuple(
-        Group(c, (*calibration_parameters(chain, tolerance, c), *play, *brought))
-        for c, play in zip(each, loose, strict=True)
+        Group(
+            c,
+            (
+                *calibration_parameters(chain, tolerance, c),
+                *sound_play(chain.recording, tolerance, c),
+                *brought,
+            ),
+        )
+        for c in each
     )
 
 
@@ -210,10 +215,10 @@ def parts_of(noise: Any) -> NoiseParts:
 def _linearised(
     chain: Chain, group: Group, values: dict[str, float], noise: dict[str, Any]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Whitened errors of a group's channels (c, n), and derivatives by scaled parameters (m, c, n).
+    """Whitened errors of a group's channels (c, n), and what scaled parameters make of them (m, c, n).
 
-    Those of the errors, and differences of the signals as `moved_by` has them. Distances from the sheet
-    are no part of what the rows say.
+    The derivatives of the errors, and the changes of the signals as `moved_by` has them. Distances from what
+    the sheet expects are no part of what the rows say.
     """
     misfit = Misfit(chain, group.parameters, group.channels, noise, fixed=values)
     z = misfit.vector.pack(values)

@@ -48,24 +48,26 @@ def moved_by(misfit: Misfit, z: np.ndarray, here: dict[str, np.ndarray]) -> np.n
     moves : ndarray of shape (m, c, n)
         Rows that a simulation leaves open are 0.
     """
+    return np.array(
+        [
+            max((_on_one_side(misfit, z, i, side, here) for side in (1.0, -1.0)), key=_rms)
+            for i in range(len(misfit.vector))
+        ]
+    )
+
+
+def _on_one_side(
+    misfit: Misfit, z: np.ndarray, i: int, side: float, here: dict[str, np.ndarray]
+) -> np.ndarray:
+    """The same of one parameter (c, n), over the first step to one side that is felt, or the last one."""
     spans = spans_of(misfit.chain.recording, misfit.channels)
-    size = np.array([spans[c] for c in misfit.channels])[:, None]
-    base = np.array([here[c] for c in misfit.channels])
-    moves = np.zeros((len(misfit.vector), *base.shape))
-    for i in range(len(misfit.vector)):
-        scale, most = misfit.vector.scale[i], 0.0
-        for side in (1.0, -1.0):
-            felt, slope, change = 0.0, 0.0, moves[i]
-            for there in _farther(misfit, z, i, side):
-                signals = misfit.predictions(there)
-                change = np.nan_to_num((np.array([signals[c] for c in misfit.channels]) - base) / size)
-                felt = _rms(change)
-                slope = scale / (there[i] - z[i])
-                if felt >= _FELT:
-                    break
-            if felt * abs(slope) > most:
-                most, moves[i] = felt * abs(slope), slope * change
-    return moves
+    change, step = np.zeros((len(misfit.channels), len(here[misfit.channels[0]]))), 1.0
+    for there in _farther(misfit, z, i, side):
+        signals, step = misfit.predictions(there), there[i] - z[i]
+        change = np.array([np.nan_to_num((signals[c] - here[c]) / spans[c]) for c in misfit.channels])
+        if _rms(change) >= _FELT:
+            break
+    return misfit.vector.scale[i] / step * change
 
 
 def _farther(misfit: Misfit, z: np.ndarray, i: int, side: float) -> Iterator[np.ndarray]:

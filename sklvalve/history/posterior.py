@@ -28,7 +28,7 @@ class Information:
     pull : ndarray of shape (m,)
         Where the window's own best lies: ``hessian @ best``, counted from the point.
     moves : ndarray of shape (m, m)
-        Mean over the rows of products of the derivatives of the signals, each as share of its travel or span.
+        Mean over the rows of products of what scaled parameters move the signals by, as `moved_by` has it.
     """
 
     hessian: np.ndarray

@@ -121,24 +121,32 @@ def calibration_parameters(chain, tolerance, channels):
     return parameters
 
 
-def sound_play(recording, tolerance):
-    """Channel -> parameters of the play that a sound valve has: in the linkage, and between stem and plug.
+def sound_play(recording, tolerance, channels):
+    """Parameters of the play that a sound valve has: in the linkage, and between stem and plug.
 
     A data sheet leaves as much open, and calibration to one recording takes none of it: there play is told
     by its size. Only a history says how much of it was there before.
+
+    Parameters
+    ----------
+    recording : Recording
+    tolerance : Tolerance
+    channels : sequence of {"opening", "flow"}
+        Those that are to tell it.
+
+    Returns
+    -------
+    parameters : list of Parameter
     """
-    most, found = tolerance.play, {}
+    most, found = tolerance.play, []
 
     def width(name):
         return Parameter(name, "1", 0.0, most, 0.1 * most, spread=0.3 * most)
 
-    if "opening" in recording and "simulated_opening" not in recording:
-        found["opening"] = (width("link_play"),)
-    if "simulated_flow" not in recording:
-        found["flow"] = (
-            width("plug_play"),
-            Parameter("plug_overshoot", "1", 0.0, 0.3, 0.03, spread=0.05),
-        )
+    if "opening" in channels and "simulated_opening" not in recording:
+        found.append(width("link_play"))
+    if "flow" in channels and "simulated_flow" not in recording:
+        found += [width("plug_play"), Parameter("plug_overshoot", "1", 0.0, 0.3, 0.03, spread=0.05)]
     return found
 
 

@@ -51,10 +51,10 @@ class Evidence:
 
     Parameters
     ----------
-    throughout : float, default=0
+    throughout : float
         The strongest of the effects that act throughout, in standard deviations as `effect_strength` has
         them; zero where none was tried.
-    within : float, default=0
+    within : float
         The same of effects that begin within the recording, by what they gain over those that act throughout.
         A valve is never quite as it was known, so a difference from its beginning on is more usual.
     rest : float or None

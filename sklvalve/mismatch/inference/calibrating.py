@@ -49,7 +49,7 @@ def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:
     """
     moves = "command" in problem.recording and not problem.coupled
     if problem.history is not None:
-        known = {p.name: p.start for p in problem.calibration(problem.channels)}
+        known = expected_values(problem)
         sound = {name: value for name, value in known.items() if moves and name.startswith("actuator_")}
         return Model((), problem.plain, known | problem.held_values, {}, np.nan, {}), sound
     values, sound = first_values(
@@ -60,6 +60,11 @@ def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:
         rows=problem.rows,
     )
     return Model((), problem.plain, values, {}, np.nan, {}), sound
+
+
+def expected_values(problem: Problem) -> dict[str, float]:
+    """Values of the calibration as the data sheet, or the valve's history, expects them."""
+    return {p.name: p.start for p in problem.calibration(problem.channels)}
 
 
 def _from_sound(problem: Problem, model: Model) -> Model | None:

@@ -56,8 +56,8 @@ class Sharing:
             parameters += [q.parameter_of(term.effect.key) for q in term.effect.quantities(self.plain)]
         if self.history is None:
             return parameters
-        plays = sound_play(self.recording, self.history.tolerance or Tolerance())
-        return self.history.prior_of([*parameters, *(p for c in channels for p in plays.get(c, ()))])
+        plays = sound_play(self.recording, self.history.tolerance or Tolerance(), channels)
+        return self.history.prior_of([*parameters, *plays])
 
     def parameters(
         self, chain: Chain, channels: Sequence[str], terms: Iterable[Term], attempt: int = 0

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.constants import DETECTABLE, DISTINGUISHABLE
+from sklvalve.mismatch.inference.calibrating import expected_values
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in, penalised_likelihood
 from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.mismatch.search.intermittent import intermittent
@@ -359,8 +360,7 @@ def _from_what_is_known(problem: Problem, model: Model, effects: Sequence[Effect
     Calibrated to what lacks an effect, all that a history knows sharply may lie where the effect no longer
     helps. What effects gain there, before anything else has moved, tells them apart best.
     """
-    known = {p.name: p.start for p in problem.calibration(problem.channels)}
-    base = problem.judged(problem.simulate((), model.values | known))
+    base = problem.judged(problem.simulate((), model.values | expected_values(problem)))
     best = _best_of_each(problem, screened(problem, base, effects))[:_FROM_WHAT_IS_KNOWN]
     return list(parallel_map(lambda m: problem.fit(m.terms, start=m), best))
 
