@@ -16,6 +16,7 @@ from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
 from sklvalve.simulation.free_run import free_run, key_of_free_run
 from sklvalve.simulation.parallel_map import parallel_map
+from sklvalve.simulation.quiet_position import quiet_position
 from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table, play, play_with_overshoot
 from sklvalve.simulation.trim import GRID
 
@@ -55,9 +56,13 @@ class Chain:
         Effect key -> absolute time [s] from which on it acts; an effect without one acts throughout.
     choking : bool
         Whether the simulation holds choked flow.
+    quiet : bool, default=False
+        Whether the flow is simulated from the recorded opening without its sensor's noise.
 
     Attributes
     ----------
+    measured, position : ndarray of shape (n,) or None
+        The recorded opening, and what of it drives the flow [1].
     clock, time, step : ndarray of shape (n,)
         Absolute times, seconds from the first sample, and time since the sample before [s].
     pressure_ratio : ndarray of shape (n,) or None
@@ -66,13 +71,15 @@ class Chain:
         Vapour pressure pv of the liquid [Pa].
     """
 
-    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False):
+    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False, quiet=False):
         self.recording, self.valve, self.trim = recording, valve, trim
         self.effects, self.onsets, self.choking = tuple(effects), dict(onsets or {}), choking
         self.time, self.clock = recording.time, clock_of(recording)
         self.step = np.diff(self.time, prepend=self.time[0] - recording.sample_time)
         self.command = recording.get("command")
-        self.measured = recording.get("opening")
+        self.measured = self.position = recording.get("opening")
+        if quiet and self.measured is not None:
+            self.position = quiet_position(recording)
         self._properties()
         self._actuator_scale()
         self._runs, self._roots, self._acting = {}, [], {}
@@ -219,7 +226,7 @@ class Chain:
         """Opening of the stem that drives the flow side: the recorded one, corrected, or the free run."""
         if self.measured is None:
             return self.drive_of_free_run(values)
-        stem = self.measured - values.get("stem_zero", 0.0)
+        stem = self.position - values.get("stem_zero", 0.0)
         for effect in self.effects:
             if effect.stage == "position_sensor":
                 true, acting = effect.invert(stem, self._own(effect, values), self), self.active(effect)

@@ -68,12 +68,15 @@ class GivenChain(Chain):
         As in `Chain`.
     choking : bool, default=False
         Whether the given flow, or the simulation in its place, chokes.
+    quiet : bool, default=False
+        As in `Chain`.
     """
 
-    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False):
+    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False, quiet=False):
         self.given_flow = recording.get("simulated_flow")
         self.given_opening = recording.get("simulated_opening")
-        super().__init__(recording, valve, trim, effects=effects, onsets=onsets, choking=choking)
+        beside = {"effects": effects, "onsets": onsets, "choking": choking, "quiet": quiet}
+        super().__init__(recording, valve, trim, **beside)
         self._given_capacity()
 
     def _actuator_scale(self):

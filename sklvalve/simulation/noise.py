@@ -407,15 +407,27 @@ class NoiseParts:
     slow: float
     size: float
 
-    def louder(self, times: float) -> NoiseParts:
-        """The same noise at so many times the amplitude; errors of timing stay as they are."""
-        square = times**2
+    def louder(self, times: float, step: float) -> NoiseParts:
+        """The same noise where differences from row to row are so many times as large.
+
+        They speak of a part as far as it changes from row to row: all of what is white, and next to nothing
+        of the wander. Errors of timing stay as they are.
+
+        Parameters
+        ----------
+        times : float
+            At least 1.
+        step : float
+            Time between rows [s].
+        """
+        more = times**2 - 1.0
+        white = 1.0 + more
         return replace(
             self,
-            base=self.base * square,
-            share=self.share * square,
-            fast=self.fast * square,
-            slow=self.slow * square,
+            base=self.base * white,
+            share=self.share * white,
+            fast=self.fast * (1.0 - more * float(np.expm1(-step / self.fast_time))),
+            slow=self.slow * (1.0 - more * float(np.expm1(-step / self.slow_time))),
             size=self.size * times,
         )
 

@@ -134,7 +134,8 @@ class Problem(Sharing, Sizes):
         spans = spans_of(recording, channels)
         effects, onsets = _physics_of(held)
         choking = "choked_flow" in physics and _knows_drop(recording)
-        plain = chain_for(recording, valve, trim, effects=effects, onsets=onsets, choking=choking)
+        settings = {"choking": choking, "quiet": others.get("history") is not None}
+        plain = chain_for(recording, valve, trim, effects=effects, onsets=onsets, **settings)
         noise = first_noise(spans)
         return cls(
             recording, tolerance, valve, trim, plain, channels, spans, noise, held=tuple(held), **others
@@ -150,8 +151,8 @@ class Problem(Sharing, Sizes):
         effects, onsets = self.physics_of(terms)
         if recording is None:
             return self.plain.beside(effects, onsets)
-        choking = self.choking and _knows_drop(recording)
-        return chain_for(recording, self.valve, self.trim, effects=effects, onsets=onsets, choking=choking)
+        settings = {"choking": self.choking and _knows_drop(recording), "quiet": self.history is not None}
+        return chain_for(recording, self.valve, self.trim, effects=effects, onsets=onsets, **settings)
 
     def holding(self, terms: Sequence[Term], model: Model) -> Problem:
         """Problem of the same recording whose simulation holds these effects, as if they had been declared.
