@@ -17,7 +17,7 @@ from sklvalve.simulation.calibration import calibration_parameters, channels_of,
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.first_values import first_values
 from sklvalve.simulation.fitting import Misfit, first_noise, fit_chain, residual_of, simulate_channels
-from sklvalve.simulation.noise import NoiseParts, sizes_of_noise
+from sklvalve.simulation.noise import TIMING, NoiseParts, sizes_of_noise
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.robust import normal_equations, robust_weights
@@ -153,7 +153,8 @@ def noise_left(
     """
     spans, made = spans_of(chain.recording, predictions), {}
     for c, simulated in predictions.items():
-        sizes = sizes_of_noise(tolerance.counts(c) * spans[c]) | ({} if cautious else {"largest": np.inf})
+        sizes = sizes_of_noise(tolerance.counts(c) * spans[c]) | {"timing": TIMING}
+        sizes |= {} if cautious else {"largest": np.inf}
         left = residual_of(chain, predictions, c, None)
         made[c] = noise_of(chain.recording, left, simulated, chain.step, c, cautious=cautious, **sizes)
     return made

@@ -3,17 +3,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from sklvalve.recording import Recording
 from sklvalve.simulation.noise import NoiseModel, NoiseParts, quick_size
 from sklvalve.simulation.noise_of_pieces import NoiseOfPieces, of_each
-
-# the instant of a row is known to a tenth of its distance from the next: variance, as share of the square of
-# what the signal moves from row to row
-_TIMING = 0.01
 
 
 def as_before(
@@ -43,12 +37,9 @@ def as_before(
     noise : NoiseModel, or NoiseOfPieces where several recordings were joined
     """
 
-    # the few strokes of a history may have come out better than the next one will
-    known = replace(parts, timing=max(parts.timing, _TIMING))
-
     def louder(left: np.ndarray, made: np.ndarray, steps: np.ndarray, quantum: float) -> NoiseModel:
-        times = max(1.0, quick_size(left, made, quantum) / known.size)
-        noise = known.louder(times, float(np.median(steps)))
+        times = max(1.0, quick_size(left, made, quantum) / parts.size)
+        noise = parts.louder(times, float(np.median(steps)))
         return noise.model(np.isfinite(left), made, steps, inadequacy=inadequacy)
 
     return of_each(recording, residuals, simulated, step, role, louder)

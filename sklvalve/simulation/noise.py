@@ -17,6 +17,9 @@ from scipy.optimize import minimize
 # a healthy simulation is wrong by about this share of what counts as an effect, and no correlated noise of a
 # sensor is larger than so many times that
 _INADEQUACY, _LARGEST = 0.2, 2.0
+#: The instant of a row is known to a tenth of its distance from the next: variance, as share of the square of
+#: what a signal moves from row to row. The few strokes of a recording may come out better than the next will.
+TIMING = 0.01
 
 
 @nb.njit(cache=True, nogil=True)
@@ -143,6 +146,7 @@ def _parts(
     finest: float,
     largest_share: float,
     cautious: bool,
+    timing_least: float,
     dt: float,
     length: float,
 ) -> tuple[float, ...]:
@@ -154,7 +158,7 @@ def _parts(
     slow = min(slow, 0.3 * most, largest_share)
     base = min(base, 3.0 * most)
     # a sample too early or too late is wrong by the movement itself; more is no matter of timing
-    timing = min(timing, 0.1 if cautious else 1.0)
+    timing = max(min(timing, 0.1 if cautious else 1.0), timing_least)
     # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
     fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
     slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
@@ -291,6 +295,7 @@ def fit_noise(
     inadequacy: float = 0.0,
     largest: float = np.inf,
     cautious: bool = False,
+    timing: float = 0.0,
 ) -> NoiseModel:
     """Noise model of residuals, by maximum likelihood.
 
@@ -312,6 +317,8 @@ def fit_noise(
     cautious : bool, default=False
         Hold the wander to the size of the quick noise. For residuals that may still hold missing physics,
         which a free wander would take up.
+    timing : float, default=0.0
+        Least variance of errors of timing, share of the square of the movement from row to row [1].
 
     Returns
     -------
@@ -323,7 +330,15 @@ def fit_noise(
     moving, level = movement(simulated, step) ** 2, _level(simulated)
     length = float(np.sum(step))
     dt = float(np.median(step))
-    bounds = float(size**2), float(quantum**2 / 12.0), float(largest_share), bool(cautious), dt, length
+    bounds = (
+        float(size**2),
+        float(quantum**2 / 12.0),
+        float(largest_share),
+        bool(cautious),
+        float(timing),
+        dt,
+        length,
+    )
 
     def loss(z: np.ndarray) -> float:
         return _cost(z - start, np.exp(z), bounds, float(inadequacy**2), residuals, step, level, moving)
@@ -335,8 +350,7 @@ def fit_noise(
         method="Nelder-Mead",
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
-    base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(solution.x), *bounds)
-    parts = NoiseParts(base, share, timing, fast_time, fast, slow_time, slow, size)
+    parts = NoiseParts(*_parts(np.exp(solution.x), *bounds), size)
     return parts.model(np.isfinite(residuals), simulated, step, inadequacy=inadequacy)
 
 

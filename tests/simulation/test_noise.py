@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from sklvalve.simulation.noise import NoiseModel, fit_noise, movement
+from sklvalve.simulation.noise import NoiseModel, NoiseParts, fit_noise, movement
 from sklvalve.simulation.robust import robust_cost
 
 ROWS = 2000
@@ -163,3 +163,14 @@ def test_white_noise_may_be_larger_than_what_is_correlated(largest):
     residuals = _noise(4)
     noise = fit_noise(residuals, signal, np.ones(ROWS), largest=largest)
     assert np.std(noise.whiten(residuals)) == pytest.approx(1.07, abs=0.05)
+
+
+def test_what_is_louder_from_row_to_row_is_white_and_no_wander():
+    parts = NoiseParts(
+        base=1.0, share=0.5, timing=0.1, fast_time=3.0, fast=1.0, slow_time=200.0, slow=1.0, size=1.0
+    )
+    louder = parts.louder(10.0, 1.0)
+    assert (louder.base, louder.share, louder.timing, louder.size) == (100.0, 50.0, 0.1, 10.0)
+    # of a wander differences from row to row tell as much as it changes from row to row
+    assert 1.0 < louder.slow < 2.0 < louder.fast < 40.0
+    assert parts.louder(1.0, 1.0) == parts

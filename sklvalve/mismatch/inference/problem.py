@@ -33,7 +33,7 @@ from sklvalve.simulation.fitting import (
     simulate_channels,
 )
 from sklvalve.simulation.given import chain_for
-from sklvalve.simulation.noise import sizes_of_noise
+from sklvalve.simulation.noise import TIMING, sizes_of_noise
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.robust import robust_cost
 
@@ -371,7 +371,8 @@ class Problem(Sharing, Sizes):
 
     def noise_settings(self, channel: str) -> dict[str, float]:
         """What a healthy simulation may get wrong of a channel, and how large a sensor's noise may be."""
-        return sizes_of_noise(self.tolerated(channel) * self.spans[channel])
+        sizes = sizes_of_noise(self.tolerated(channel) * self.spans[channel])
+        return sizes if self.history is None else sizes | {"timing": TIMING}
 
     def homoscedastic(self, model: Model, rows: np.ndarray | slice = slice(None)) -> Problem:
         """The problem judged by noise of one size in all rows, that of what a model leaves in `rows`.

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""A position is quietened where the stem rests; strokes, gaps and joined recordings stay what they are."""
+
+import numpy as np
+import pytest
+
+from sklvalve.recording import Recording, join_recordings
+from sklvalve.simulation.quiet_position import quiet_position
+from sklvalve.simulation.stages import play
+
+ROWS, NOISE = 1200, 0.003
+
+
+def _recording(valve, opening):
+    """A recording of a position and nothing else that matters."""
+    rows = len(opening)
+    signals = {
+        "opening": np.asarray(opening, dtype=float),
+        "flow": np.full(rows, 0.005),
+        "p1": np.full(rows, 6e5),
+        "p2": np.full(rows, 2e5),
+        "temperature": np.full(rows, 293.0),
+    }
+    time = np.arange(float(rows))
+    return Recording(time=time, stamps=time, signals=signals, valve=valve)
+
+
+@pytest.fixture
+def steps():
+    """A stem that rests for two minutes at a time, and its strokes of a quarter of the travel."""
+    return np.repeat([0.2, 0.45, 0.7, 0.45, 0.2, 0.7, 0.95, 0.7, 0.45, 0.2], ROWS // 10)
+
+
+@pytest.fixture
+def trembling(steps):
+    return steps + NOISE * np.random.default_rng(4).standard_normal(ROWS)
+
+
+def test_noise_is_averaged_out_where_the_stem_rests(recording, steps, trembling):
+    left = quiet_position(_recording(recording.valve, trembling)) - steps
+    assert np.std(left) < 0.5 * NOISE
+
+
+def test_strokes_stay_where_they_are(recording, steps, trembling):
+    quiet = quiet_position(_recording(recording.valve, trembling))
+    np.testing.assert_allclose(
+        np.diff(quiet)[np.diff(steps) != 0.0], np.diff(steps)[np.diff(steps) != 0.0], atol=0.012
+    )
+
+
+def test_a_ramp_is_not_delayed(recording):
+    ramp = np.linspace(0.1, 0.9, ROWS)
+    noisy = ramp + NOISE * np.random.default_rng(5).standard_normal(ROWS)
+    left = quiet_position(_recording(recording.valve, noisy)) - ramp
+    assert abs(np.mean(left[20:-20])) < 0.2 * NOISE
+
+
+def test_play_as_wide_as_the_noise_explains_less_of_it_than_before(recording, steps, trembling):
+    quiet = quiet_position(_recording(recording.valve, trembling))
+    before, now = (np.std(x - steps) - np.std(play(x, 2.0 * NOISE) - steps) for x in (trembling, quiet))
+    # in the raw reading play is a filter of its noise; in the quiet one it only holds the plug off its place
+    assert before > 0.3 * NOISE
+    assert now <= 0.0
+
+
+def test_a_reading_without_noise_is_returned_as_it_is(recording, steps):
+    assert np.array_equal(quiet_position(_recording(recording.valve, steps)), steps)
+
+
+def test_gaps_stay_gaps_and_touch_nothing_else(recording, steps, trembling):
+    gap = slice(300, 330)
+    trembling[gap] = np.nan
+    quiet = quiet_position(_recording(recording.valve, trembling))
+    assert np.isnan(quiet[gap]).all()
+    assert np.isfinite(np.delete(quiet, np.arange(ROWS)[gap])).all()
+    assert np.nanstd(quiet - steps) < 0.5 * NOISE
+
+
+def test_joined_recordings_are_kept_apart(recording, trembling):
+    one, other = _recording(recording.valve, trembling), _recording(recording.valve, trembling[::-1])
+    both = quiet_position(join_recordings([one, other]))
+    np.testing.assert_array_equal(both, np.concatenate([quiet_position(one), quiet_position(other)]))
