@@ -9,11 +9,16 @@ from sklvalve.history.then import simulation_then
 from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import channels_of, sound_play
+from sklvalve.simulation.quiet_position import quiet_position
 from tests.history.plant import changed, without
 
 
 def _with_play(recording, learnt, width):
-    """The recording with the flow of a plug that has so much more play, and the same noise."""
+    """The recording with the flow of a plug that has so much more play, and the same noise.
+
+    The plug follows the stem, not the noise of its sensor.
+    """
+    stem = changed(recording, opening=quiet_position(recording))
     simulation = simulation_then(learnt)
     own = simulation.values_["plug_play"]
     tight, loose = (
@@ -24,7 +29,7 @@ def _with_play(recording, learnt, width):
             simulation.values_ | {"plug_play": play},
             choking="choked_flow" in learnt.valve_.physics,
         )
-        .simulate(recording)["flow"]
+        .simulate(stem)["flow"]
         for play in (own, own + width)
     )
     return changed(recording, flow=recording["flow"] + loose - tight)
