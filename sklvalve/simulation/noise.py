@@ -350,7 +350,8 @@ def fit_noise(
         method="Nelder-Mead",
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
-    parts = NoiseParts(*_parts(np.exp(solution.x), *bounds), size)
+    base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(solution.x), *bounds)
+    parts = NoiseParts(base, share, timing, fast_time, fast, slow_time, slow, size)
     return parts.model(np.isfinite(residuals), simulated, step, inadequacy=inadequacy)
 
 

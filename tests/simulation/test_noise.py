@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from sklvalve.simulation.noise import NoiseModel, NoiseParts, fit_noise, movement
+from sklvalve.simulation.noise import TIMING, NoiseModel, NoiseParts, fit_noise, movement
 from sklvalve.simulation.robust import robust_cost
 
 ROWS = 2000
@@ -174,3 +174,16 @@ def test_what_is_louder_from_row_to_row_is_white_and_no_wander():
     # of a wander differences from row to row tell as much as it changes from row to row
     assert 1.0 < louder.slow < 2.0 < louder.fast < 40.0
     assert parts.louder(1.0, 1.0) == parts
+
+
+def test_the_instant_of_a_row_is_left_open():
+    # strokes that came out perfectly say nothing of the next one
+    signal = np.repeat([0.2, 0.8], ROWS // 2)
+    residuals = 0.002 * _noise(11)
+    step = np.ones(ROWS)
+    perfect, open_to_it = (fit_noise(residuals, signal, step, timing=t) for t in (0.0, TIMING))
+    row = ROWS // 2
+    assert perfect.parts.timing < TIMING == open_to_it.parts.timing
+    # a tenth of a stroke of 60 % within a row
+    assert np.sqrt(open_to_it.white[row]) == pytest.approx(0.06, rel=0.02)
+    assert open_to_it.white[row - 100] == pytest.approx(perfect.white[row - 100], rel=0.1)
