@@ -422,5 +422,5 @@ class ValveHistory(BaseEstimator):
             effects=tuple(self.effects),
             onsets=dict(onsets),
             choking=choking,
-            quiet=True,
+            filtered=True,
         )

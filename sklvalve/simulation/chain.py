@@ -14,9 +14,9 @@ import numpy as np
 from sklvalve.mechanism import at_travel, critical_pressure_ratio_factor, fluid_from
 from sklvalve.mechanism.liquid import FLOW_CONSTANT, WATER_CRITICAL_PRESSURE
 from sklvalve.simulation.electric import is_electric
+from sklvalve.simulation.filtered_position import filtered_position
 from sklvalve.simulation.free_run import free_run, key_of_free_run
 from sklvalve.simulation.parallel_map import parallel_map
-from sklvalve.simulation.quiet_position import quiet_position
 from sklvalve.simulation.stages import choked_drop, first_order_lag, from_table, play, play_with_overshoot
 from sklvalve.simulation.trim import GRID
 
@@ -56,7 +56,7 @@ class Chain:
         Effect key -> absolute time [s] from which on it acts; an effect without one acts throughout.
     choking : bool
         Whether the simulation holds choked flow.
-    quiet : bool, default=False
+    filtered : bool, default=False
         Whether the flow is simulated from the recorded opening without its sensor's noise.
 
     Attributes
@@ -71,15 +71,15 @@ class Chain:
         Vapour pressure pv of the liquid [Pa].
     """
 
-    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False, quiet=False):
+    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False, filtered=False):
         self.recording, self.valve, self.trim = recording, valve, trim
         self.effects, self.onsets, self.choking = tuple(effects), dict(onsets or {}), choking
         self.time, self.clock = recording.time, clock_of(recording)
         self.step = np.diff(self.time, prepend=self.time[0] - recording.sample_time)
         self.command = recording.get("command")
         self.measured = self.position = recording.get("opening")
-        if quiet and self.measured is not None:
-            self.position = quiet_position(recording)
+        if filtered and self.measured is not None:
+            self.position = filtered_position(recording)
         self._properties()
         self._actuator_scale()
         self._runs, self._roots, self._acting = {}, [], {}

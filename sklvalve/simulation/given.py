@@ -64,19 +64,16 @@ class GivenChain(Chain):
     valve : Valve
     trim : GivenTrim, SheetTrim or LearntTrim
         A `GivenTrim` beside a given flow.
-    effects, onsets
+    effects, onsets, filtered
         As in `Chain`.
     choking : bool, default=False
         Whether the given flow, or the simulation in its place, chokes.
-    quiet : bool, default=False
-        As in `Chain`.
     """
 
-    def __init__(self, recording, valve, trim, *, effects=(), onsets=None, choking=False, quiet=False):
+    def __init__(self, recording, valve, trim, **options):
         self.given_flow = recording.get("simulated_flow")
         self.given_opening = recording.get("simulated_opening")
-        beside = {"effects": effects, "onsets": onsets, "choking": choking, "quiet": quiet}
-        super().__init__(recording, valve, trim, **beside)
+        super().__init__(recording, valve, trim, **options)
         self._given_capacity()
 
     def _actuator_scale(self):

@@ -435,14 +435,16 @@ class NoiseParts:
         step : float
             Time between rows [s].
         """
-        more = times**2 - 1.0
-        white = 1.0 + more
+        square = times**2
+        # share of a part that is new in each row
+        fresh = -np.expm1(-step / np.array([self.fast_time, self.slow_time]))
+        fast, slow = 1.0 + (square - 1.0) * fresh
         return replace(
             self,
-            base=self.base * white,
-            share=self.share * white,
-            fast=self.fast * (1.0 - more * float(np.expm1(-step / self.fast_time))),
-            slow=self.slow * (1.0 - more * float(np.expm1(-step / self.slow_time))),
+            base=self.base * square,
+            share=self.share * square,
+            fast=self.fast * float(fast),
+            slow=self.slow * float(slow),
             size=self.size * times,
         )
 

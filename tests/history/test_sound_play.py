@@ -9,7 +9,7 @@ from sklvalve.history.then import simulation_then
 from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.calibration import channels_of, sound_play
-from sklvalve.simulation.quiet_position import quiet_position
+from sklvalve.simulation.filtered_position import filtered_position
 from tests.history.plant import changed, without
 
 
@@ -18,7 +18,7 @@ def _with_play(recording, learnt, width):
 
     The plug follows the stem, not the noise of its sensor.
     """
-    stem = changed(recording, opening=quiet_position(recording))
+    stem = changed(recording, opening=filtered_position(recording))
     simulation = simulation_then(learnt)
     own = simulation.values_["plug_play"]
     tight, loose = (

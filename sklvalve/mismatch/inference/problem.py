@@ -134,7 +134,7 @@ class Problem(Sharing, Sizes):
         spans = spans_of(recording, channels)
         effects, onsets = _physics_of(held)
         choking = "choked_flow" in physics and _knows_drop(recording)
-        settings = {"choking": choking, "quiet": others.get("history") is not None}
+        settings = {"choking": choking, "filtered": others.get("history") is not None}
         plain = chain_for(recording, valve, trim, effects=effects, onsets=onsets, **settings)
         noise = first_noise(spans)
         return cls(
@@ -151,7 +151,7 @@ class Problem(Sharing, Sizes):
         effects, onsets = self.physics_of(terms)
         if recording is None:
             return self.plain.beside(effects, onsets)
-        settings = {"choking": self.choking and _knows_drop(recording), "quiet": self.history is not None}
+        settings = {"choking": self.choking and _knows_drop(recording), "filtered": self.history is not None}
         return chain_for(recording, self.valve, self.trim, effects=effects, onsets=onsets, **settings)
 
     def holding(self, terms: Sequence[Term], model: Model) -> Problem:

@@ -20,7 +20,7 @@ _ROWS, _REACH = 4.0, 10
 _SAME, _MEDIAN = 1.8, 5
 
 
-def quiet_position(recording: Recording) -> np.ndarray:
+def filtered_position(recording: Recording) -> np.ndarray:
     r"""Recorded opening with the noise averaged out where the stem rests.
 
     .. math:: \bar h_i = \frac{\sum_k w_{ik} h_k}{\sum_k w_{ik}}, \quad
@@ -43,10 +43,10 @@ def quiet_position(recording: Recording) -> np.ndarray:
         NaN in gaps, as recorded.
     """
     recorded = recording["opening"]
-    quiet = np.array(recorded, dtype=float)
+    filtered = np.array(recorded, dtype=float)
     for low, high in recording.spans:
-        quiet[low:high] = _averaged(quiet[low:high])
-    return quiet
+        filtered[low:high] = _averaged(filtered[low:high])
+    return filtered
 
 
 def _averaged(opening: np.ndarray) -> np.ndarray:

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""A position is quietened where the stem rests; strokes, gaps and joined recordings stay what they are."""
+"""A position is filtered where the stem rests; strokes, gaps and joined recordings stay what they are."""
 
 import numpy as np
 import pytest
 
 from sklvalve.recording import Recording, join_recordings
-from sklvalve.simulation.quiet_position import quiet_position
+from sklvalve.simulation.filtered_position import filtered_position
 from sklvalve.simulation.stages import play
 
 ROWS, NOISE = 1200, 0.003
@@ -37,46 +37,46 @@ def trembling(steps):
 
 
 def test_noise_is_averaged_out_where_the_stem_rests(recording, steps, trembling):
-    left = quiet_position(_recording(recording.valve, trembling)) - steps
+    left = filtered_position(_recording(recording.valve, trembling)) - steps
     assert np.std(left) < 0.5 * NOISE
 
 
 def test_strokes_stay_where_they_are(recording, steps, trembling):
-    quiet = quiet_position(_recording(recording.valve, trembling))
+    filtered = filtered_position(_recording(recording.valve, trembling))
     np.testing.assert_allclose(
-        np.diff(quiet)[np.diff(steps) != 0.0], np.diff(steps)[np.diff(steps) != 0.0], atol=0.012
+        np.diff(filtered)[np.diff(steps) != 0.0], np.diff(steps)[np.diff(steps) != 0.0], atol=0.012
     )
 
 
 def test_a_ramp_is_not_delayed(recording):
     ramp = np.linspace(0.1, 0.9, ROWS)
     noisy = ramp + NOISE * np.random.default_rng(5).standard_normal(ROWS)
-    left = quiet_position(_recording(recording.valve, noisy)) - ramp
+    left = filtered_position(_recording(recording.valve, noisy)) - ramp
     assert abs(np.mean(left[20:-20])) < 0.2 * NOISE
 
 
 def test_play_as_wide_as_the_noise_explains_less_of_it_than_before(recording, steps, trembling):
-    quiet = quiet_position(_recording(recording.valve, trembling))
-    before, now = (np.std(x - steps) - np.std(play(x, 2.0 * NOISE) - steps) for x in (trembling, quiet))
-    # in the raw reading play is a filter of its noise; in the quiet one it only holds the plug off its place
+    filtered = filtered_position(_recording(recording.valve, trembling))
+    before, now = (np.std(x - steps) - np.std(play(x, 2.0 * NOISE) - steps) for x in (trembling, filtered))
+    # play filters the noise of the raw reading; in the filtered one it only holds the plug off its place
     assert before > 0.3 * NOISE
     assert now <= 0.0
 
 
 def test_a_reading_without_noise_is_returned_as_it_is(recording, steps):
-    assert np.array_equal(quiet_position(_recording(recording.valve, steps)), steps)
+    assert np.array_equal(filtered_position(_recording(recording.valve, steps)), steps)
 
 
 def test_gaps_stay_gaps_and_touch_nothing_else(recording, steps, trembling):
     gap = slice(300, 330)
     trembling[gap] = np.nan
-    quiet = quiet_position(_recording(recording.valve, trembling))
-    assert np.isnan(quiet[gap]).all()
-    assert np.isfinite(np.delete(quiet, np.arange(ROWS)[gap])).all()
-    assert np.nanstd(quiet - steps) < 0.5 * NOISE
+    filtered = filtered_position(_recording(recording.valve, trembling))
+    assert np.isnan(filtered[gap]).all()
+    assert np.isfinite(np.delete(filtered, np.arange(ROWS)[gap])).all()
+    assert np.nanstd(filtered - steps) < 0.5 * NOISE
 
 
 def test_joined_recordings_are_kept_apart(recording, trembling):
     one, other = _recording(recording.valve, trembling), _recording(recording.valve, trembling[::-1])
-    both = quiet_position(join_recordings([one, other]))
-    np.testing.assert_array_equal(both, np.concatenate([quiet_position(one), quiet_position(other)]))
+    both = filtered_position(join_recordings([one, other]))
+    np.testing.assert_array_equal(both, np.concatenate([filtered_position(one), filtered_position(other)]))
