@@ -150,7 +150,7 @@ def table_of(rows, name):
     typical, offset, slopes = typical_of(rows, found, WEAKEST[name])
     relative = found / typical
     quantiles = np.quantile(relative, np.linspace(0.0, 1.0 - ABOVE, KNOTS))
-    excess = relative[relative > quantiles[-1]] - quantiles[-1]
+    excess = relative[relative > quantiles[-1]] ** 2 - quantiles[-1] ** 2
     scale, shape = tail_of(excess)
     return {
         "recordings": len(rows),
@@ -192,7 +192,7 @@ def typical_of(rows, found, weakest):
 
 
 def tail_of(excess):
-    """Scale and shape of the generalised Pareto law of excesses.
+    """Scale and shape of the generalised Pareto law of excesses, of squares.
 
     A few tens tell little of the shape: it is expected at 0.1, give or take 0.1. It is not let below zero,
     for a law that ends would make the next stronger recording impossible.

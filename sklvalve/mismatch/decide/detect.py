@@ -138,7 +138,7 @@ def _look_and_strength(each: Tried | Finding, problem: Problem, law: NullLaw) ->
     look, gain = ("throughout", each.gain) if each.by_beginning is None else ("within", each.by_beginning)
     if look == "throughout" and law.stem is not None and each.stage in ACTUATOR_STAGES:
         look = "stem"
-    return look, effect_strength(np.sqrt(2.0 * max(gain, 0.0)), in_counts(each.sizes, problem))
+    return look, effect_strength(each.over_time.deviations(gain), in_counts(each.sizes, problem))
 
 
 def in_counts(sizes: dict[str, float], problem: Problem) -> float:

@@ -64,9 +64,9 @@ class Covariates:
         return "noise_without_drop" if self.no_drop else "noise"
 
 
-# so many rehearsals of one valve count as much as all valves of the reference, as long as no rehearsal is
-# rarer there than this: beyond that the reference counts for less, for this valve is none of its kind
-_REFERENCE_COUNTS, _LIKE = 10.0, 0.05
+# of so many valves one is unlike the reference, whatever is known of it, and by up to so many times
+_ONE_OF, _UP_TO = 11, 30.0
+_TIMES = np.geomspace(1.0, _UP_TO, 69)
 #: Looks at the effects, and all looks at a recording, each with a table of its own. What drives the stem is
 #: looked at by itself beside a history, where chance makes more of it; else it is one of the first.
 OF_EFFECTS = ("throughout", "stem", "within")
@@ -84,10 +84,11 @@ class Table:
     the reference up to a threshold, linearly between quantiles, and from there on as the generalised Pareto
     law has it,
 
-    .. math:: P(v) = P_u \left(1 + \xi \frac{v - u}{\sigma}\right)^{-1/\xi}
+    .. math:: P(v) = P_u \left(1 + \xi \frac{v^2 - u^2}{\sigma}\right)^{-1/\xi}
 
-    to which the excesses over a high threshold tend (Pickands, Annals of Statistics 3, 1975). Its shape is
-    held at zero or above, so that no strength, however large, is impossible.
+    to which excesses over a high threshold tend (Pickands, Annals of Statistics 3, 1975): those of squares,
+    for strengths are normal deviations. Its shape is held at zero or above, so that no strength, however
+    large, is impossible.
 
     Parameters
     ----------
@@ -106,10 +107,9 @@ class Table:
         Share of the reference above the threshold, the last quantile.
     scale, shape : float
         Of the tail.
-    own : tuple of float, default=()
-        How many times what is typical the valve in question made of each of its rehearsals, at least 1.
-    counts : float, default=10
-        How many rehearsals of the valve count as much as the reference.
+    times, weights : tuple of float, default=(1,)
+        How many times as strong chance may be in the valve in question as in those of the reference, and how
+        probable that is.
     """
 
     recordings: int
@@ -120,8 +120,8 @@ class Table:
     above: float
     scale: float
     shape: float
-    own: tuple[float, ...] = ()
-    counts: float = _REFERENCE_COUNTS
+    times: tuple[float, ...] = (1.0,)
+    weights: tuple[float, ...] = (1.0,)
 
     def typical(self, covariates: Covariates) -> float:
         """Typical strength of healthy recordings."""
@@ -156,20 +156,35 @@ class NullLaw:
         return {look: table for look, table in every.items() if table is not None}
 
     def with_own(self, rehearsals: Iterable[Rehearsal]) -> NullLaw:
-        """The same law, with what one valve made of parts of its own history.
+        r"""The same law, with what one valve made of parts of its own history.
+
+        Chance is s times as strong in a valve as in those of the reference. Before anything is known s is 1
+        in ten of eleven valves, and in the eleventh anything from 1 to 30, its logarithm as probable
+        everywhere. Each rehearsal tells of s by the largest of its looks, relative to what is typical: its
+        law under s is that of the largest among the reference, s times as large.
 
         Parameters
         ----------
         rehearsals : iterable of Rehearsal
         """
-        tables, looks = self.tables, [asdict(each) for each in rehearsals]
-        seen = [{look: v for look, v in each.items() if v is not None} for each in looks]
-        # a valve that is unlike the others in one look is so in all; of many looks the rarest is rare anyway
-        own = tuple(max(1.0, *each.values()) for each in seen)
-        shares = [_in_reference(tables[look], v) for each in seen for look, v in each.items()]
-        rarest = 1.0 - (1.0 - min(shares)) ** len(shares) if shares else 1.0
-        counts = float(_REFERENCE_COUNTS * min(1.0, rarest / _LIKE))
-        return NullLaw(**{look: replace(table, own=own, counts=counts) for look, table in tables.items()})
+        tables, known = self.tables, [asdict(each) for each in rehearsals]
+        if not known:
+            return self
+        weights = np.full(len(_TIMES), 1.0 / (_ONE_OF * (len(_TIMES) - 1)))
+        weights[0] = 1.0 - 1.0 / _ONE_OF
+        for looks in known:
+            seen = {look: v for look, v in looks.items() if v is not None and look in tables}
+            largest = min(max(seen.values(), default=0.0), _UP_TO)
+            if largest > 0.0:
+                some = [tables[look] for look in seen]
+                weights *= [
+                    _beyond(some, 0.95 * largest / s) - _beyond(some, 1.05 * largest / s) for s in _TIMES
+                ]
+                weights /= weights.sum()
+        times, probable = tuple(_TIMES.tolist()), tuple(weights.tolist())
+        return NullLaw(
+            **{look: replace(each, times=times, weights=probable) for look, each in tables.items()}
+        )
 
 
 def _law_of(name: str) -> NullLaw:
@@ -184,16 +199,7 @@ AGAINST_HISTORY = _law_of("null_reference_with_history.json")
 
 
 def survival(table: Table, strength: float, covariates: Covariates) -> float:
-    r"""Share of healthy recordings whose strength is at least this.
-
-    A rehearsal that came to :math:`v_i` times what is typical says that this valve's evidence is so many
-    times as large by chance. The laws of n rehearsals are pooled with the reference, which counts as much as
-    k of them:
-
-    .. math:: \frac{k P(v) + \sum_i P(v / \max(v_i, 1))}{k + n}
-
-    k is 10 while the reference holds for the valve. Where the rarest rehearsal is rarer in the reference than
-    that of 5 % of valves, k falls with it: what is rare among other valves is then usual for this one.
+    """Share of healthy recordings whose strength is at least this, of valves like the one in question.
 
     Parameters
     ----------
@@ -208,9 +214,14 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
         Between 0, never reached, and 1; falls with the strength, without a step but that from nothing at all.
     """
     relative = strength / table.typical(covariates)
-    by_own = sum(_in_reference(table, relative / times) for times in table.own)
-    in_all = table.counts * _in_reference(table, relative) + by_own
-    return float(in_all / (table.counts + len(table.own)))
+    each = zip(table.times, table.weights, strict=True)
+    return min(sum(weight * _in_reference(table, relative / times) for times, weight in each), 1.0)
+
+
+def _beyond(tables: Iterable[Table], relative: float) -> float:
+    """Share of the reference in which the largest of some looks is at least this."""
+    below = [np.log1p(-min(_in_reference(table, relative), 1.0 - 1e-16)) for table in tables]
+    return float(-np.expm1(sum(below)))
 
 
 def _in_reference(table: Table, relative: float) -> float:
@@ -223,7 +234,7 @@ def _in_reference(table: Table, relative: float) -> float:
         chances = np.linspace(1.0, table.above, len(table.quantiles))
         # below the least of the reference nothing is known but that all are at zero or above
         return float(np.interp(relative, (0.0, *table.quantiles[1:]), chances))
-    excess = (relative - threshold) / table.scale
+    excess = (relative**2 - threshold**2) / table.scale
     if table.shape < 1e-6:
         return float(table.above * np.exp(-excess))
     return float(table.above * np.exp(-np.log1p(table.shape * excess) / table.shape))

@@ -23,7 +23,7 @@ from sklvalve.mismatch.search.own_noise import (
 from sklvalve.mismatch.search.relevance import SPREADS, beyond_tolerance, is_relevant, may_explain
 from sklvalve.mismatch.search.restart import much_is_left, restarted
 from sklvalve.mismatch.search.rivals import find_rivals, without_rival
-from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, OverTime, gain_in_spreads
 from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
@@ -58,12 +58,15 @@ class Tried:
         acts throughout. None of one that acts throughout.
     stage : str, default=""
         Of the effect.
+    over_time : OverTime
+        How the stretches of the recording agree on it.
     """
 
     gain: float
     sizes: dict[str, float]
     by_beginning: float | None = None
     stage: str = ""
+    over_time: OverTime = field(default_factory=OverTime)
 
 
 @dataclass(eq=False)
@@ -234,7 +237,8 @@ class _Search:
         gain, term = model.log_likelihood - without.log_likelihood, model.terms[-1]
         sizes = problem.change(model, problem.baseline(model, without.terms, without))
         by_beginning = self.by_beginning(gain, term, model.terms)
-        self.tried[term.effect.key] = Tried(gain, sizes, by_beginning, term.effect.stage)
+        over_time = OverTime.of(problem, model, without)
+        self.tried[term.effect.key] = Tried(gain, sizes, by_beginning, term.effect.stage, over_time)
 
     def _calibrated_anew(self, problem: Problem, nominal: Model, candidates: Sequence[Model]) -> Model:
         """The simulation without effects from where the best of these have led its calibration, if better.

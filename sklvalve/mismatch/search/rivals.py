@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,6 +15,7 @@ from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_
 from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, likelihood_across_noises
 from sklvalve.mismatch.search.relevance import may_be_instead
+from sklvalve.mismatch.search.scatter import OverTime
 from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
@@ -68,6 +69,8 @@ class Finding:
     by_beginning : float or None, default=None
         Of one that begins within the recording: log likelihood that it gains over the likeliest effect that
         acts throughout. None of one that acts throughout, and where it was not asked.
+    over_time : OverTime
+        How the stretches of the recording agree on it.
     """
 
     term: Term
@@ -75,6 +78,7 @@ class Finding:
     gain: float
     sizes: dict[str, float]
     by_beginning: float | None = None
+    over_time: OverTime = field(default_factory=OverTime)
 
     @property
     def stage(self) -> str:
@@ -120,7 +124,8 @@ def find_rivals(
         gain = model.log_likelihood - without.log_likelihood
         rivals = weighed(problem, places, without)
         sizes = problem.change(model, problem.baseline(model, other_terms, without))
-        findings.append(Finding(term, rivals, gain, sizes))
+        over_time = OverTime.of(problem, model, without)
+        findings.append(Finding(term, rivals, gain, sizes, over_time=over_time))
         if report:
             report(0.8 + 0.2 * (i + 1) / len(model.terms))
     return sorted(findings, key=lambda f: f.gain, reverse=True)

@@ -104,13 +104,13 @@ def test_chance_has_no_step_and_the_tail_goes_on_where_the_quantiles_end(table):
         for side in (1.0 - 1e-9, 1.0 + 1e-9):
             assert survival(table, side * value, USUAL) == pytest.approx(chance, abs=1e-6)
     assert survival(table, 0.0, USUAL) == 1.0
-    far = (table.quantiles[-1] + 6.0 * table.scale) * table.typical(USUAL)
+    far = np.sqrt(table.quantiles[-1] ** 2 + 6.0 * table.scale) * table.typical(USUAL)
     assert survival(table, far, USUAL) < 1.0 / table.recordings
 
 
 def test_tail_is_that_of_pareto_or_of_the_exponential_where_its_shape_is_zero():
     table = replace(EFFECTS, shape=0.2, scale=0.5)
-    over = (table.quantiles[-1] + 2.0) * table.typical(USUAL)
+    over = np.sqrt(table.quantiles[-1] ** 2 + 2.0) * table.typical(USUAL)
     assert survival(table, over, USUAL) == pytest.approx(table.above * (1.0 + 0.2 * 4.0) ** -5.0)
     assert survival(replace(table, shape=0.0), over, USUAL) == pytest.approx(table.above * np.exp(-4.0))
 

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What an effect gains counts by how well the stretches of a recording agree on it."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.stats import norm, t
+
+from sklvalve.mismatch.search.scatter import OverTime
+
+GAINS = st.floats(0.0, 1e4)
+SCATTERS = st.builds(OverTime, st.floats(0.0, 50.0), st.floats(1.0, 96.0))
+ROWS, SPAN = 3600, 60
+
+
+def test_without_stretches_a_gain_counts_as_noise_has_it():
+    assert OverTime().deviations(8.0) == pytest.approx(4.0)
+    assert OverTime(scatter=3.0, stretches=30.0).deviations(-1.0) == 0.0
+
+
+@given(GAINS, SCATTERS)
+def test_stretches_only_take_from_a_gain(gain, over_time):
+    assert 0.0 <= over_time.deviations(gain) <= np.sqrt(2.0 * gain)
+
+
+@given(GAINS, st.floats(0.0, 100.0), SCATTERS)
+def test_a_larger_gain_counts_for_more(gain, more, over_time):
+    assert over_time.deviations(gain + more) >= over_time.deviations(gain)
+
+
+@given(GAINS, st.floats(0.0, 50.0), st.floats(0.0, 50.0), st.floats(1.0, 96.0))
+def test_stretches_that_disagree_by_more_leave_less(gain, scatter, more, stretches):
+    agree, disagree = OverTime(scatter, stretches), OverTime(scatter + more, stretches)
+    assert disagree.deviations(gain) <= agree.deviations(gain)
+
+
+@pytest.mark.parametrize("deviations", [1.0, 3.0, 6.0])
+def test_few_stretches_have_the_tail_of_few_degrees_of_freedom(deviations):
+    few = OverTime(scatter=0.5, stretches=3.0).deviations(deviations**2 / 2.0)
+    assert few == pytest.approx(norm.isf(t.sf(deviations, 10.0)), rel=5e-3)
+
+
+def test_scatter_as_wide_as_noise_takes_nothing_where_stretches_are_many():
+    assert OverTime(scatter=1.0, stretches=1e6).deviations(50.0) == pytest.approx(10.0, rel=1e-3)
+    assert OverTime(scatter=4.0, stretches=1e6).deviations(50.0) == pytest.approx(5.0, rel=1e-3)
+
+
+class _White:
+    """Noise of one standard deviation."""
+
+    whiten = staticmethod(lambda left: left)
+
+
+class _Recording:
+    sample_time = 1.0
+
+    def __len__(self):
+        return ROWS
+
+
+def _problem(left, change):
+    """Of one channel, and two models: what the first leaves, and what the second leaves beside."""
+    clock = np.arange(ROWS, dtype=float)
+    return SimpleNamespace(
+        noise={"flow": _White()},
+        recording=_Recording(),
+        plain=SimpleNamespace(clock=clock),
+        residuals=lambda model: {"flow": left + change * model},
+    )
+
+
+def _fitted(left, change):
+    """Residuals after the least squares fit of a change."""
+    return left - change * (left @ change) / (change @ change)
+
+
+def test_white_noise_scatters_as_it_should():
+    rng = np.random.default_rng(1)
+    change = np.sin(np.arange(ROWS) / 7.0)
+    scatters = []
+    for _ in range(40):
+        over_time = OverTime.of(_problem(_fitted(rng.standard_normal(ROWS), change), change), 0, 1)
+        assert over_time.stretches == pytest.approx(ROWS / SPAN, rel=0.05)
+        scatters.append(over_time.scatter)
+    # the mean of 40 times some 60 squares; far residuals weigh less than they hold
+    assert np.mean(scatters) == pytest.approx(0.85, abs=0.1)
+
+
+def test_an_error_that_lasts_scatters_by_more():
+    rng = np.random.default_rng(2)
+    change = np.ones(ROWS)
+    lasting = np.repeat(rng.standard_normal(ROWS // SPAN), SPAN)
+    left = _fitted(rng.standard_normal(ROWS) + lasting, change)
+    assert OverTime.of(_problem(left, change), 0, 1).scatter > 10.0
+
+
+def test_one_event_is_one_stretch():
+    change = np.zeros(ROWS)
+    change[1000:1010] = 5.0
+    over_time = OverTime.of(_problem(np.zeros(ROWS), change), 0, 1)
+    assert (over_time.scatter, over_time.stretches) == (0.0, pytest.approx(1.0))
+
+
+def test_what_changes_nothing_is_not_known_by_its_stretches():
+    assert OverTime.of(_problem(np.ones(ROWS), np.zeros(ROWS)), 0, 1) == OverTime()
