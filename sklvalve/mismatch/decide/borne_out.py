@@ -35,8 +35,8 @@ class Numbers:
     with_history: tuple[float, float] = (0.0, 1.0)
 
 
-#: Of a mismatch that is usual among those found; says only where the intercept is taken. The sealed records were
-#: judged before stretches counted: what then had 1e-4 now has 1e-5, median of 19 between 3e-5 and 3e-4 then.
+#: Of a mismatch that is usual among those found; says only where the intercept is taken. The sealed records
+#: were judged before stretches counted: what then had 1e-4 now has 1e-5, median of 19 from 3e-5 to 3e-4 then.
 USUAL_P = 1e-5
 
 #: Of the 1,733 classes reported in the seven sealed runs of the concealed benchmark, 1,573 of which held a
