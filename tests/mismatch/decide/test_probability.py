@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.constants import NAMED_FROM
-from sklvalve.mismatch.decide.borne_out import SEALED, Numbers
+from sklvalve.mismatch.decide.borne_out import SEALED, USUAL_P, Numbers
 from sklvalve.mismatch.decide.probability import (
     Grounds,
     is_coarse,
@@ -17,7 +17,7 @@ from sklvalve.mismatch.decide.probability import (
 )
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 
-USUAL = Grounds("backlash", 1e-4)
+USUAL = Grounds("backlash", USUAL_P)
 FORMS = {effect.key: effect for effect in (*CATALOGUE, *EVENTS)}
 
 
@@ -27,7 +27,7 @@ def test_by_hand():
     of_b = np.log(0.6 / 0.4) - np.log(0.8 / 0.2)
     assert log_odds_of_name("b", numbers.held) == pytest.approx(of_b)
     assert log_odds_of_name("never seen", numbers.held) == pytest.approx(0.0)
-    grounds = Grounds("b", 1e-5, beside=True, coarse=True, may_vanish=True)
+    grounds = Grounds("b", 0.1 * USUAL_P, beside=True, coarse=True, may_vanish=True)
     odds = 1.0 + 0.5 * of_b + 0.3 - 0.6 - 0.9 - 1.2
     assert probability_of(grounds, numbers) == pytest.approx(1.0 / (1.0 + np.exp(-odds)))
     few = replace(grounds, few_signals=True)
