@@ -34,6 +34,9 @@ from sklvalve.mismatch.decide.probability import (
 )
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 
+# the runs were judged before stretches counted: what is as strong has a p so many times as large now, as
+# `USUAL_P` says; of later runs it is 1
+_SINCE_STRETCHES_COUNT = 0.1
 # of the ridge: a prior of the coefficients with this standard deviation, and of the slope about one
 _SPREAD, _SPREAD_OF_SLOPE = 1.0, 0.5
 
@@ -75,7 +78,7 @@ def grounds_of(line, entry, beside):
     ]
     return Grounds(
         name,
-        line["found"]["mismatch"]["p_value"],
+        _SINCE_STRETCHES_COUNT * line["found"]["mismatch"]["p_value"],
         beside=beside,
         coarse=is_coarse(line["found"].get("data") or []),
         may_vanish=bool(forms) and bool(vanishing(forms[0], parameters)),

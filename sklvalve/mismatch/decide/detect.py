@@ -103,8 +103,9 @@ def law_for(problem: Problem) -> NullLaw:
 def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, dict[str, float]]:
     """Strength of each effect beyond tolerance, of those found and those tried at the first step, by key.
 
-    The deviations of an effect are the root of twice the log likelihood that it gains: over the calibrated
-    simulation where it acts throughout, by beginning where it begins within the recording.
+    The deviations of an effect are those of the log likelihood that it gains, by how stretches agree on it
+    (`OverTime`): over the calibrated simulation where it acts throughout, by beginning where it begins within
+    the recording.
     """
     law = law_for(problem)
     by_look: dict[str, dict[str, float]] = {look: {} for look in OF_EFFECTS if look in law.tables}

@@ -66,6 +66,8 @@ class Covariates:
 
 # of so many valves one is unlike the reference, whatever is known of it, and by up to so many times
 _ONE_OF, _UP_TO = 11, 30.0
+# a rehearsal quieter than this share of what is typical says no more of a valve than one as quiet
+_QUIET = 0.5
 _TIMES = np.geomspace(1.0, _UP_TO, 69)
 #: Looks at the effects, and all looks at a recording, each with a table of its own. What drives the stem is
 #: looked at by itself beside a history, where chance makes more of it; else it is one of the first.
@@ -161,7 +163,8 @@ class NullLaw:
         Chance is s times as strong in a valve as in those of the reference. Before anything is known s is 1
         in ten of eleven valves, and in the eleventh anything from 1 to 30, its logarithm as probable
         everywhere. Each rehearsal tells of s by the largest of its looks, relative to what is typical: its
-        law under s is that of the largest among the reference, s times as large.
+        law under s is that of the largest among the reference, s times as large, the looks taken for
+        independent. Without a rehearsal the law is that of the reference.
 
         Parameters
         ----------
@@ -174,13 +177,10 @@ class NullLaw:
         weights[0] = 1.0 - 1.0 / _ONE_OF
         for looks in known:
             seen = {look: v for look, v in looks.items() if v is not None and look in tables}
-            largest = min(max(seen.values(), default=0.0), _UP_TO)
-            if largest > 0.0:
-                some = [tables[look] for look in seen]
-                weights *= [
-                    _beyond(some, 0.95 * largest / s) - _beyond(some, 1.05 * largest / s) for s in _TIMES
-                ]
-                weights /= weights.sum()
+            largest = float(np.clip(max(seen.values(), default=0.0), _QUIET, _UP_TO))
+            some = [tables[look] for look in seen]
+            weights *= [_beyond(some, 0.95 * largest / s) - _beyond(some, 1.05 * largest / s) for s in _TIMES]
+            weights /= weights.sum()
         times, probable = tuple(_TIMES.tolist()), tuple(weights.tolist())
         return NullLaw(
             **{look: replace(each, times=times, weights=probable) for look, each in tables.items()}

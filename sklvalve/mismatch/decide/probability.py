@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 #: Findings about the data that make values coarse: thinned by a historian, or read in large steps.
 COARSE = ("compressed", "quantised")
 _READ_IN_STEPS = ("flow", "opening")
-# beyond one in ten million a p-value says no more, by the sealed records
+# beyond one in ten million a p-value says no more: one in a million, by the sealed records, as `USUAL_P` says
 _LEAST_P = 1e-7
 # so many classes of the usual share are taken for seen beside those led by a name; 4 to 15 did as well
 _DRAWN = 8.0

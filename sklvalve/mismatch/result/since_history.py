@@ -13,6 +13,7 @@ from sklvalve.history import Allowance
 from sklvalve.history.operating_range import OperatingRange, limits_in_recorded_units
 from sklvalve.history.then import expected_of, simulation_then
 from sklvalve.mismatch.decide.detect import mismatch_p_value
+from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY
 from sklvalve.mismatch.decide.rules import percent
 from sklvalve.mismatch.describe.intervals import interval_of
 from sklvalve.mismatch.inference.hypothesis import Model, Term
@@ -113,7 +114,7 @@ def _rehearsed(judgement: Judgement, alpha: float) -> str | None:
     evidence = judgement.evidence
     if evidence is None or judgement.verdict != "no_mismatch":
         return None
-    by_reference = mismatch_p_value(replace(evidence, law=evidence.law.with_own(())))
+    by_reference = mismatch_p_value(replace(evidence, law=AGAINST_HISTORY))
     if by_reference > alpha or mismatch_p_value(evidence) <= alpha:
         return None
     return (

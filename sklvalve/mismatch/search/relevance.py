@@ -123,14 +123,14 @@ def effect_strength(deviations: float, size: float) -> float:
 
     .. math:: t = \left(\frac{1}{z^2} + \frac{w^2}{s^2}\right)^{-1/2}
 
-    with z the deviations from nothing that noise alone would give it, s its size in multiples of what
+    with z its deviations from nothing (`OverTime.deviations`), s its size in multiples of what
     counts, and w = 0.1, about the share of what counts by which a healthy simulation is wrong. It grows with
     both, and neither a clear trifle nor a large change that is not borne out makes it large.
 
     Parameters
     ----------
     deviations : float
-        z, of noise [1].
+        z [1].
     size : float
         s, in multiples of what counts [1].
 

@@ -21,7 +21,7 @@ SHARE_MISTAKEN = 0.15
 _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
 # what healthy recordings say of how stretches scatter counts as so many more: they do by the law of F with 12
-# to 20, by the length of a stretch, around 1. With fewer the healthy ones that stand out do so less
+# to 20, by the length of a stretch, around 1. With 8 less strength is left to the rarest of them
 _AS_OTHERS = 8.0
 
 
@@ -41,7 +41,7 @@ def gain_in_spreads(problem: Problem, better: Model, other: Model) -> float:
     spreads : float
     """
     losses = [row_losses(problem, m, problem.channels) for m in (better, other)]
-    each = _by_stretch(problem, losses[1] - losses[0])
+    each = _by_stretch(problem, losses[1] - losses[0], _FEWEST)
     scatter = np.sqrt(len(each)) * each.std(ddof=1)
     return float(each.sum() / scatter) if scatter > 0.0 else 0.0
 
@@ -124,10 +124,10 @@ class OverTime:
         )
 
 
-def _by_stretch(problem: Problem, rows: np.ndarray) -> np.ndarray:
+def _by_stretch(problem: Problem, rows: np.ndarray, fewest: int = 2) -> np.ndarray:
     """Sums of a row's values over stretches of a recording."""
     clock = problem.plain.clock
     # the time between recordings that were joined holds nothing
     length = min(clock[-1] - clock[0], len(clock) * problem.recording.sample_time)
-    many = int(np.clip(length / _STRETCH, _FEWEST, _MOST))
+    many = int(np.clip(length / _STRETCH, fewest, _MOST))
     return np.array([part.sum() for part in np.array_split(rows, many)])

@@ -28,6 +28,7 @@ from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.search.explain import Tried
 from sklvalve.mismatch.search.relevance import effect_strength
 from sklvalve.mismatch.search.rivals import Finding
+from sklvalve.mismatch.search.scatter import OverTime
 
 EFFECTS, BEGUN, RESIDUAL = AGAINST_SHEET.throughout, AGAINST_SHEET.within, AGAINST_SHEET.rest
 TABLES = [table for law in (AGAINST_SHEET, AGAINST_HISTORY) for table in law.tables.values()]
@@ -65,6 +66,16 @@ def test_strength_grows_with_what_is_borne_out_and_with_the_size(z, size, more, 
 def test_strongest_fit_of_each_effect_and_largest_channel_are_taken():
     assert in_counts({"flow": 0.01, "opening": 0.01}, BENCH) == pytest.approx(2.0)
     assert in_counts({}, BENCH) == 0.0
+
+
+def test_stretches_that_disagree_take_from_the_strength_of_an_effect():
+    sizes = {"flow": 0.02}
+    tried = {"clogging": Tried(50.0, sizes), "erosion": Tried(50.0, sizes, over_time=OverTime(9.0, 50.0))}
+    found = Finding(Term(BY_KEY["seat_leakage"]), [], 50.0, sizes, over_time=OverTime(9.0, 50.0))
+    explanation = SimpleNamespace(tried=tried, findings=[found])
+    strengths = effect_strengths(explanation, BENCH)["throughout"]
+    assert strengths["clogging"] == pytest.approx(effect_strength(10.0, 4.0))
+    assert strengths["erosion"] == strengths["seat_leakage"] < 0.5 * strengths["clogging"]
     weak, strong = Tried(8.0, {"flow": 0.005}), Tried(50.0, {"flow": 0.02})
     tried = {"clogging": weak, "erosion": strong, "dead_time": Tried(-9.0, {"opening": 0.5})}
     searched = SimpleNamespace(tried=tried, findings=[])

@@ -69,6 +69,12 @@ def test_the_reference_loses_its_weight_without_a_step():
     assert weights[0] > 0.95
     assert weights[-1] < 1e-3
     assert np.max(-np.diff(weights)) < 0.1
+    assert np.max(np.diff(weights)) < 1e-3
+
+
+def test_a_quiet_rehearsal_speaks_for_the_reference():
+    for quiet in (Rehearsal(0.0, 0.0), Rehearsal(0.0, 0.0, 0.0), Rehearsal(1e-15, 0.0)):
+        assert AGAINST_HISTORY.with_own([quiet]).throughout.weights[0] > 0.95
 
 
 def test_a_valve_like_the_reference_loses_little():
