@@ -20,9 +20,9 @@ SHARE_MISTAKEN = 0.15
 # stretches are longer than whatever a valve remembers, and so many that a few make a scatter
 _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
-# what healthy recordings say of how stretches scatter counts as so many more: they do by the law of F with 12
-# to 20, by the length of a stretch, around 1. With 8 less strength is left to the rarest of them
-_AS_OTHERS = 8.0
+# what healthy recordings say of how stretches scatter counts as so many more: of the strongest effect of each of
+# 209 they do by the law of F with so many, around 1
+_AS_OTHERS = 20.0
 
 
 def gain_in_spreads(problem: Problem, better: Model, other: Model) -> float:

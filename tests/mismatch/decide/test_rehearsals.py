@@ -25,8 +25,8 @@ def chance(times, *own, rests=()):
 
 def test_without_any_the_reference_alone_counts():
     assert chance(TABLE.quantiles[-1]) == pytest.approx(TABLE.above)
-    # a two thousandth of healthy recordings lies beyond 2.3 times what is typical
-    assert chance(2.3) == pytest.approx(5e-4, rel=0.1)
+    # a thousandth of healthy recordings lies beyond 2.4 times what is typical
+    assert chance(2.4) == pytest.approx(1e-3, rel=0.1)
 
 
 def test_what_the_valve_did_by_itself_is_not_rare():
@@ -69,7 +69,7 @@ def test_the_reference_loses_its_weight_without_a_step():
     assert weights[0] > 0.95
     assert weights[-1] < 1e-3
     assert np.max(-np.diff(weights)) < 0.1
-    assert np.max(np.diff(weights)) < 1e-3
+    assert np.max(np.diff(weights)) < 2e-3
 
 
 def test_a_quiet_rehearsal_speaks_for_the_reference():
