@@ -20,8 +20,8 @@ SHARE_MISTAKEN = 0.15
 # stretches are longer than whatever a valve remembers, and so many that a few make a scatter
 _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
-# what healthy recordings say of how stretches scatter counts as so many more: of the strongest effect of each of
-# 209 they do by the law of F with so many, around 1
+# what healthy recordings say of how stretches scatter counts as so many more: the strongest effects of 209
+# scatter by the law of F with so many, around 1
 _AS_OTHERS = 20.0
 
 
