@@ -46,6 +46,9 @@ _LARGE = 2.0
 # an effect that by itself gains this share of what the best one does tells where to look
 _COMES_NEAR = 0.25
 
+# of the level of an alarm, what is named beside a stronger effect of the same signals
+_BESIDE = 0.1
+
 
 @dataclass(frozen=True, eq=False)
 class _Rest:
@@ -192,7 +195,7 @@ def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[li
 
     One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
     alarm and gains on rows left out helps to predict these; to be named beside a stronger one of the same
-    signals it must be as rare as alpha twice over. The share of the error that is left there is of all that
+    signals it must be ten times as rare. The share of the error that is left there is of all that
     helps.
     """
     if not findings:
@@ -204,7 +207,7 @@ def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[li
     share = held_out_share(case.problem, case.explanation.nominal, model)
     stand = [first]
     for finding in able[1:]:
-        if _shows_alone(case.problem, finding, stand) or case.is_rare(finding, case.alpha**2):
+        if _shows_alone(case.problem, finding, stand) or case.is_rare(finding, _BESIDE * case.alpha):
             stand.append(finding)
     if len(stand) < len(able):
         model = fit(tuple(f.term for f in stand), start=model)
