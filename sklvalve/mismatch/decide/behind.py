@@ -2,9 +2,9 @@
 """What lies behind a property: the search begins anew from a simulation that holds it.
 
 A slow motor, or a dead time, is the largest thing that a simulation without it leaves out, and hides the
-rest: fitted alone it bends to make up for play, and what is named beside it must be ten times as
-rare. But a property is part of the sound valve. So it joins the calibration, as if it had been declared, and
-what is behind it is searched and judged as a first finding.
+rest: fitted alone it bends to make up for play, and what is named beside it must be ten times as rare. But a
+property is part of the sound valve. So it joins the calibration, as if it had been declared, and what is
+behind it is searched and judged as a first finding.
 """
 
 from __future__ import annotations

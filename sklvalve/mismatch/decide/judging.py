@@ -195,8 +195,7 @@ def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[li
 
     One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
     alarm and gains on rows left out helps to predict these; to be named beside a stronger one of the same
-    signals it must be ten times as rare. The share of the error that is left there is of all that
-    helps.
+    signals it must be ten times as rare. The share of the error that is left there is of all that helps.
     """
     if not findings:
         return [], model, 1.0

@@ -77,7 +77,7 @@ def _fitted(left, change):
     return left - change * (left @ change) / (change @ change)
 
 
-def test_white_noise_scatters_as_it_should():
+def test_white_noise_scatters_by_a_little_less_than_one():
     rng = np.random.default_rng(1)
     change = np.sin(np.arange(ROWS) / 7.0)
     scatters = []
