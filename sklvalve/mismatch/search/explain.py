@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -31,7 +31,7 @@ from sklvalve.simulation.parallel_map import parallel_map
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
     from sklvalve.mismatch.inference.problem import Problem
-    from sklvalve.mismatch.search.rivals import Finding
+    from sklvalve.mismatch.search.rivals import Finding, Rival
 
     Report = Callable[[float], object]
 
@@ -310,22 +310,30 @@ def _simpler(
     """
     if len(findings) < 2:
         return None
-    more = penalised_by_its_noise(problem, model)
+    of_all = penalised_by_its_noise(problem, model)
     best: tuple[float, Model] | None = None
-    for finding in findings:
-        inside = [r for r in finding.rivals if r.distance < DISTINGUISHABLE and r.term is not finding.term]
-        for rival in inside:
-            for other in rival.model.terms:
-                if other is rival.term:
-                    continue
-                others = tuple(m for m in rival.model.terms if m is not other)
-                starts = [rival.model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
-                fits = [problem.fit(others, start=start) for start in starts]
-                without = max(fits, key=lambda m: m.log_likelihood)
-                less = penalised_by_its_noise(problem, without)
-                if (best is None or less > best[0]) and explains_as_much(problem, without, other, less, more):
-                    best = less, without
+    for rival, other in _needless(findings):
+        without = _fitted_without(problem, rival.model, other, seen)
+        likelihood = penalised_by_its_noise(problem, without)
+        better = best is None or likelihood > best[0]
+        if better and explains_as_much(problem, without, other, likelihood, of_all):
+            best = likelihood, without
     return None if best is None else best[1]
+
+
+def _needless(findings: Sequence[Finding]) -> Iterator[tuple[Rival, Term]]:
+    """Rivals that cannot be told from an effect found, and of each the other effects beside it."""
+    for finding in findings:
+        for rival in finding.rivals:
+            if rival.distance < DISTINGUISHABLE and rival.term is not finding.term:
+                yield from ((rival, other) for other in rival.model.terms if other is not rival.term)
+
+
+def _fitted_without(problem: Problem, model: Model, term: Term, seen: dict[str, Model]) -> Model:
+    """A hypothesis without one of its effects, from wherever the search met one of the others."""
+    others = tuple(m for m in model.terms if m is not term)
+    starts = [model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
+    return max((problem.fit(others, start=start) for start in starts), key=lambda m: m.log_likelihood)
 
 
 def _step(
@@ -336,13 +344,8 @@ def _step(
     And what the likeliest of those gains whose effect acts throughout.
     """
     usable = [e for e in effects if not is_in(e, model.terms)]
-    bent = [e for e in usable if e.stage in ACTUATOR_STAGES]
-    also: list[tuple[Model, list[Effect]]] = []
-    if bent and not any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
-        # calibrated to what lacks an effect, an actuator may lie where that effect no longer helps
-        also = [(problem.sound(model), bent)]
     shown = report and (lambda share: report(done + 0.1 * share))
-    every = screened(problem, model, usable, also=also, report=shown)
+    every = screened(problem, model, usable, also=_of_a_sound_stem(problem, model, usable), report=shown)
     if problem.history is not None and not model.terms:
         every += _from_what_is_known(problem, model, usable)
     rough = _best_of_each(problem, every)
@@ -356,6 +359,19 @@ def _step(
     throughout = max(acting, default=model.log_likelihood) - model.log_likelihood
     tried = refined + rough[FITTED:]
     return sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True), max(throughout, 0.0)
+
+
+def _of_a_sound_stem(
+    problem: Problem, model: Model, effects: Sequence[Effect]
+) -> list[tuple[Model, list[Effect]]]:
+    """The actuator as most rows have it, with the effects to be screened from there.
+
+    Calibrated to what lacks an effect, an actuator may lie where that effect no longer helps.
+    """
+    bent = [e for e in effects if e.stage in ACTUATOR_STAGES]
+    if not bent or any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
+        return []
+    return [(problem.sound(model), bent)]
 
 
 def _from_what_is_known(problem: Problem, model: Model, effects: Sequence[Effect]) -> list[Model]:
