@@ -3,30 +3,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.constants import DETECTABLE, DISTINGUISHABLE
-from sklvalve.mismatch.inference.calibrating import expected_values
-from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in, penalised_likelihood
+from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in
 from sklvalve.mismatch.inference.posterior import distance
-from sklvalve.mismatch.search.intermittent import intermittent
-from sklvalve.mismatch.search.onset import fit_with_onset
-from sklvalve.mismatch.search.onset_sample import to_the_sample
+from sklvalve.mismatch.search.one_more import with_one_more
 from sklvalve.mismatch.search.own_noise import (
     explains_as_much,
-    fitted_with_its_noise,
     penalised_across_noises,
     penalised_by_its_noise,
 )
-from sklvalve.mismatch.search.relevance import SPREADS, beyond_tolerance, is_relevant, may_explain
+from sklvalve.mismatch.search.relevance import beyond_tolerance, is_relevant, may_explain
 from sklvalve.mismatch.search.restart import much_is_left, restarted
 from sklvalve.mismatch.search.rivals import find_rivals, without_rival
-from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, OverTime, gain_in_spreads
-from sklvalve.mismatch.search.screening import FITTED, screened
-from sklvalve.simulation.given import ACTUATOR_STAGES
-from sklvalve.simulation.parallel_map import parallel_map
+from sklvalve.mismatch.search.scatter import OverTime
+from sklvalve.mismatch.search.screening import FITTED
+from sklvalve.mismatch.search.settling import settled_fit
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
@@ -37,8 +32,6 @@ if TYPE_CHECKING:
 
 # of the effects fitted so many are settled under their own noise
 _TRIED = 6
-# and of those begun where a history expects the valve so many are fitted
-_FROM_WHAT_IS_KNOWN = 2
 # a rival so many times as probable takes the place of an effect
 _CLEARLY = 30.0
 
@@ -134,7 +127,7 @@ def explain(
         better = _better_in_place(problem, findings) or _simpler(problem, model, findings, search.seen)
         if better is None or last:
             break
-        by_its_noise, stood = _what_stands(*_settle(problem, better), threshold)
+        by_its_noise, stood = _what_stands(*settled_fit(problem, better), threshold)
         if len(stood.terms) < len(better.terms):
             # by its own noise it explains too little to be anything at all
             findings = [without_rival(problem, f, model, better) for f in findings]
@@ -209,13 +202,13 @@ class _Search:
     ) -> tuple[Problem, Model, Model | None]:
         """A hypothesis so far, and with one effect more that matters; else None."""
         done = len(model.terms) / (self.most + 1)
-        candidates, throughout = _step(problem, model, self.effects, self.report, done)
+        candidates, throughout = with_one_more(problem, model, self.effects, self.report, done)
         if first:
             found = self._calibrated_anew(problem, model, candidates)
             if found is not model:
                 problem = problem.with_noise_of(found, cautious=True)
                 model = problem.fit((), start=found)
-                candidates, throughout = _step(problem, model, self.effects, self.report, done)
+                candidates, throughout = with_one_more(problem, model, self.effects, self.report, done)
             self.nominal, self.throughout = model, throughout
         for m in candidates[:FITTED]:
             self.seen.setdefault(m.terms[-1].effect.key, m)
@@ -256,7 +249,7 @@ class _Search:
         """The likeliest hypothesis with one effect more that matters, each by its own noise; else None."""
         counting: list[tuple[Problem, Model]] = []
         for chosen in _in_reach(problem, candidates, model):
-            by_its_noise, settled = _settle(problem, chosen)
+            by_its_noise, settled = settled_fit(problem, chosen)
             without = by_its_noise.fit(settled.terms[:-1], start=model)
             if is_relevant(by_its_noise, settled, without, self.threshold):
                 counting.append((by_its_noise, settled))
@@ -334,120 +327,6 @@ def _fitted_without(problem: Problem, model: Model, term: Term, seen: dict[str, 
     others = tuple(m for m in model.terms if m is not term)
     starts = [model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
     return max((problem.fit(others, start=start) for start in starts), key=lambda m: m.log_likelihood)
-
-
-def _step(
-    problem: Problem, model: Model, effects: Sequence[Effect], report: Report | None, done: float
-) -> tuple[list[Model], float]:
-    """Hypotheses with one effect more, best first: all screened, the most promising fitted.
-
-    And what the likeliest of those gains whose effect acts throughout.
-    """
-    usable = [e for e in effects if not is_in(e, model.terms)]
-    shown = report and (lambda share: report(done + 0.1 * share))
-    every = screened(problem, model, usable, also=_of_a_sound_stem(problem, model, usable), report=shown)
-    if problem.history is not None and not model.terms:
-        every += _from_what_is_known(problem, model, usable)
-    rough = _best_of_each(problem, every)
-    onset = rough[0].terms[-1].onset if rough else None
-    refined: list[Model] = []
-    for m in parallel_map(lambda m: _refine(problem, model, m, onset), rough[:FITTED]):
-        refined.append(m)
-        if report:
-            report(done + 0.1 + 0.1 * len(refined) / FITTED)
-    acting = [m.log_likelihood for m in (*every, *refined) if m.terms[-1].onset is None]
-    throughout = max(acting, default=model.log_likelihood) - model.log_likelihood
-    tried = refined + rough[FITTED:]
-    return sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True), max(throughout, 0.0)
-
-
-def _of_a_sound_stem(
-    problem: Problem, model: Model, effects: Sequence[Effect]
-) -> list[tuple[Model, list[Effect]]]:
-    """The actuator as most rows have it, with the effects to be screened from there.
-
-    Calibrated to what lacks an effect, an actuator may lie where that effect no longer helps.
-    """
-    bent = [e for e in effects if e.stage in ACTUATOR_STAGES]
-    if not bent or any(m.effect.stage in ACTUATOR_STAGES for m in model.terms):
-        return []
-    return [(problem.sound(model), bent)]
-
-
-def _from_what_is_known(problem: Problem, model: Model, effects: Sequence[Effect]) -> list[Model]:
-    """The likeliest two hypotheses with one effect, fitted from where a history expects the valve.
-
-    Calibrated to what lacks an effect, all that a history knows sharply may lie where the effect no longer
-    helps. What effects gain there, before anything else has moved, tells them apart best.
-    """
-    base = problem.judged(problem.simulate((), model.values | expected_values(problem)))
-    best = _best_of_each(problem, screened(problem, base, effects))[:_FROM_WHAT_IS_KNOWN]
-    return list(parallel_map(lambda m: problem.fit(m.terms, start=m), best))
-
-
-def _best_of_each(problem: Problem, tried: Iterable[Model]) -> list[Model]:
-    """Of every effect its best hypothesis, the best first."""
-    best: dict[str, Model] = {}
-    for m in sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True):
-        best.setdefault(m.terms[-1].effect.key, m)
-    return list(best.values())
-
-
-def _refine(problem: Problem, before: Model, model: Model, other_onset: float | None) -> Model:
-    """The last effect with the whole calibration free; one that begins, also from where the best one does."""
-    last = model.terms[-1]
-    if last.onset is None:
-        return intermittent(problem, problem.fit(model.terms, start=model))
-    without = Model(before.terms, before.chain, model.values, before.predictions, before.log_likelihood, {})
-    onsets = {last.onset, last.onset if other_onset is None else other_onset}
-    fits = [fit_with_onset(problem, without, last.effect, onset=o, max_steps=15) for o in sorted(onsets)]
-    best = to_the_sample(problem, max(fits, key=lambda m: m.log_likelihood))
-    return intermittent(problem, best)
-
-
-def _settle(problem: Problem, model: Model) -> tuple[Problem, Model]:
-    """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
-    problem, model = fitted_with_its_noise(problem, model)
-    last = model.terms[-1]
-    if last.onset is not None:
-        # begun where the hypothesis stands: without the effect the calibration may lie in another valley
-        without = replace(problem.fit(model.terms[:-1], start=model), values=model.values)
-        begun = fit_with_onset(problem, without, last.effect, onset=last.onset, max_steps=15)
-        model = max(model, begun, key=lambda m: m.log_likelihood)
-        problem, model = _throughout_if_likelier(problem, model)
-    return _intermittent_if_likelier(problem, model)
-
-
-def _intermittent_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Model]:
-    """The same effect in spells where that is likelier, each judged by its own noise."""
-    spelled = intermittent(problem, model)
-    if spelled is model:
-        return problem, model
-    by_its_noise, spelled = fitted_with_its_noise(problem, spelled)
-    if penalised_across_noises(by_its_noise, spelled) > penalised_across_noises(problem, model):
-        return by_its_noise, spelled
-    return problem, model
-
-
-def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Model]:
-    """The same effect without its onset, where that is likelier when each is judged by its own noise.
-
-    Under the noise of a simulation that lacks the effect, an onset may hide rows in which the effect is
-    modelled poorly: what is left there is no stranger than the nominal's own errors. So an onset that gains
-    little beside the effect itself must gain in more than one or two events.
-    """
-    *others, last = model.terms
-    by_its_noise, throughout = fitted_with_its_noise(
-        problem, problem.fit((*others, Term(last.effect)), start=model)
-    )
-    gained = penalised_across_noises(problem, model) - penalised_across_noises(by_its_noise, throughout)
-    if gained < 0.0:
-        return by_its_noise, throughout
-    bare = problem.fit(others, start=model)
-    little = gained < SHARE_MISTAKEN * (model.log_likelihood - bare.log_likelihood)
-    if little and gain_in_spreads(problem, model, throughout) < SPREADS:
-        return by_its_noise, throughout
-    return problem, model
 
 
 def _drop_what_no_longer_counts(

@@ -10,7 +10,7 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.hypothesis import Term
-from sklvalve.mismatch.search import explain, onset, relevance
+from sklvalve.mismatch.search import explain, onset, relevance, settling
 from sklvalve.mismatch.search.rivals import Rival
 from sklvalve.recording import Recording, Valve
 
@@ -74,10 +74,10 @@ def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, wit
     # by the same noise the onset is the likelier one
     likelihoods = {400.0: -50.0, None: -60.0, "without": without}
     bench = _Bench(likelihoods, {400.0: 1000.0, None: spread})
-    monkeypatch.setattr(explain, "gain_in_spreads", lambda *args: events)
+    monkeypatch.setattr(settling, "gain_in_spreads", lambda *args: events)
     model = bench.fit((Term(LEAK, 400.0),))
     before = bench.with_noise_of(model)
-    after, found = explain._throughout_if_likelier(before, model)
+    after, found = settling._throughout_if_likelier(before, model)
     assert found.terms[-1].onset == kept
     assert (after is before) == (kept is not None)
 
@@ -130,7 +130,7 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
     monkeypatch.setattr(explain, "_what_stands", what_stands)
     monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
     monkeypatch.setattr(explain, "_simpler", lambda *_: None)
-    monkeypatch.setattr(explain, "_settle", lambda b, model: (b, model))
+    monkeypatch.setattr(explain, "settled_fit", lambda b, model: (b, model))
     monkeypatch.setattr(explain, "find_rivals", lambda *_: [])
     explain.explain(bench, bench.fit(()), (), threshold=1.0)
     assert judged == [("first", "first"), ("cautious", "cautious")]

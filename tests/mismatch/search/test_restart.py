@@ -11,7 +11,7 @@ from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.inference.hypothesis import Term
-from sklvalve.mismatch.search import explain
+from sklvalve.mismatch.search import settling
 from sklvalve.mismatch.search.restart import much_is_left, restarted
 from sklvalve.recording import Recording, Valve
 
@@ -87,12 +87,12 @@ def test_a_hypothesis_is_not_settled_for_a_less_likely_one(monkeypatch):
     made = SimpleNamespace(terms=(Term(SUPPLY, 40.0),), values={"a": 1.0}, log_likelihood=-5.0)
     worse = SimpleNamespace(terms=(Term(SUPPLY, 70.0),), values={}, log_likelihood=-50.0)
     begun = []
-    bench = SimpleNamespace(fit=lambda members, start: explain.Model(members, None, {"a": 9.0}, {}, 0.0, {}))
-    monkeypatch.setattr(explain, "fitted_with_its_noise", lambda problem, model: (problem, model))
-    monkeypatch.setattr(explain, "_throughout_if_likelier", lambda problem, model: (problem, model))
+    bench = SimpleNamespace(fit=lambda members, start: settling.Model(members, None, {"a": 9.0}, {}, 0.0, {}))
+    monkeypatch.setattr(settling, "fitted_with_its_noise", lambda problem, model: (problem, model))
+    monkeypatch.setattr(settling, "_throughout_if_likelier", lambda problem, model: (problem, model))
     monkeypatch.setattr(
-        explain, "fit_with_onset", lambda bench, rest, *args, **options: begun.append(rest) or worse
+        settling, "fit_with_onset", lambda bench, rest, *args, **options: begun.append(rest) or worse
     )
-    assert explain._settle(bench, made)[1] is made
+    assert settling.settled_fit(bench, made)[1] is made
     # begun from where the hypothesis stands, not from the calibration that lacks the effect
     assert begun[0].values == {"a": 1.0}
