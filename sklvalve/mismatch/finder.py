@@ -265,12 +265,12 @@ class MissingPhysicsFinder(BaseEstimator):
         require_learnable(recordings)
         joined = join_recordings(recordings)
         self.fit(joined)
-        found = self.diagnosis_
-        terms = lasting(self._leading, joined) if found.verdict == "named" else []
+        diagnosis = self.diagnosis_
+        terms = lasting(self._leading, joined) if diagnosis.verdict == "named" else []
         with threadpool_limits(1, user_api="blas"), with_threads(self.n_jobs):
             history = self._learnt(recordings, terms)
             history.rehearsals_ = self._rehearsed(joined, terms)
-        history.by_itself_ = by_itself(found, bool(terms) and len(terms) == len(self._leading))
+        history.by_itself_ = by_itself(diagnosis, bool(terms) and len(terms) == len(self._leading))
         return history
 
     @property

@@ -92,13 +92,13 @@ def _evidence(entry: dict[str, Any], skills: dict[str, float | None], recording:
 def _graded(entry: dict[str, Any], grounds: Grounds, evidence: dict[str, Any], kind: str) -> dict[str, Any]:
     """An entry with its grade, and with probabilities where no `kind` of recording forbids them."""
     of_class = min(entry["probability"], 1.0) * probability_of(grounds)
-    members = [
-        member
-        | {"probability": None if kind else round(of_class * member["probability"] / entry["probability"], 4)}
-        for member in entry["members"]
+    candidates = [
+        each
+        | {"probability": None if kind else round(of_class * each["probability"] / entry["probability"], 4)}
+        for each in entry["members"]
     ]
     return entry | {
-        "members": members,
+        "members": candidates,
         "probability": None if kind else round(of_class, 4),
         "grade": grade_of(of_class, grounds, evidence, kind),
         "evidence": evidence,

@@ -110,12 +110,12 @@ class Comparison:
         places = [list(rows) for _, rows in groupby(self.rows, key=lambda row: row.place)]
         chosen: list[list[Row]] = []
         for finding in findings:
-            own = _place_of(finding, places)
-            if own is None:
+            matched = _place_of(finding, places)
+            if matched is None:
                 chosen.append(_rows_of_rivals(problem, finding))
             else:
-                places.remove(own)
-                chosen.append([replace(row, stands=True) for row in own])
+                places.remove(matched)
+                chosen.append([replace(row, stands=True) for row in matched])
         numbered = enumerate([*chosen, *places], start=1)
         return Comparison(tuple(replace(row, place=place) for place, rows in numbered for row in rows))
 
@@ -186,16 +186,16 @@ def compared(explanation: Explanation, threshold: float) -> Comparison:
     """
     if not explanation.findings:
         return Comparison(tuple(_tried(explanation, threshold)))
-    found = enumerate(explanation.findings, start=1)
-    rows = (row for place, f in found for row in _rows_of(explanation, f, place, threshold))
+    numbered = enumerate(explanation.findings, start=1)
+    rows = (row for place, f in numbered for row in _rows_of(explanation, f, place, threshold))
     return Comparison(tuple(rows))
 
 
 def _rows_of(explanation: Explanation, finding: Finding, place: int, threshold: float) -> list[Row]:
     """Rows of the place of a finding."""
     problem = explanation.problem
-    rest = tuple(m for m in explanation.model.terms if m is not finding.term)
-    without = problem.fit(rest, start=explanation.model)
+    others = tuple(m for m in explanation.model.terms if m is not finding.term)
+    without = problem.fit(others, start=explanation.model)
     # explanations differ as each one's own noise has it; nothing is held against the best by that one's noise
     best = max(r.gain for r in finding.rivals)
     made = [
@@ -203,7 +203,7 @@ def _rows_of(explanation: Explanation, finding: Finding, place: int, threshold: 
             r.term,
             r.model,
             finding.gain + r.gain - best,
-            problem.change(r.model, problem.baseline(r.model, rest, without)),
+            problem.change(r.model, problem.baseline(r.model, others, without)),
         )
         for r in finding.rivals
     ]

@@ -121,7 +121,7 @@ class Judgement:
         return any(f.term.onset is not None and f.term.onset >= first for f in self.findings)
 
     @property
-    def found(self) -> bool:
+    def detected(self) -> bool:
         """Whether anything is missing."""
         return self.verdict != "no_mismatch" and self.p_value is not None
 

@@ -65,5 +65,5 @@ def rehearsal_of(evidence: Evidence) -> Rehearsal:
         Of a recording that was held against a history.
     """
     tables, covariates = evidence.law.tables, evidence.covariates
-    seen = {look: found for look, found in evidence.looks.items() if found is not None}
-    return Rehearsal(**{look: found / tables[look].typical(covariates) for look, found in seen.items()})
+    seen = {look: value for look, value in evidence.looks.items() if value is not None}
+    return Rehearsal(**{look: value / tables[look].typical(covariates) for look, value in seen.items()})

@@ -147,7 +147,7 @@ class Evidence:
         return moved.T @ moved, moved.T @ self.without
 
 
-def course_of(evidence: Evidence, acts: np.ndarray, *, late: int = 0) -> TimeProfile:
+def time_profile_of(evidence: Evidence, acts: np.ndarray, *, late: int = 0) -> TimeProfile:
     """When a change acts that the search has acting in some rows.
 
     Parameters
@@ -276,7 +276,7 @@ def _acting(n: int, edges: list[int], begins: bool) -> np.ndarray:
     return (np.cumsum(marks[:n]) + int(begins)) % 2 == 1
 
 
-def growing_course(
+def growing_time_profile(
     evidence: Evidence, clock: np.ndarray, acts: np.ndarray, candidates: Iterable[float]
 ) -> TimeProfile:
     """When a change began that grows.

@@ -12,7 +12,7 @@ import numpy as np
 from sklvalve.mismatch.describe.bands import simultaneous_bands
 from sklvalve.mismatch.describe.boxes import boxes_of, covered, rows_in
 from sklvalve.mismatch.describe.cells import cells_of
-from sklvalve.mismatch.describe.episodes import Evidence, TimeProfile, course_of, growing_course
+from sklvalve.mismatch.describe.episodes import Evidence, TimeProfile, growing_time_profile, time_profile_of
 from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.simulation.fitting import left_of
 from sklvalve.simulation.simulation import learnt_rest
@@ -124,8 +124,8 @@ def time_profile_of_cause(problem: Problem, model: Model, cause: Cause) -> TimeP
     if not cause.term.effect.grows:
         # what begins inside an instrument shows behind its response
         response = int(np.ceil(problem.tolerance.response / problem.recording.sample_time))
-        return course_of(evidence, acts, late=response)
-    return growing_course(evidence, clock, acts, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
+        return time_profile_of(evidence, acts, late=response)
+    return growing_time_profile(evidence, clock, acts, np.linspace(0, 0.97 * len(clock), _CANDIDATES))
 
 
 def _slopes_of_calibration(

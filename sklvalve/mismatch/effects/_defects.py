@@ -14,18 +14,20 @@ _DRIVE = ("command", "opening")
 _PRESSURES = ("p1", "p2")
 
 
-def hidden(*groups: Mapping[str, tuple[str, ...]], **more: tuple[str, ...]) -> Mapping[str, tuple[str, ...]]:
-    """Defects of several groups, and more: to each the roles that any of them names.
+def hidden(
+    *groups: Mapping[str, tuple[str, ...]], **defects: tuple[str, ...]
+) -> Mapping[str, tuple[str, ...]]:
+    """Defects of several groups, and further ones: to each the roles that any of them names.
 
     Parameters
     ----------
     *groups : mapping of str to tuple of str
-    **more : tuple of str
+    **defects : tuple of str
         By the defect's name.
 
     Returns
     -------
-    defects : mapping of str to tuple of str
+    merged : mapping of str to tuple of str
 
     Examples
     --------
@@ -33,7 +35,7 @@ def hidden(*groups: Mapping[str, tuple[str, ...]], **more: tuple[str, ...]) -> M
     {'frozen': ('flow', 'p1'), 'saturated': ('flow',)}
     """
     merged: dict[str, tuple[str, ...]] = {}
-    for group in (*groups, more):
+    for group in (*groups, defects):
         for defect, roles in group.items():
             merged[defect] = tuple(dict.fromkeys((*merged.get(defect, ()), *roles)))
     return MappingProxyType(merged)

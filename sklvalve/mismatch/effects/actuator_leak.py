@@ -80,10 +80,10 @@ class DiaphragmLeak(ActuatorLeak):
         return reach < 1.05 or super().beyond_tolerance(p, chain, tolerance, late)
 
     def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
-        more = p["lost_area"] / (1.0 - p["lost_area"])
+        excess = p["lost_area"] / (1.0 - p["lost_area"])
         return super().apply(value, p, chain) | {
-            "coulomb": np.multiply(value["coulomb"], 1.0 + more),
-            "stick": np.multiply(value["stick"], 1.0 + more),
-            "preload": more * (chain.spring - chain.atmosphere),
-            "stiffness": more,
+            "coulomb": np.multiply(value["coulomb"], 1.0 + excess),
+            "stick": np.multiply(value["stick"], 1.0 + excess),
+            "preload": excess * (chain.spring - chain.atmosphere),
+            "stiffness": excess,
         }

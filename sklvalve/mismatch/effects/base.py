@@ -167,9 +167,9 @@ class Effect:
         """Leave the words of another effect to that one: they belong to its name."""
         super().__init_subclass__(**settings)
         if "name" in vars(cls):
-            for told in ("words", "clause"):
-                if told not in vars(cls):
-                    setattr(cls, told, "")
+            for attribute in ("words", "clause"):
+                if attribute not in vars(cls):
+                    setattr(cls, attribute, "")
 
     def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         """Parameters with the bounds that hold for this valve."""

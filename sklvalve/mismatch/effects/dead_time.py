@@ -47,7 +47,7 @@ class DeadTime(Effect):
 
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # beyond what is declared, and the calibration has taken up as far as it may
-        more = tolerance.declared * (chain.valve.dead_time or 0.0)
+        allowed = tolerance.declared * (chain.valve.dead_time or 0.0)
         if chain.electric:
-            return p["delay"] > more + _SCANS * chain.recording.sample_time
-        return p["delay"] > more + slowest(chain, tolerance, late)
+            return p["delay"] > allowed + _SCANS * chain.recording.sample_time
+        return p["delay"] > allowed + slowest(chain, tolerance, late)

@@ -83,17 +83,15 @@ class FlowInertia(Effect):
         return 2.0 * max(size, 1e-9)
 
     def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
-        (own,) = self.parameters
+        (q,) = self.parameters
         starts = tuple(
             float(np.clip(lag * self._per_second(chain), 20.0, 0.5 * _STEEL)) for lag in (5.0, 20.0)
         )
         # a transmitter may stand a kilometre of line away, in which no liquid is led at over 2 m/s
         span = span_of(chain.recording["flow"])
         largest = _BETWEEN_TAPS * _FASTEST / (span / 1000.0 if chain.recording.mass_flow else span)
-        high = float(np.clip(largest, 100.0 * own.low, own.high))
-        return (
-            Quantity(own.name, own.unit, own.low, high, tuple(min(s, 0.5 * high) for s in starts), log=True),
-        )
+        high = float(np.clip(largest, 100.0 * q.low, q.high))
+        return (Quantity(q.name, q.unit, q.low, high, tuple(min(s, 0.5 * high) for s in starts), log=True),)
 
     def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         steady = value / chain.density if chain.recording.mass_flow else value

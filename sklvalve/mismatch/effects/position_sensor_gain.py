@@ -27,13 +27,13 @@ class PositionSensorGain(PositionSensorBias):
     phrase = "the position sensor's span is {gain:+.1%} off"
 
     def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
-        rest = 1.0 if chain.air_closes else 0.0
-        return rest + (1.0 + p["gain"]) * (value - rest)
+        fail_position = 1.0 if chain.air_closes else 0.0
+        return fail_position + (1.0 + p["gain"]) * (value - fail_position)
 
     def invert(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         """True opening of a recorded one."""
-        rest = 1.0 if chain.air_closes else 0.0
-        return rest + (value - rest) / (1.0 + p["gain"])
+        fail_position = 1.0 if chain.air_closes else 0.0
+        return fail_position + (value - fail_position) / (1.0 + p["gain"])
 
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         # at the far end of the travel it is as much as a zero may be off

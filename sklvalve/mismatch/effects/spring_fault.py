@@ -9,7 +9,7 @@ from sklvalve.mismatch.effects.friction import most_friction
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.tolerance import Tolerance
 
-_STRENGTH = Shown("force of the spring", "% of the sheet's", 100.0)
+_SPRING_FORCE = Shown("force of the spring", "% of the sheet's", 100.0)
 
 
 class SpringFault(Effect):
@@ -25,7 +25,7 @@ class SpringFault(Effect):
     name = key = "spring_fault"
     block, stage = "actuator", "actuator"
     parameters = (
-        Quantity("strength", "1", 0.02, 3.0, (0.6, 1.5, 0.15), log=True, null=1.0, shown=_STRENGTH),
+        Quantity("strength", "1", 0.02, 3.0, (0.6, 1.5, 0.15), log=True, null=1.0, shown=_SPRING_FORCE),
         Quantity("hardening", "1", -0.3, 2.0, (0.0,), silent=True),
     )
     needs = ("command",)
@@ -43,10 +43,10 @@ class SpringFault(Effect):
     damadics = "f11"
 
     def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
-        more = p["strength"] - 1.0
+        excess = p["strength"] - 1.0
         return value | {
-            "preload": more * (chain.spring - chain.atmosphere),
-            "stiffness": more,
+            "preload": excess * (chain.spring - chain.atmosphere),
+            "stiffness": excess,
             "hardening": p["hardening"],
         }
 
@@ -54,9 +54,9 @@ class SpringFault(Effect):
         # a spring that the air still carries through, and that still brings the stem home, changes the
         # response only
         left = chain.supply - chain.spring
-        more = (p["strength"] - 1.0) * (chain.spring - chain.atmosphere + 1.0) + p["hardening"]
+        extra_force = (p["strength"] - 1.0) * (chain.spring - chain.atmosphere + 1.0) + p["hardening"]
         home = p["strength"] * (chain.spring - chain.atmosphere)
-        return late or left - more < 1.05 or home < most_friction(tolerance)
+        return late or left - extra_force < 1.05 or home < most_friction(tolerance)
 
     def possible(self, chain: Chain) -> bool:
         return knows_air(chain)

@@ -96,15 +96,15 @@ def read_plain(path: str | PathLike[str], kind: Kind) -> dict[str, Any]:
         require_plain_archive(packed)
         content = skops_io.loads(packed, trusted=[])
         said = content.get("format")
-        told = next((words for begin, words in kind.others.items() if str(said).startswith(begin)), None)
-        if told is None and said not in kind.formats:
+        advice = next((words for begin, words in kind.others.items() if str(said).startswith(begin)), None)
+        if advice is None and said not in kind.formats:
             raise ValueError("it has another format")
     except Exception as error:
         raise InputError(
             f"{path}: this is no {kind.called} of sklvalve{_reason(error, ' (', ')')}; {kind.give}"
         ) from error
     if said not in kind.formats:
-        raise InputError(f"{path}: {told}")
+        raise InputError(f"{path}: {advice}")
     return content
 
 

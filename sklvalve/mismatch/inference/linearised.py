@@ -144,12 +144,12 @@ class Linearised:
         change = errors - self.errors
         shared = self._slopes @ (self._weights * change)
         square = float(self._weights @ change**2)
-        own = square - float(shared @ self._inverse @ shared)
-        if own <= 1e-6 * square or own <= 0.0:
+        information = square - float(shared @ self._inverse @ shared)
+        if information <= 1e-6 * square or information <= 0.0:
             return 0.0, np.inf
         towards = -float((self._weights * change) @ self.errors)
         towards += float(shared @ self._inverse @ (self._slopes @ (self._weights * self.errors)))
-        return towards / own, own**-0.5
+        return towards / information, information**-0.5
 
     def likeliest_onset(self, errors: np.ndarray) -> tuple[float, float]:
         """From when on a change gains most at the best share of it, and what, to second order."""

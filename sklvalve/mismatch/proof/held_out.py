@@ -40,12 +40,12 @@ class CrossValidated:
     ----------
     predictions : dict
         Channel -> ndarray of shape (n,), the simulation alone.
-    rest : ndarray of shape (n,)
+    learnt_residual : ndarray of shape (n,)
         What the correction adds to its channel, learnt from the other blocks too; zero without one.
     """
 
     predictions: dict
-    rest: np.ndarray
+    learnt_residual: np.ndarray
 
 
 def blocks(n: int) -> Iterator[tuple[slice, np.ndarray]]:
@@ -67,7 +67,7 @@ def cross_validated(problem: Problem, model: Model, unknown: Unknown | None = No
     cross_validated : CrossValidated
     """
     n = len(problem.recording)
-    made, rest = {c: np.full(n, np.nan) for c in problem.channels}, np.zeros(n)
+    made, learnt = {c: np.full(n, np.nan) for c in problem.channels}, np.zeros(n)
     lines = lines_of(problem.homoscedastic(model), model)
     for held, others in blocks(n):
         again = problem.simulate(model.terms, refitted(problem, model, lines, others))
@@ -75,8 +75,8 @@ def cross_validated(problem: Problem, model: Model, unknown: Unknown | None = No
             made[c][held] = again.predictions[c][held]
         part = None if unknown is None else learn_residual(problem, again, unknown, others)
         if part is not None:
-            rest[held] = learnt_rest(part, again.chain, again.values)[held]
-    return CrossValidated(made, rest)
+            learnt[held] = learnt_rest(part, again.chain, again.values)[held]
+    return CrossValidated(made, learnt)
 
 
 def correction_holds_out(
@@ -98,7 +98,7 @@ def correction_holds_out(
         Rms on held-out rows without it and with it [SI].
     """
     recorded, plain = problem.recording[channel], tried.predictions[channel]
-    before, after = (recorded - plain) ** 2, (recorded - plain - tried.rest) ** 2
+    before, after = (recorded - plain) ** 2, (recorded - plain - tried.learnt_residual) ** 2
     better = [np.nansum(after[held]) < np.nansum(before[held]) for held, _ in blocks(len(recorded))]
     errors = float(np.sqrt(np.nanmean(before))), float(np.sqrt(np.nanmean(after)))
     return bool(sum(better) >= _IMPROVED and errors[1] < errors[0]), errors

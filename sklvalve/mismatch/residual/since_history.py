@@ -45,8 +45,8 @@ def left_since(problem: Problem, model: Model) -> LeftOver | None:
     """
     if problem.history is None:
         return None
-    found = [_in_channel(problem, problem.history, model, c) for c in problem.channels]
-    return max((each for each in found if each is not None), key=lambda left: left.times, default=None)
+    by_channel = [_in_channel(problem, problem.history, model, c) for c in problem.channels]
+    return max((each for each in by_channel if each is not None), key=lambda left: left.times, default=None)
 
 
 def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: str) -> LeftOver | None:

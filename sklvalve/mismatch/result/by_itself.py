@@ -23,7 +23,7 @@ def by_itself(diagnosis: Diagnosis, held: bool) -> ByItself:
     """
     content = diagnosis.content
     nameless = diagnosis.verdict in ("none_of_these", "cannot_tell")
-    told = (diagnosis.finding, " ".join(content.get("reasons") or []) if nameless else "")
+    texts = (diagnosis.finding, " ".join(content.get("reasons") or []) if nameless else "")
     # a line each, whatever a caller's own effect is called
-    finding, reason = (" ".join(words.split())[:LONGEST] for words in told)
+    finding, reason = (" ".join(words.split())[:LONGEST] for words in texts)
     return ByItself(diagnosis.verdict, finding, reason, held)

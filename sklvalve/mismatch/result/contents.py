@@ -67,7 +67,7 @@ def flagged_rows(problem: Problem, judgement: Judgement) -> np.ndarray:
     if unknown is not None and not judgement.findings:
         learnt = np.abs(learnt_rest(unknown.correction, model.chain, model.values))
         flagged = learnt > 0.25 * np.quantile(learnt, 0.99)
-    if judgement.suspected is not None and judgement.found:
+    if judgement.suspected is not None and judgement.detected:
         near = judgement.suspected
         flagged = flagged | acting_rows(problem, near, problem.simulate((), near.values))
     for seen in (judgement.strays, judgement.pulses):
@@ -113,7 +113,7 @@ def content_of(
         "schema": "sklvalve.diagnosis/1",
         "subject": "valve",
         "verdict": verdict,
-        "mismatch": {"detected": judgement.found, "p_value": judgement.p_value, "alpha": alpha},
+        "mismatch": {"detected": judgement.detected, "p_value": judgement.p_value, "alpha": alpha},
         "location": _location(whole, problem, judgement, entries, alpha, random_state),
         "effects": entries,
         "comparison": judgement.comparison.in_order_of(problem, judgement.findings).to_records(),
@@ -160,7 +160,7 @@ def _location(
         location |= _when_seen(judgement, judgement.strays, ["actuator"])
     elif judgement.pulses is not None:
         location |= _when_seen(judgement, judgement.pulses, ["line", "measurement", "valve"])
-    elif judgement.found:
+    elif judgement.detected:
         location = location_of(
             problem,
             judgement.suspected or judgement.model,
@@ -181,7 +181,7 @@ def _location(
 def _blocks(judgement: Judgement, entries: list[dict]) -> list[str]:
     """Parts of the plant in which it may be."""
     blocks = sorted({block for entry in entries for block in entry["blocks"]})
-    if not blocks and judgement.found:
+    if not blocks and judgement.detected:
         blocks = list(judgement.suspects)
     unexplained = _unexplained(judgement)
     if not blocks and unexplained is not None:
@@ -234,7 +234,7 @@ def _of_unknown(whole: Recording, problem: Problem, judgement: Judgement) -> dic
     if judgement.left is not None:
         entry |= _beyond_noise(whole, problem, judgement, judgement.left)
     if judgement.pulses is not None:
-        entry |= _in_moments(judgement.pulses)
+        entry |= _pulses_entry(judgement.pulses)
     return {"unknown": entry}
 
 
@@ -293,7 +293,7 @@ def _beyond_noise(whole: Recording, problem: Problem, judgement: Judgement, left
     closest = [effect_entry(f, whole, problem) for f in judgement.closest]
     for entry in closest:
         # they are refuted: none of their names has a probability
-        entry["members"] = [member | {"probability": None} for member in entry["members"]]
+        entry["members"] = [candidate | {"probability": None} for candidate in entry["members"]]
     keys = ("members", "size", "sentence")
     return {
         "beyond_noise": {"size": left.size, "noise": left.noise, "allowed": left.allowed},
@@ -302,7 +302,7 @@ def _beyond_noise(whole: Recording, problem: Problem, judgement: Judgement, left
     }
 
 
-def _in_moments(pulses: Pulses) -> dict[str, Any]:
+def _pulses_entry(pulses: Pulses) -> dict[str, Any]:
     """To which side a flow breaks out, and how often to that one and to the other."""
     side = "below" if pulses.falls else "above"
     return {"pulses": {"side": side, "moments": pulses.many, "against": pulses.against}}
@@ -321,6 +321,6 @@ def _unknown_entry(whole: Recording, unknown: Unknown, judgement: Judgement) -> 
     unit = whole.per_si(unknown.channel)
     entry |= described(unknown.correction, unit, whole.unit(unknown.channel), scales_of(whole))
     if judgement.errors is not None:
-        told = abs(unit) * np.array(judgement.errors)
-        entry["correction"] |= {"rmse_without": float(told[0]), "rmse_with": float(told[1])}
+        rmse = abs(unit) * np.array(judgement.errors)
+        entry["correction"] |= {"rmse_without": float(rmse[0]), "rmse_with": float(rmse[1])}
     return entry

@@ -204,10 +204,10 @@ def _undecided(content: dict[str, Any], names: list[str]) -> str:
 def _nothing_missing(content: dict[str, Any]) -> str:
     left = len(untested(content))
     besides = f"; {_counted(left)} could not be tested, see not_testable" if left else ""
-    by_more = " by more than is allowed" if since_history(content) else ""
+    beyond_allowance = " by more than is allowed" if since_history(content) else ""
     begin = "What the history had already has changed. Nothing else" if changed_before(content) else "Nothing"
-    told = f"{begin} relevant {lacking(content)}{by_more}{besides}."
-    return " ".join([told, *(content.get("reasons") or [])])
+    sentence = f"{begin} relevant {lacking(content)}{beyond_allowance}{besides}."
+    return " ".join([sentence, *(content.get("reasons") or [])])
 
 
 def _counted(effects: int) -> str:

@@ -29,14 +29,14 @@ def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> di
 
     Its probabilities are those among the explanations at hand.
     """
-    members = class_of(finding)
-    _, term, fitted = next(iter(members.values()))
-    total = sum(p for p, _, _ in members.values())
+    explanations = class_of(finding)
+    _, term, fitted = next(iter(explanations.values()))
+    total = sum(p for p, _, _ in explanations.values())
     values = own_values(term, fitted)
     entry: dict[str, Any] = {
-        "members": [{"name": n, "probability": float(p)} for n, (p, _, _) in members.items()],
+        "members": [{"name": n, "probability": float(p)} for n, (p, _, _) in explanations.items()],
         "probability": float(total),
-        "blocks": sorted({w.effect.block for _, w, _ in members.values()}),
+        "blocks": sorted({w.effect.block for _, w, _ in explanations.values()}),
         "size": {c: float(f"{size:.4g}") for c, size in finding.sizes.items() if size > 0.0},
         "onset": None if term.onset is None else float(term.onset - fitted.chain.clock[0]),
         **({"spells": _episodes(term, fitted)} if term.switches else {}),
@@ -52,7 +52,7 @@ def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> di
         }
     entry["evidence"] = {
         "gain": float(f"{finding.gain:.4g}"),
-        "runner_up": _runner_up(finding, members),
+        "runner_up": _runner_up(finding, explanations),
         "vanishes": vanishing(term.effect, entry["parameters"]),
         "at_bound": [q.name for q in term.effect.quantities(fitted.chain) if _at_bound(term, fitted, q)],
     }

@@ -36,9 +36,9 @@ def fit_entries(
     for c in problem.channels:
         fit[c] = errors(whole, made, held, c, problem.noise[c].floor, random_state=seed)
         fit[c]["interleaved"] = {"rmse": _interleaved_errors(problem.recording, interleaved, c)}
-    if judged.found:
-        more = further_proof(problem, whole, judged, made, held, flagged, forward.spans)
-        fit = {c: entry | more[c] for c, entry in fit.items()}
+    if judged.detected:
+        proof = further_proof(problem, whole, judged, made, held, flagged, forward.spans)
+        fit = {c: entry | proof[c] for c, entry in fit.items()}
     return fit
 
 
@@ -54,7 +54,7 @@ def _interleaved(problem: Problem, judged: Judgement) -> dict[str, dict[str, np.
     corrected = dict(tried.predictions)
     if judged.correction is not None:
         channel = judged.correction["channel"]
-        corrected[channel] = corrected[channel] + tried.rest
+        corrected[channel] = corrected[channel] + tried.learnt_residual
     same = judged.model is judged.nominal
     return {
         "nominal": tried.predictions if same else cross_validated(problem, judged.nominal).predictions,

@@ -59,7 +59,7 @@ def _entry(
     first = term.effect.quantities(model.chain)[0]
     key = f"{term.effect.key}.{first.name}"
     was, now = expected[key], model.values[key]
-    apart, fitted = _told_apart(problem, term, model)
+    apart, fitted = _held_as_term(problem, term, model)
     ends = interval_of(apart, term, fitted, first)
     before = {p.name: expected[f"{term.effect.key}.{p.name}"].value for p in term.effect.parameters}
     then = model.values | {f"{term.effect.key}.{name}": value for name, value in before.items()}
@@ -68,19 +68,19 @@ def _entry(
     left = problem.counts(problem.change(model, apart.simulate(others, model.values)))
     change = _change(was, now, ends, first.null, moved, left)
     sizes = [was.value, was.low, was.high, now, *(ends or ())]
-    unit, told = in_recorded_unit(first.unit, sizes, whole)
+    unit, converted = in_recorded_unit(first.unit, sizes, whole)
     entry = {
         "name": term.effect.name,
         "parameter": first.name,
         "unit": unit,
-        "then": {"value": told[0], "ci95": sorted(told[1:3])},
-        "now": {"value": told[3], "ci95": sorted(told[4:]) or None},
+        "then": {"value": converted[0], "ci95": sorted(converted[1:3])},
+        "now": {"value": converted[3], "ci95": sorted(converted[4:]) or None},
         "change": change,
     }
     return entry | {"sentence": _sentence(entry, term, first)}
 
 
-def _told_apart(problem: Problem, term: Term, model: Model) -> tuple[Problem, Model]:
+def _held_as_term(problem: Problem, term: Term, model: Model) -> tuple[Problem, Model]:
     """Problem and model in which a held effect is one of the hypothesis, as intervals ask for it."""
     others = tuple(m for m in problem.held if m.effect.key != term.effect.key)
     spreads = model.spreads
@@ -120,15 +120,15 @@ def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity) -> str:
 def _shown(entry: dict[str, Any], quantity: Quantity) -> tuple[str, list[str]]:
     """Words for the parameter, and what it was and is, as a plant engineer writes them."""
     known = quantity_named(entry["name"], quantity.name, quantity.unit) or quantity
-    told, unit = known.shown, "" if entry["unit"] == "1" else entry["unit"]
+    display, unit = known.shown, "" if entry["unit"] == "1" else entry["unit"]
     words = " ".join({"kv": "Kv"}.get(word, word) for word in quantity.name.split("_"))
-    if told is not None:
-        words, unit = told.words, told.unit
+    if display is not None:
+        words, unit = display.words, display.unit
 
     def turned(value: float) -> float:
-        if told is None:
+        if display is None:
             return value
-        return told.turn(value) if callable(told.turn) else told.turn * value
+        return display.turn(value) if callable(display.turn) else display.turn * value
 
     return words, [" ".join(_written(entry[when], unit, turned)) for when in ("then", "now")]
 

@@ -46,9 +46,9 @@ def quantity_named(name: str, parameter: str, unit: str) -> Quantity | None:
     """
     # a class may make its parameters anew for each of its objects
     declared = (form.parameters for form in forms_of(name) if isinstance(form.parameters, tuple))
-    own = (q for each in declared for q in each if (q.name, q.unit) == (parameter, unit))
-    told = next((q for q in own if q.shown is not None or q.silent), None)
-    return told or _shown_alike().get((parameter, unit))
+    matching = (q for each in declared for q in each if (q.name, q.unit) == (parameter, unit))
+    shown = next((q for q in matching if q.shown is not None or q.silent), None)
+    return shown or _shown_alike().get((parameter, unit))
 
 
 def _written(kind: type[Effect]) -> Iterator[type[Effect]]:
@@ -60,11 +60,11 @@ def _written(kind: type[Effect]) -> Iterator[type[Effect]]:
 @cache
 def _shown_alike() -> dict[tuple[str, str], Quantity]:
     """Parameters that all effects of the catalogue which have them show alike, by name and unit."""
-    found: dict[tuple[str, str], set[Quantity]] = {}
+    by_key: dict[tuple[str, str], set[Quantity]] = {}
     for quantity in (*STICK_AND_SLIP, *(q for form in _CATALOGUE for q in form.parameters)):
-        found.setdefault((quantity.name, quantity.unit), set()).add(quantity)
+        by_key.setdefault((quantity.name, quantity.unit), set()).add(quantity)
     return {
         key: several.pop()
-        for key, several in found.items()
+        for key, several in by_key.items()
         if len({quantity.shown for quantity in several}) == 1 and not any(q.silent for q in several)
     }

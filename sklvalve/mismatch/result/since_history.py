@@ -98,15 +98,15 @@ def of_history(part: dict[str, Any]) -> list[str]:
     """
     since = part.get("since_history") or {}
     by_itself = since.get("by_itself") or {}
-    told = [by_itself["sentence"]] if by_itself.get("sentence") else []
-    told += [since["rehearsed"]] if since.get("rehearsed") else []
-    return told + [each["sentence"] for each in since.get("held") or [] if each["change"] != "none"]
+    sentences = [by_itself["sentence"]] if by_itself.get("sentence") else []
+    sentences += [since["rehearsed"]] if since.get("rehearsed") else []
+    return sentences + [each["sentence"] for each in since.get("held") or [] if each["change"] != "none"]
 
 
 def _by_itself(history: ValveHistory) -> dict[str, Any] | None:
     """What a diagnosis of the history itself said."""
-    found = history.by_itself_
-    return None if found is None else asdict(found) | {"sentence": found.sentence}
+    by_itself = history.by_itself_
+    return None if by_itself is None else asdict(by_itself) | {"sentence": by_itself.sentence}
 
 
 def _rehearsed(judgement: Judgement, alpha: float) -> str | None:

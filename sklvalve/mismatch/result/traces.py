@@ -38,7 +38,7 @@ def traces_of(
         without a history have no such keys.
     """
 
-    def in_own_units(signals: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    def as_recorded(signals: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
         return {r: whole.in_recorded_units(r, v) for r, v in signals.items() if r in ("opening", "flow")}
 
     def differences(signals: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -46,7 +46,7 @@ def traces_of(
 
     then = {}
     if history is not None:
-        then["then"] = in_own_units(simulation_then(history).simulate(whole))
+        then["then"] = as_recorded(simulation_then(history).simulate(whole))
         then["then_scatter"] = differences(scatter_then(history, whole))
     roles = [r for r in ("command", "opening", "flow", "p1", "p2", "temperature") if r in whole]
     shown = np.zeros(len(whole), dtype=bool)
@@ -55,8 +55,8 @@ def traces_of(
         "time": whole.time - whole.time[0],
         "units": {r: whole.unit(r) for r in roles},
         "recorded": {r: whole.in_recorded_units(r, whole[r]) for r in roles},
-        "nominal": in_own_units(nominal.simulate(whole)),
-        "corrected": in_own_units(corrected.simulate(whole)),
+        "nominal": as_recorded(nominal.simulate(whole)),
+        "corrected": as_recorded(corrected.simulate(whole)),
         **then,
         "dp": whole["p1"] - whole["p2"] if "p1" in whole and "p2" in whole else None,
         "pressure_ratio": nominal.chain_of(whole).pressure_ratio,

@@ -71,7 +71,7 @@ def test_nothing_is_missing_only_where_the_black_box_is_no_better(monkeypatch):
         monkeypatch, bench, _judgement("no_mismatch"), nominal=0.1, corrected=0.1, black_box=0.04
     )
     assert beaten.verdict == "cannot_tell"
-    assert beaten.found
+    assert beaten.detected
     assert beaten.p_value <= decision.BY_CHANCE
     assert beaten.suspects == ("valve",)
     assert "2.5 times better" in beaten.referee.reasons[0]
@@ -91,7 +91,7 @@ def test_without_pressures_it_abstains_and_says_what_to_record(monkeypatch):
         monkeypatch, bench, _judgement("no_mismatch"), nominal=0.2, corrected=0.2, black_box=0.04
     )
     assert judged.verdict == "cannot_tell"
-    assert not judged.found
+    assert not judged.detected
     assert "record p1 and p2" in judged.referee.reasons[0]
 
 

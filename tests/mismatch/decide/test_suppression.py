@@ -44,7 +44,7 @@ def finding(name, role, **more):
 )
 def test_nothing_is_claimed(verdict, channel, data):
     silent, reason = suppressed(judged(verdict, channel), data, HELD)
-    assert (silent.verdict, silent.p_value, silent.found) == ("cannot_tell", None, False)
+    assert (silent.verdict, silent.p_value, silent.detected) == ("cannot_tell", None, False)
     assert (silent.unknown, silent.correction, silent.findings, silent.model) == (None, None, [], "nominal")
     assert data[0]["role"] in reason
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.describe import episodes
-from sklvalve.mismatch.describe.episodes import Evidence, course_of, growing_course
+from sklvalve.mismatch.describe.episodes import Evidence, growing_time_profile, time_profile_of
 from sklvalve.simulation.noise import NoiseModel
 
 ROWS = 1500
@@ -35,7 +35,7 @@ def since(row):
 
 
 def test_from_the_start_stays_from_the_start():
-    time_profile = course_of(evidence(rows((0, ROWS))), since(0))
+    time_profile = time_profile_of(evidence(rows((0, ROWS))), since(0))
     assert time_profile.kind == "throughout"
     assert time_profile.episodes == [(0, ROWS)]
     assert time_profile.ranges == [(None, None)]
@@ -46,7 +46,7 @@ def test_interval_of_an_onset_covers(size):
     held, widths = 0, []
     for seed in range(30):
         onset = 200 + 37 * seed
-        time_profile = course_of(evidence(rows((onset, ROWS)), size, seed), since(onset))
+        time_profile = time_profile_of(evidence(rows((onset, ROWS)), size, seed), since(onset))
         assert time_profile.kind == "from an onset on"
         low, high = time_profile.ranges[0][0]
         held += low <= onset <= high
@@ -59,7 +59,7 @@ def test_interval_of_an_onset_covers(size):
 
 def test_end_and_spells_are_found_with_intervals():
     true = [(300, 600), (900, 1200)]
-    time_profile = course_of(evidence(rows(*true)), since(300))
+    time_profile = time_profile_of(evidence(rows(*true)), since(300))
     assert time_profile.kind == "in spells"
     assert len(time_profile.episodes) == 2
     for spell, ranges, told in zip(time_profile.episodes, time_profile.ranges, true, strict=True):
@@ -71,22 +71,22 @@ def test_end_and_spells_are_found_with_intervals():
 def test_the_cost_itself_has_the_last_word(monkeypatch):
     # to second order a change as large as this one may seem to act throughout
     made = evidence(rows((700, ROWS)))
-    assert course_of(made, since(700)).episodes == [(700, ROWS)]
+    assert time_profile_of(made, since(700)).episodes == [(700, ROWS)]
     monkeypatch.setattr(
         episodes, "_switched", lambda square, pull, blocks, complexity_penalty: np.ones_like(blocks)
     )
-    time_profile = course_of(made, since(700))
+    time_profile = time_profile_of(made, since(700))
     assert (time_profile.kind, time_profile.episodes) == ("from an onset on", [(700, ROWS)])
     low, high = time_profile.ranges[0][0]
     assert low <= 700 <= high
     # where the cost bears it out the quadratic is followed
-    assert course_of(evidence(rows((0, ROWS))), since(700)).kind == "throughout"
+    assert time_profile_of(evidence(rows((0, ROWS))), since(700)).kind == "throughout"
 
 
 def test_a_strength_that_is_somewhat_wrong_makes_no_spells():
     # the model of an effect is right to some 15 %: half its size is not needed to be far from nought
     strength = 1.0 + 0.25 * np.sin(np.arange(ROWS) / 80.0)
-    time_profile = course_of(evidence(strength, 4.0), since(0))
+    time_profile = time_profile_of(evidence(strength, 4.0), since(0))
     assert time_profile.kind == "throughout"
 
 
@@ -107,7 +107,7 @@ def test_growth_begins_within_its_interval():
             # the calibration may answer with the level
             NOISE.whiten(np.ones(ROWS))[:, None],
         )
-        time_profile = growing_course(
+        time_profile = growing_time_profile(
             made, np.arange(ROWS), since(onset + 60), np.linspace(0, 0.95 * ROWS, 61)
         )
         assert time_profile.kind == "growing"
@@ -130,7 +130,7 @@ def test_spells_of_the_search_stay_however_short():
     acts = rows(*true, of=many)
     left, change = quiet + 2.0 * acts, np.full(many, 2.0)
     made = Evidence({"flow": noise}, {"flow": left}, {"flow": left - change}, {"flow": quiet})
-    time_profile = course_of(made, acts > 0.0)
+    time_profile = time_profile_of(made, acts > 0.0)
     assert (time_profile.kind, time_profile.episodes) == ("in spells", true)
     # each is half of a block of the record that is looked through
     assert length < many / 64
@@ -144,7 +144,7 @@ def test_growth_goes_by_the_clock_and_not_by_rows():
     rate = 20.0 / clock[-1]
     left = noise + rate * np.maximum(clock - clock[onset], 0.0)
     made = Evidence({"flow": NOISE}, {"flow": left}, {"flow": left - rate * clock}, {"flow": noise})
-    time_profile = growing_course(made, clock, since(onset), np.linspace(0, 0.95 * ROWS, 61))
+    time_profile = growing_time_profile(made, clock, since(onset), np.linspace(0, 0.95 * ROWS, 61))
     # whenever in the first recording it began, the week between says how fast it grows
     assert time_profile.sizes == pytest.approx((1.0, 1.0), abs=0.05)
     low, high = time_profile.ranges[0][0]

@@ -78,11 +78,11 @@ def test_correction_learns_from_the_rows_given_and_no_others(bowed, bench, nomin
 def test_every_block_has_a_correction_of_its_own(bench, nominal):
     tried = cross_validated(bench, nominal, REST)
     once = cross_validated(bench, nominal)
-    np.testing.assert_array_equal(once.rest, 0.0)
+    np.testing.assert_array_equal(once.learnt_residual, 0.0)
     for c, signal in once.predictions.items():
         np.testing.assert_array_equal(signal, tried.predictions[c])
-    for held, _ in blocks(len(tried.rest)):
-        assert np.abs(tried.rest[held]).max() > 0.0
+    for held, _ in blocks(len(tried.learnt_residual)):
+        assert np.abs(tried.learnt_residual[held]).max() > 0.0
 
 
 def _tried(rest):
@@ -108,7 +108,7 @@ def test_correction_must_improve_what_it_was_not_learnt_from(rest, holds):
     kept, (without, with_it) = correction_holds_out(bench, tried, "flow")
     assert kept is holds
     assert without == pytest.approx(np.sqrt(0.5))
-    assert with_it == pytest.approx(np.sqrt(np.mean((bench.recording["flow"] - tried.rest) ** 2)))
+    assert with_it == pytest.approx(np.sqrt(np.mean((bench.recording["flow"] - tried.learnt_residual) ** 2)))
 
 
 def _unrefereed(bench, judged):
