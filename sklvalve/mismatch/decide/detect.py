@@ -86,7 +86,7 @@ class Evidence:
     ) -> Evidence:
         """Evidence by the strengths of effects, as `effect_strengths` gives them."""
         best = dict.fromkeys(("throughout", "within"), 0.0)
-        best |= {look: max(found.values(), default=0.0) for look, found in strengths.items()}
+        best |= {look: max(of_look.values(), default=0.0) for look, of_look in strengths.items()}
         return cls(**best, rest=rest, covariates=covariates, effect_strengths=strengths, law=law)
 
     @property
@@ -97,7 +97,11 @@ class Evidence:
 
 def law_for(problem: Problem) -> NullLaw:
     """Law of recordings that are held against the same thing: a data sheet, or a history of the valve."""
-    return AGAINST_SHEET if problem.history is None else AGAINST_HISTORY.with_own(problem.history.rehearsals_)
+    return (
+        AGAINST_SHEET
+        if problem.history is None
+        else AGAINST_HISTORY.with_rehearsals(problem.history.rehearsals_)
+    )
 
 
 def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, dict[str, float]]:

@@ -51,7 +51,7 @@ _BESIDE = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class _Rest:
+class _Residual:
     """What a model leaves over: what follows from something, how strong, and what is new since a history."""
 
     unknown: Unknown | None
@@ -90,7 +90,7 @@ class Case:
         """What it is made on, judged by the noise that the explanation leaves."""
         return self.explanation.problem
 
-    def residual_of(self, model: Model) -> _Rest:
+    def residual_of(self, model: Model) -> _Residual:
         """What a model leaves over."""
         if model not in self._residuals:
             # of the least error itself: orthogonal to all that was fitted and is free to move
@@ -107,7 +107,7 @@ class Case:
             if self.problem.history is not None:
                 # what the healthy valve left over tells chance better than what can be learnt of this one
                 strong = None if new is None else new.times
-            self._residuals[model] = _Rest(unknown if stands else None, strong, new)
+            self._residuals[model] = _Residual(unknown if stands else None, strong, new)
         return self._residuals[model]
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
@@ -178,7 +178,7 @@ def blocked(problem: Problem) -> Judgement:
 
 def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
     """The judgement, rule after rule: evidence, rows left out, what is left, noise, nameless patterns."""
-    stand, model, share = _standing(case, findings, model)
+    stand, model, share = _upheld(case, findings, model)
     judged = _against_noise(case, _named_or_not(case, stand, model, share))
     judged = _by_least_error(case, judged)
     if judged.verdict == "no_mismatch" and case.channels is None:
@@ -190,7 +190,7 @@ def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
     return with_learnt(judged)
 
 
-def _standing(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model, float]:
+def _upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model, float]:
     """The strongest finding and those beside it that may be named, and the model with them.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an

@@ -157,7 +157,7 @@ class NullLaw:
         every = {look: getattr(self, look) for look in LOOKS}
         return {look: table for look, table in every.items() if table is not None}
 
-    def with_own(self, rehearsals: Iterable[Rehearsal]) -> NullLaw:
+    def with_rehearsals(self, rehearsals: Iterable[Rehearsal]) -> NullLaw:
         r"""The same law, with what one valve made of parts of its own history.
 
         Chance is s times as strong in a valve as in those of the reference. Before anything is known s is 1

@@ -11,7 +11,7 @@ import numpy as np
 
 from sklvalve.mismatch.describe.locate import causes_of, time_profile_of_cause
 from sklvalve.mismatch.effects.base import Quantity
-from sklvalve.mismatch.inference.hypothesis import Model, Term, own_values
+from sklvalve.mismatch.inference.hypothesis import Model, Term, parameter_values
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.fitting import Misfit
 
@@ -141,7 +141,7 @@ def _open(problem: Problem, term: Term, fitted: Model, quantity: Quantity, value
 
 def _of_sound_valves(problem: Problem, term: Term, fitted: Model, quantity: Quantity) -> float:
     """Size up to which an effect is a static error within the tolerance; zero where its size is another."""
-    chain, values = fitted.chain, own_values(term, fitted)
+    chain, values = fitted.chain, parameter_values(term, fitted)
 
     def beyond(size: float, tolerance: Tolerance) -> bool:
         return term.effect.beyond_tolerance(values | {quantity.name: size}, chain, tolerance, False)

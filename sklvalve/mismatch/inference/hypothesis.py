@@ -105,7 +105,7 @@ def is_in(effect: Effect, terms: Iterable[Term]) -> bool:
     )
 
 
-def own_values(term: Term, model: Model) -> dict[str, float]:
+def parameter_values(term: Term, model: Model) -> dict[str, float]:
     """Parameters of one effect in a fitted model, by their short names."""
     return {q.name: model.values[f"{term.effect.key}.{q.name}"] for q in term.effect.parameters}
 

@@ -12,7 +12,7 @@ import numpy as np
 from sklvalve.mismatch.decide.probability import vanishing
 from sklvalve.mismatch.describe.intervals import interval_of
 from sklvalve.mismatch.effects.base import Quantity
-from sklvalve.mismatch.inference.hypothesis import Model, Term, own_values
+from sklvalve.mismatch.inference.hypothesis import Model, Term, parameter_values
 from sklvalve.mismatch.search.rivals import class_of
 from sklvalve.recording import Recording
 
@@ -32,7 +32,7 @@ def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> di
     explanations = class_of(finding)
     _, term, fitted = next(iter(explanations.values()))
     total = sum(p for p, _, _ in explanations.values())
-    values = own_values(term, fitted)
+    values = parameter_values(term, fitted)
     entry: dict[str, Any] = {
         "members": [{"name": n, "probability": float(p)} for n, (p, _, _) in explanations.items()],
         "probability": float(total),

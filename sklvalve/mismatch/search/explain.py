@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from sklvalve.mismatch.constants import DETECTABLE, DISTINGUISHABLE
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in
 from sklvalve.mismatch.inference.posterior import distance
-from sklvalve.mismatch.search.one_more import with_one_more
+from sklvalve.mismatch.search.extended import extended
 from sklvalve.mismatch.search.own_noise import (
     explains_as_much,
     penalised_across_noises,
@@ -202,13 +202,13 @@ class _Search:
     ) -> tuple[Problem, Model, Model | None]:
         """A hypothesis so far, and with one effect more that matters; else None."""
         done = len(model.terms) / (self.most + 1)
-        candidates, throughout = with_one_more(problem, model, self.effects, self.report, done)
+        candidates, throughout = extended(problem, model, self.effects, self.report, done)
         if first:
-            found = self._calibrated_anew(problem, model, candidates)
-            if found is not model:
-                problem = problem.with_noise_of(found, cautious=True)
-                model = problem.fit((), start=found)
-                candidates, throughout = with_one_more(problem, model, self.effects, self.report, done)
+            calibrated = self._calibrated_anew(problem, model, candidates)
+            if calibrated is not model:
+                problem = problem.with_noise_of(calibrated, cautious=True)
+                model = problem.fit((), start=calibrated)
+                candidates, throughout = extended(problem, model, self.effects, self.report, done)
             self.nominal, self.throughout = model, throughout
         for m in candidates[:FITTED]:
             self.seen.setdefault(m.terms[-1].effect.key, m)
@@ -258,11 +258,13 @@ class _Search:
             if not model.terms and may_explain(by_its_noise, settled, without):
                 self._note(problem, settled, without)
         if model.terms and counting:
-            less = penalised_by_its_noise(problem, model)
+            so_far = penalised_by_its_noise(problem, model)
             counting = [
                 (by_its_noise, m)
                 for by_its_noise, m in counting
-                if not explains_as_much(problem, model, m.terms[-1], less, penalised_by_its_noise(problem, m))
+                if not explains_as_much(
+                    problem, model, m.terms[-1], so_far, penalised_by_its_noise(problem, m)
+                )
             ]
         nothing = problem.with_noise_of(model, cautious=True), None
         return max(counting, key=lambda one: penalised_across_noises(*one)) if counting else nothing

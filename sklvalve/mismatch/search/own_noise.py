@@ -61,7 +61,7 @@ def penalised_by_its_noise(problem: Problem, model: Model) -> float:
     return penalised_across_noises(*fitted_with_its_noise(problem, model))
 
 
-def explains_as_much(problem: Problem, simple: Model, term: Term, less: float, more: float) -> bool:
+def explains_as_much(problem: Problem, simple: Model, term: Term, of_simple: float, of_other: float) -> bool:
     """Whether a hypothesis is in one class with another that has one effect more.
 
     An equation gets a share of its effect wrong, and what it gets wrong is no effect of its own. So the two
@@ -73,7 +73,7 @@ def explains_as_much(problem: Problem, simple: Model, term: Term, less: float, m
     simple : Model
     term : Term
         What the other has more.
-    less, more : float
+    of_simple, of_other : float
         Of this one and of the other, `penalised_by_its_noise`.
 
     Returns
@@ -83,7 +83,7 @@ def explains_as_much(problem: Problem, simple: Model, term: Term, less: float, m
     here = set(problem.channels_touched(term.effect))
     elsewhere = [m for m in simple.terms if not here & set(problem.channels_touched(m.effect))]
     bare = penalised_by_its_noise(problem, problem.fit(elsewhere, start=simple))
-    return bool(posterior(np.array([less, more]), less - bare)[0] > 1.0 - IN_CLASS)
+    return bool(posterior(np.array([of_simple, of_other]), of_simple - bare)[0] > 1.0 - IN_CLASS)
 
 
 def _cost_of_noise(problem: Problem) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.inference.hypothesis import Model, Term, own_values, penalised_likelihood
+from sklvalve.mismatch.inference.hypothesis import Model, Term, parameter_values, penalised_likelihood
 from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, gain_in_spreads
 from sklvalve.simulation import Tolerance
 
@@ -115,7 +115,7 @@ def beyond_tolerance(problem: Problem, model: Model, term: Term) -> bool:
     # what is there throughout a recording, and was not in the valve's history, began between them
     late = term.onset is not None or problem.history is not None
     edge = {f.name: (1.0 + SHARE_MISTAKEN) * getattr(problem.tolerance, f.name) for f in fields(Tolerance)}
-    return term.effect.beyond_tolerance(own_values(term, model), model.chain, Tolerance(**edge), late)
+    return term.effect.beyond_tolerance(parameter_values(term, model), model.chain, Tolerance(**edge), late)
 
 
 def effect_strength(deviations: float, size: float) -> float:

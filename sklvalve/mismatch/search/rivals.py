@@ -255,8 +255,8 @@ def _gains_by_their_noise(problem: Problem, fits: Sequence[Model], without: Mode
     top = max(likelihoods)
     near = [distance(top, likelihood, top - without.log_likelihood) < _IN_REACH for likelihood in likelihoods]
     asked = [without, *(m for m, asks in zip(fits, near, strict=True) if asks)]
-    bare, *own = parallel_map(lambda m: likelihood_across_noises(*fitted_with_its_noise(problem, m)), asked)
-    left, best = iter(own), max(own)
+    bare, *each = parallel_map(lambda m: likelihood_across_noises(*fitted_with_its_noise(problem, m)), asked)
+    left, best = iter(each), max(each)
     return [
         (next(left) if asks else best - (top - likelihood)) - bare
         for asks, likelihood in zip(near, likelihoods, strict=True)

@@ -19,7 +19,7 @@ TABLE = AGAINST_HISTORY.throughout
 
 def chance(times, *own, rests=()):
     made = [Rehearsal(once, 1.0, rest) for once, rest in zip(own, rests or [None] * len(own), strict=True)]
-    table = AGAINST_HISTORY.with_own(made).throughout
+    table = AGAINST_HISTORY.with_rehearsals(made).throughout
     return survival(table, times * table.typical(SOMEWHERE), SOMEWHERE)
 
 
@@ -49,7 +49,7 @@ def test_a_valve_that_is_unlike_the_reference_is_not_held_against_it():
 @pytest.mark.parametrize("look", ["throughout", "within", "rest"])
 def test_a_rehearsal_makes_nothing_rarer(look):
     for made in (Rehearsal(28.0, 1.0, 0.1), Rehearsal(0.0, 0.0, 0.0), Rehearsal(1.2, 3.0)):
-        table = getattr(AGAINST_HISTORY.with_own([made]), look)
+        table = getattr(AGAINST_HISTORY.with_rehearsals([made]), look)
         for times in (0.5, 1.0, 2.0, 20.0):
             strength = times * table.typical(SOMEWHERE)
             alone = survival(getattr(AGAINST_HISTORY, look), strength, SOMEWHERE)
@@ -58,12 +58,12 @@ def test_a_rehearsal_makes_nothing_rarer(look):
 
 def test_the_rarest_of_many_ordinary_rehearsals_is_no_sign_of_another_kind():
     twenty = [Rehearsal(times, 1.0) for times in np.linspace(0.4, 1.8, 20)]
-    assert AGAINST_HISTORY.with_own(twenty).throughout.weights[0] > 0.9
+    assert AGAINST_HISTORY.with_rehearsals(twenty).throughout.weights[0] > 0.9
 
 
 def test_the_reference_loses_its_weight_without_a_step():
     weights = [
-        AGAINST_HISTORY.with_own([Rehearsal(times, 1.0)]).throughout.weights[0]
+        AGAINST_HISTORY.with_rehearsals([Rehearsal(times, 1.0)]).throughout.weights[0]
         for times in np.linspace(1.0, 20.0, 400)
     ]
     assert weights[0] > 0.95
@@ -74,7 +74,7 @@ def test_the_reference_loses_its_weight_without_a_step():
 
 def test_a_quiet_rehearsal_speaks_for_the_reference():
     for quiet in (Rehearsal(0.0, 0.0), Rehearsal(0.0, 0.0, 0.0), Rehearsal(1e-15, 0.0)):
-        assert AGAINST_HISTORY.with_own([quiet]).throughout.weights[0] > 0.95
+        assert AGAINST_HISTORY.with_rehearsals([quiet]).throughout.weights[0] > 0.95
 
 
 def test_a_valve_like_the_reference_loses_little():
@@ -94,7 +94,7 @@ def test_a_rehearsal_is_told_relative_to_what_is_typical(rest):
     made = rehearsal_of(evidence)
     assert (made.throughout, made.stem, made.within) == pytest.approx((5.0, 5.0, 5.0))
     assert (made.rest is None) is (rest is None)
-    law = AGAINST_HISTORY.with_own([made])
+    law = AGAINST_HISTORY.with_rehearsals([made])
     assert mismatch_p_value(replace(evidence, law=law)) > mismatch_p_value(evidence)
 
 

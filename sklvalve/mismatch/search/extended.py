@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 _FROM_WHAT_IS_KNOWN = 2
 
 
-def with_one_more(
+def extended(
     problem: Problem, model: Model, effects: Sequence[Effect], report: Report | None, done: float
 ) -> tuple[list[Model], float]:
     """Hypotheses with one effect more, best first: all screened, the most promising fitted.
