@@ -58,8 +58,8 @@ class Evidence:
         The same of effects that begin within the recording, by what they gain over those that act throughout.
         A valve is never quite as it was known, so a difference from its beginning on is more usual.
     rest : float or None
-        What the learnt rest makes of it, or, beside a history, how many times what that left over is left
-        over now; None where neither is known.
+        How predictable the residual is, as a strength; beside a history, how many times the slow residual of
+        the history it is. None where neither is known.
     covariates : Covariates
         What chance depends on.
     effect_strengths : dict, default={}
@@ -181,11 +181,11 @@ def covariates_of(problem: Problem, data: Sequence[dict[str, Any]] = ()) -> Cova
 
 def _held(problem: Problem, data: Sequence[dict[str, Any]], roles: tuple[str, ...]) -> float:
     """Logarithm of one plus the widest dead band of some signals, in multiples of what counts."""
-    bands = [_left_out(problem, each) for each in data if each["role"] in roles]
+    bands = [_dead_band_in_counts(problem, each) for each in data if each["role"] in roles]
     return float(np.log1p(max(bands, default=0.0)))
 
 
-def _left_out(problem: Problem, finding: dict[str, Any]) -> float:
+def _dead_band_in_counts(problem: Problem, finding: dict[str, Any]) -> float:
     """Dead band of a historian, in multiples of what counts in the channel that it changes most [1]."""
     role, band, recording = finding["role"], finding.get("size"), problem.recording
     # of lines and slower scans, which have no size, no healthy recording of the reference tells
@@ -219,7 +219,7 @@ def mismatch_p_value(evidence: Evidence) -> float:
     seen = {look: found for look, found in evidence.looks.items() if found is not None}
     shares = _SHARES if evidence.law.stem is None else _SHARES_APART
     of_all = sum(shares[look] for look in seen)
-    # 1 - (1 - p)^(1 / share), exact for a small p as well
+    # 1 - (1 - p)^(1 / share), exact for a small p as well; the share of an absent look goes to the others
     p_values = [
         -np.expm1(np.log1p(-min(_survival(evidence, look), 1.0 - 1e-16)) * of_all / shares[look])
         for look in seen

@@ -28,8 +28,8 @@ COARSE = ("compressed", "quantised")
 _READ_IN_STEPS = ("flow", "opening")
 # beyond one in ten million a p-value says no more: one in a million, by the sealed records, as `USUAL_P` says
 _LEAST_P = 1e-7
-# so many classes of the usual share are taken for seen beside those led by a name; 4 to 15 did as well
-_DRAWN = 8.0
+# prior: so many classes of the usual share count as seen beside those led by a name; 4 to 15 did as well
+_PRIOR_CLASSES = 8.0
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def log_odds_of_name(name: str, held: dict[str, tuple[int, int]]) -> float:
     """
     right, many = held.get(name, (0, 0))
     usual = sum(r for r, _ in held.values()) / sum(n for _, n in held.values())
-    share = (right + _DRAWN * usual) / (many + _DRAWN)
+    share = (right + _PRIOR_CLASSES * usual) / (many + _PRIOR_CLASSES)
     return float(np.log(share / (1.0 - share)) - np.log(usual / (1.0 - usual)))
 
 

@@ -47,14 +47,14 @@ def in_recorded(problem: Problem, channel: str, share: float) -> str:
 
 
 def reasons_of(
-    judgement: Judgement, mend: str | None, problem: Problem, doubts: Sequence[str] = ()
+    judgement: Judgement, data_to_correct: str | None, problem: Problem, doubts: Sequence[str] = ()
 ) -> list[str]:
     """Reasons of a verdict, in plain sentences.
 
     Parameters
     ----------
     judgement : Judgement
-    mend : str or None
+    data_to_correct : str or None
         What must be done to the data first.
     problem : Problem
     doubts : sequence of str
@@ -64,8 +64,8 @@ def reasons_of(
     -------
     reasons : list of str
     """
-    if mend:
-        return [mend]
+    if data_to_correct:
+        return [data_to_correct]
     compared = [] if judgement.referee is None else list(judgement.referee.reasons)
     if judgement.verdict not in _NAMELESS:
         return [*doubts, *compared]

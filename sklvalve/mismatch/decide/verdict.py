@@ -22,9 +22,10 @@ def verdict_of(
 
     - `judging`: noise (``cannot_tell`` or ``none_of_these`` in place of names or of nothing), a stem that
       strays (``cannot_tell``), a flow in pulses (``none_of_these``), events (``named``);
-    - `late`, `behind`: the last rows, and what lies behind a property;
+    - `late`, `behind`: the last rows (``named`` or ``cannot_tell``), and what lies behind a property;
     - `suppression`: what the data may have made (``cannot_tell``);
     - `referee`: what a black box forecasts better (``cannot_tell``), and names that make forecasts worse;
+    - `dated`: a change that nothing found explains (``cannot_tell`` in place of ``no_mismatch``);
     - `known_before`: what a history may have had already (``cannot_tell``);
     - `assessing`: where every finding is weak (``cannot_tell``).
 

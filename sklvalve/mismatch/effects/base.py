@@ -38,7 +38,7 @@ class Quantity:
     ----------
     name : str
     unit : str
-        SI unit, ``"1"`` for a share.
+        SI unit, ``"1"`` for a share; ``"m3/h"`` for a flow coefficient.
     low, high : float
         What is physically possible.
     starts : tuple of float

@@ -13,6 +13,7 @@ class SeatLeakage(Effect):
 
     name = key = "seat_leakage"
     block, stage = "valve", "capacity"
+    # what is possible follows the valve's size: `quantities`
     parameters = (Quantity("leak_kv", "m3/h", 0.0, 1.0, (0.3,)),)
     needs = ("flow",)
     hidden_by = END_OF_FLOW
