@@ -6,6 +6,7 @@ import os
 import resource
 import time
 from contextlib import suppress
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -75,6 +76,7 @@ def _learnt(place, name, valve, line):
     began, worked = time.perf_counter(), time.process_time()
     history = learn([read_recording(place / HISTORY, place / valve)])
     _timed(line, "learn_", began, worked)
+    line["rehearsals"] = [asdict(each) for each in history.rehearsals_]
     return {"history": history}
 
 

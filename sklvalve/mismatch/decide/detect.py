@@ -216,13 +216,31 @@ def mismatch_p_value(evidence: Evidence) -> float:
         Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger any look,
         the smaller. Never below 1e-12.
     """
-    seen = {look: found for look, found in evidence.looks.items() if found is not None}
-    shares = _SHARES if evidence.law.stem is None else _SHARES_APART
-    of_all = sum(shares[look] for look in seen)
-    # 1 - (1 - p)^(1 / share), exact for a small p as well; the share of an absent look goes to the others
+    seen = [look for look, value in evidence.looks.items() if value is not None]
+    return p_value_of_looks({look: _survival(evidence, look) for look in seen}, evidence.law)
+
+
+def p_value_of_looks(beyond: dict[str, float], law: NullLaw) -> float:
+    """One p-value of several looks at a recording.
+
+    Parameters
+    ----------
+    beyond : dict
+        Look -> share of healthy recordings in which it saw as much, or more; absent what saw nothing at all.
+    law : NullLaw
+
+    Returns
+    -------
+    p_value : float
+        Never below 1e-12.
+    """
+    shares = _SHARES if law.stem is None else _SHARES_APART
+    # the share of an absent look goes to the others
+    of_all = sum(shares[look] for look in beyond)
+    # 1 - (1 - p)^(1 / share), exact for a small p as well
     p_values = [
-        -np.expm1(np.log1p(-min(_survival(evidence, look), 1.0 - 1e-16)) * of_all / shares[look])
-        for look in seen
+        -np.expm1(np.log1p(-min(share, 1.0 - 1e-16)) * of_all / shares[look])
+        for look, share in beyond.items()
     ]
     return float(np.clip(min(p_values), LEAST_P_VALUE, 1.0))
 

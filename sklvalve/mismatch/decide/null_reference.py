@@ -215,17 +215,23 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     """
     relative = strength / table.typical(covariates)
     each = zip(table.times, table.weights, strict=True)
-    return min(sum(weight * _in_reference(table, relative / times) for times, weight in each), 1.0)
+    return min(sum(weight * share_beyond(table, relative / times) for times, weight in each), 1.0)
 
 
 def _beyond(tables: Iterable[Table], relative: float) -> float:
     """Share of the reference in which the largest of some looks is at least this."""
-    below = [np.log1p(-min(_in_reference(table, relative), 1.0 - 1e-16)) for table in tables]
+    below = [np.log1p(-min(share_beyond(table, relative), 1.0 - 1e-16)) for table in tables]
     return float(-np.expm1(sum(below)))
 
 
-def _in_reference(table: Table, relative: float) -> float:
-    """Share of the reference whose relative strength is at least this."""
+def share_beyond(table: Table, relative: float) -> float:
+    """Share of the reference whose strength, relative to what is typical, is at least this.
+
+    Parameters
+    ----------
+    table : Table
+    relative : float
+    """
     threshold = table.quantiles[-1]
     if relative <= 0.0:
         # many healthy recordings show nothing at all

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.mismatch.decide.compare import EMPTY
-from sklvalve.mismatch.decide.detect import covariates_of
+from sklvalve.mismatch.decide.detect import covariates_of, p_value_of_looks
 from sklvalve.mismatch.decide.judging import Case, evidence_of
+from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY, share_beyond
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.search.explain import explain
 
@@ -67,3 +69,20 @@ def rehearsal_of(evidence: Evidence) -> Rehearsal:
     tables, covariates = evidence.law.tables, evidence.covariates
     seen = {look: value for look, value in evidence.looks.items() if value is not None}
     return Rehearsal(**{look: value / tables[look].typical(covariates) for look, value in seen.items()})
+
+
+def p_value_of_rehearsal(rehearsal: Rehearsal) -> float:
+    """Share of healthy recordings of the null reference that lie as far from their history, or further.
+
+    Parameters
+    ----------
+    rehearsal : Rehearsal
+
+    Returns
+    -------
+    p_value : float
+    """
+    tables = AGAINST_HISTORY.tables
+    seen = {look: value for look, value in asdict(rehearsal).items() if value is not None and look in tables}
+    beyond = {look: share_beyond(tables[look], value) for look, value in seen.items()}
+    return p_value_of_looks(beyond, AGAINST_HISTORY)

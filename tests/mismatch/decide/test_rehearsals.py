@@ -11,7 +11,7 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
 from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY, OF_EFFECTS, Covariates, survival
-from sklvalve.mismatch.decide.rehearsing import rehearsal_of
+from sklvalve.mismatch.decide.rehearsing import p_value_of_rehearsal, rehearsal_of
 
 SOMEWHERE = Covariates(noise=0.0, travel=0.5, no_opening=0.0, no_drop=0.0)
 TABLE = AGAINST_HISTORY.throughout
@@ -94,6 +94,7 @@ def test_a_rehearsal_is_told_relative_to_what_is_typical(rest):
     made = rehearsal_of(evidence)
     assert (made.throughout, made.stem, made.within) == pytest.approx((5.0, 5.0, 5.0))
     assert (made.rest is None) is (rest is None)
+    assert p_value_of_rehearsal(made) == pytest.approx(mismatch_p_value(evidence))
     law = AGAINST_HISTORY.with_rehearsals([made])
     assert mismatch_p_value(replace(evidence, law=law)) > mismatch_p_value(evidence)
 
