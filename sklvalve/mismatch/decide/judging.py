@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.constants import HELD_OUT_ERRORS, TIMES_ALLOWED
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import (
     Evidence,
@@ -20,7 +20,6 @@ from sklvalve.mismatch.decide.detect import (
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.null_reference import exceeded_by
 from sklvalve.mismatch.decide.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.decide.verdict import verdict_of
 from sklvalve.mismatch.inference.calibrating import calibrated
@@ -335,13 +334,8 @@ def _against_noise(case: Case, judged: Judgement) -> Judgement:
 
     The noise model took for wander what an imitation leaves.
     """
-    problem, explanation, limit = case.problem, case.explanation, TIMES_ALLOWED
-    if problem.history is not None:
-        limit = exceeded_by(law_for(problem).rest, case.alpha, case.covariates)
-    left, said = held_against_noise(problem, explanation, judged.model, judged.findings, case.alpha, limit)
-    if problem.history is not None and judged.verdict == "no_mismatch":
-        # what is left over since the history was one of the looks
-        said = FINE
+    problem, explanation = case.problem, case.explanation
+    left, said = held_against_noise(problem, explanation, judged.model, judged.findings, case.alpha)
     if left is not None:
         judged = _with_what_is_left(case, judged, left, said)
     elif said != FINE:
@@ -353,7 +347,7 @@ def _against_noise(case: Case, judged: Judgement) -> Judgement:
         judged = replace(judged, findings=[])
     judged = _nameless(case, judged, said == REFUTED or judged.left is not None)
     if said == REFUTED:
-        beyond = left_over(problem, explanation.nominal, explanation.nominal, limit)
+        beyond = left_over(problem, explanation.nominal, explanation.nominal)
         judged = replace(judged, left=beyond, closest=closest, closest_leaves=left)
     return judged
 
@@ -372,9 +366,7 @@ def _with_what_is_left(case: Case, judged: Judgement, left: LeftOver, said: str)
     # an effect of the stem stands beside a flow that is not explained, unless that refutes it
     flow = [f for f in judged.findings if "flow" in case.problem.channels_touched(f.term.effect)]
     passed = said == FINE or (said != REFUTED and bool(judged.findings) and not flow)
-    judged = replace(
-        judged, rules=(*judged.rules, rules.noise(left.times, passed, left.limit, left.since_history))
-    )
+    judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, passed)))
     if said == FINE:
         return judged
     judged = replace(judged, why=(*judged.why, too_much_left(left, judged.findings, case.problem)))

@@ -10,7 +10,6 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import brentq
 
 if TYPE_CHECKING:
     from sklvalve.history.rehearsal import Rehearsal
@@ -217,20 +216,6 @@ def survival(table: Table, strength: float, covariates: Covariates) -> float:
     relative = strength / table.typical(covariates)
     each = zip(table.times, table.weights, strict=True)
     return min(sum(weight * share_beyond(table, relative / times) for times, weight in each), 1.0)
-
-
-def exceeded_by(table: Table, share: float, covariates: Covariates) -> float:
-    """Strength that a share of healthy recordings exceeds, of valves like the one in question.
-
-    Parameters
-    ----------
-    table : Table
-    share : float
-        Between 0 and 1.
-    covariates : Covariates
-    """
-    largest = 1e3 * max(table.times) * table.typical(covariates)
-    return float(brentq(lambda strength: survival(table, strength, covariates) - share, 0.0, largest))
 
 
 def _beyond(tables: Iterable[Table], relative: float) -> float:

@@ -31,10 +31,9 @@ def too_much_left(left: LeftOver, findings: Sequence[Finding], problem: Problem)
     """The reason where the flow is further off than noise allows, in the recording's own unit."""
     what = f"With {_names(findings)} the simulation" if findings else "The simulation"
     size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
-    allow = "the history and tolerances allow" if left.since_history else "noise and tolerances allow"
     return (
         f"{what} is off by {size} where the {left.channel} is steady, {left.times:.2g} times the {allowed} "
-        f"that {allow}. A fuller data sheet, or a signal that is not recorded, may "
+        "that noise and tolerances allow. A fuller data sheet, or a signal that is not recorded, may "
         "show why."
     )
 

@@ -122,15 +122,8 @@ def residual(unknown: float, explained: float) -> Rule:
     return Rule("residual", share, limit, share <= limit, f"{words}; at most {percent(limit)} is allowed.")
 
 
-def noise(
-    times: float | None,
-    passed: bool,
-    limit: float = constants.TIMES_ALLOWED,
-    since_history: bool = False,
-) -> Rule:
+def noise(times: float | None, passed: bool) -> Rule:
     """The flow must be explained down to the noise of a valve at rest, by no two slow effects that add up.
-
-    Beside a history, down to what a healthy valve leaves over since its own.
 
     Parameters
     ----------
@@ -139,25 +132,17 @@ def noise(
     passed : bool
         A wander of the meter may explain more where no effect on the flow is named, and two effects that both
         follow time or temperature are no names however little they leave.
-    limit : float, default=1.3
-    since_history : bool, default=False
-        Whether what the healthy valve left over says what is allowed.
     """
-    allow = "the history and tolerances allow" if since_history else "noise and tolerances allow"
+    limit = constants.TIMES_ALLOWED
     words = (
         "Too few rows are at rest to say what noise allows"
         if times is None
-        else f"Where the flow is steady the error is {times:.2g} times what {allow}; "
-        f"{limit:.2g} times is the limit"
+        else f"Where the flow is steady the error is {times:.2g} times what noise and tolerances allow; "
+        f"{limit:g} times is the limit"
     )
     below = times is None or times <= limit
     if passed and not below:
-        other = (
-            "all looks together are not rare"
-            if since_history
-            else "a wander of the meter may explain as much"
-        )
-        words += f", but {other}"
+        words += ", but a wander of the meter may explain as much"
     if below and not passed:
         words += ", but two slow effects together can mimic almost any third"
     return Rule("noise", times, limit, passed, f"{words}.")

@@ -16,7 +16,6 @@ import numpy as np
 from scipy.stats import chi2
 
 from sklvalve.mismatch.constants import LEAST_P_VALUE, TIMES_ALLOWED
-from sklvalve.mismatch.search.relevance import WRONG
 from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN
 from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.mismatch.signals.steady import drivers_of, steady_floor
@@ -62,10 +61,6 @@ class LeftOver:
         What may be left over, share of span [1].
     many : float
         Number of independent values that its size is known from.
-    limit : float, default=1.3
-        How many times what is allowed is too much.
-    since_history : bool, default=False
-        Whether what is allowed is what the healthy valve left over.
     """
 
     channel: str
@@ -73,8 +68,6 @@ class LeftOver:
     noise: float
     allowed: float
     many: float
-    limit: float = TIMES_ALLOWED
-    since_history: bool = False
 
     @property
     def times(self) -> float:
@@ -92,34 +85,21 @@ class LeftOver:
     @property
     def too_much(self) -> bool:
         """Whether a hypothesis that leaves this may not be named."""
-        return self.times > self.limit
+        return self.times > TIMES_ALLOWED
 
     @property
     def clearly(self) -> bool:
-        """Whether that much is more than the few slow turns of a wander may come to.
-
-        A healthy valve's history holds its wander.
-        """
-        return self.too_much and (self.since_history or self.p_value < _CLEARLY)
+        """Whether that much is more than the few slow turns of a wander may come to."""
+        return self.too_much and self.p_value < _CLEARLY
 
     def is_no_wander(self, alpha: float) -> bool:
-        """Whether a simulation without any effect that leaves this lacks something.
-
-        A history holds the wander of a healthy valve.
-        """
-        if self.since_history:
-            return self.too_much
+        """Whether a simulation without any effect that leaves this lacks something."""
         wide = np.sqrt(self.allowed**2 + (_WANDER**2 - 1.0) * self.noise**2)
         return bool(self.size > wide and self._chance_of(self.size / wide) < _OF_ALPHA * alpha)
 
 
 def held_against_noise(
-    problem: Problem,
-    explanation: Explanation,
-    model: Model,
-    findings: Sequence[Finding],
-    alpha: float,
-    limit: float = TIMES_ALLOWED,
+    problem: Problem, explanation: Explanation, model: Model, findings: Sequence[Finding], alpha: float
 ) -> tuple[LeftOver | None, str]:
     """What a hypothesis leaves over of the flow, and what that says of the findings, or of there being none.
 
@@ -133,8 +113,6 @@ def held_against_noise(
         What stands of it.
     alpha : float
         Level of the test.
-    limit : float, default=1.3
-        As in `LeftOver`.
 
     Returns
     -------
@@ -143,14 +121,14 @@ def held_against_noise(
         Where no effect on the flow is named, one of the catalogue that would explain what is left over makes
         it doubtful that there is something else.
     """
-    left = left_over(problem, model, explanation.nominal, limit)
+    left = left_over(problem, model, explanation.nominal)
     if imitates_any_time_profile(findings):
         return left, REFUTED
     if left is None or _leaves_little(problem, left, findings, alpha):
         return left, FINE
     if _of_flow(problem, findings):
         return left, REFUTED if left.clearly else DOUBTFUL
-    known = known_effect_explains(problem, explanation.nominal, explanation.effects, limit)
+    known = known_effect_explains(problem, explanation.nominal, explanation.effects)
     return left, DOUBTFUL if known else REFUTED
 
 
@@ -166,9 +144,7 @@ def _of_flow(problem: Problem, findings: Sequence[Finding]) -> bool:
     return any("flow" in problem.channels_touched(f.term.effect) for f in findings)
 
 
-def known_effect_explains(
-    problem: Problem, nominal: Model, effects: Sequence[Effect], limit: float = TIMES_ALLOWED
-) -> bool:
+def known_effect_explains(problem: Problem, nominal: Model, effects: Sequence[Effect]) -> bool:
     """Whether one effect of the catalogue leaves no more than it may, however little noise it is given.
 
     The search judges by noise that may wander; what is rare, small or slow can hide in that.
@@ -178,8 +154,6 @@ def known_effect_explains(
     problem : Problem
     nominal : Model
     effects : sequence of Effect
-    limit : float, default=1.3
-        As in `LeftOver`.
     """
     able = [e for e in effects if "flow" in problem.channels_touched(e)]
     white = problem.homoscedastic(nominal)
@@ -187,13 +161,11 @@ def known_effect_explains(
     for m in screened(white, white.fit((), start=nominal, max_steps=6), able):
         best.setdefault(m.terms[-1].effect.key, m)
     fits = [white.fit(m.terms, start=m, max_steps=10) for m in list(best.values())[:FITTED]]
-    residuals = [left_over(problem, m, nominal, limit) for m in fits]
+    residuals = [left_over(problem, m, nominal) for m in fits]
     return any(left is not None and not left.too_much for left in residuals)
 
 
-def left_over(
-    problem: Problem, model: Model, nominal: Model, limit: float = TIMES_ALLOWED
-) -> LeftOver | None:
+def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None:
     r"""What a hypothesis leaves over of the flow beside what it may.
 
     With :math:`\sigma` the quick noise of the flow, :math:`c` the size from which on an effect counts and
@@ -203,16 +175,12 @@ def left_over(
     .. math:: \sqrt{\sigma^2 + (0.25 c)^2 + (0.15 E)^2}
 
     so that a meter may wander by as much as it jitters, and a simulation may get a share of an effect wrong.
-    A history tells how much the healthy valve left over: then :math:`\sigma` is the rms of its slow means,
-    0.1 takes the place of 0.25, and rows count that are where it has been.
 
     Parameters
     ----------
     problem : Problem
     model, nominal : Model
         The hypothesis, and the calibrated simulation without any effect (the same where none was found).
-    limit : float, default=1.3
-        As in `LeftOver`.
 
     Returns
     -------
@@ -227,25 +195,20 @@ def left_over(
     residual = problem.residuals(model)["flow"] / span
     shown = model.predictions["flow"] / span
     quiet = moves_little(shown, 1.0)
-    if problem.history is not None:
-        # where it has not been it tells nothing of what a simulation leaves over
-        quiet = quiet & problem.history.range_.met(recording, ("opening", "drop"))
     slow = slow_means(residual, quiet)
     if np.isfinite(slow).sum() < FEWEST:
         return None
-    noise, inadequacy = _quick_noise(recording, residual, quiet, span), _INADEQUACY
-    before = np.nan if problem.history is None else problem.history.slowly_left("flow") / span
-    known = bool(np.isfinite(before))
-    if known:
-        noise, inadequacy = float(before), WRONG
+    noise = _quick_noise(recording, residual, quiet, span)
     if noise is None:
         return None
     bare = problem.baseline(model, (), nominal).predictions["flow"] / span
     explained = _rms(slow_means(shown - bare, quiet))
-    parts = noise, inadequacy * problem.least("flow"), SHARE_MISTAKEN * explained
+    if problem.history is not None:
+        # what the healthy valve left over is no mismatch, whatever made it
+        noise = max(noise, problem.history.left("flow") / span)
+    parts = noise, _INADEQUACY * problem.least("flow"), SHARE_MISTAKEN * explained
     allowed, size = float(np.sqrt(np.sum(np.square(parts)))), _rms(slow)
-    many = effective_number(slow)
-    return LeftOver("flow", size, noise, allowed, many, limit if known else TIMES_ALLOWED, known)
+    return LeftOver("flow", size, noise, allowed, effective_number(slow))
 
 
 def imitates_any_time_profile(findings: Sequence[Finding]) -> bool:

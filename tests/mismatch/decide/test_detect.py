@@ -22,7 +22,6 @@ from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
     Covariates,
-    exceeded_by,
     survival,
 )
 from sklvalve.mismatch.inference.hypothesis import Term
@@ -105,13 +104,6 @@ def test_what_begins_counts_by_what_it_gains_by_beginning():
 @given(STRENGTHS, st.floats(1e-3, 50.0), CIRCUMSTANCES)
 def test_chance_of_more_falls_with_the_strength(table, value, more, where):
     assert 0.0 < survival(table, value + more, where) < survival(table, value, where) <= 1.0
-
-
-@pytest.mark.parametrize("table", TABLES)
-@settings(max_examples=30, deadline=None)
-@given(st.floats(1e-6, 0.3), CIRCUMSTANCES)
-def test_what_a_share_of_healthy_recordings_exceeds_has_that_chance(table, share, where):
-    assert survival(table, exceeded_by(table, share, where), where) == pytest.approx(share, rel=1e-6)
 
 
 @pytest.mark.parametrize("table", TABLES)

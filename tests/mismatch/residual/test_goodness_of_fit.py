@@ -2,7 +2,6 @@
 """What an explanation may leave over of a flow, and that an imitation loses its name for leaving more."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -90,50 +89,6 @@ def test_what_is_explained_may_be_wrong_by_a_share_of_itself(healthy):
     plain, explaining = left_over(bench, model, model), left_over(bench, model, far)
     assert explaining.allowed > 1.5 * plain.allowed
     assert explaining.size == plain.size
-
-
-def _since(healthy, factor, before, known=slice(None), limit=1.8):
-    """What is left over of a flow times a factor, beside a history that left over `before`, share of span."""
-    bench = Problem.of(healthy, Tolerance(), healthy.valve.physics)
-    model = bench.fit((), max_steps=5)
-    been = np.zeros(len(healthy), dtype=bool)
-    been[known] = True
-    history = SimpleNamespace(
-        slowly_left=lambda channel: before * bench.spans[channel],
-        range_=SimpleNamespace(met=lambda recording, roles: been),
-    )
-    now = Problem.of(_with_flow(healthy, factor), Tolerance(), healthy.valve.physics)
-    now, model = replace(now, history=history), now.simulate((), model.values)
-    return left_over(now, model, model, limit)
-
-
-def test_a_history_says_how_much_a_healthy_valve_leaves_over(healthy):
-    sheet, since = _left(healthy), _since(healthy, 1.0, 0.001)
-    assert since.noise == pytest.approx(0.001)
-    assert since.allowed < sheet.allowed
-    assert since.limit == 1.8
-    # the same deposits: what noise would allow, the history does not
-    few = _deposits(len(healthy), 0.03)
-    assert not _left(_with_flow(healthy, few)).too_much
-    left = _since(healthy, few, 0.001)
-    assert left.too_much
-    assert left.clearly
-    assert left.is_no_wander(0.01)
-    assert not _since(healthy, few, 0.02).too_much
-
-
-def test_a_history_says_nothing_of_where_it_has_not_been(healthy):
-    half = len(healthy) // 2
-    factor = np.where(np.arange(len(healthy)) < half, 1.0, 1.3)
-    assert _since(healthy, factor, 0.001).too_much
-    assert _since(healthy, factor, 0.001, slice(half)).times < 2.0
-    assert _since(healthy, factor, 0.001, slice(0)) is None
-
-
-def test_a_history_that_never_rested_leaves_it_to_the_noise(healthy):
-    since, sheet = _since(healthy, 1.0, np.nan), _left(healthy)
-    assert (since.noise, since.limit) == pytest.approx((sheet.noise, sheet.limit), rel=0.05)
-    assert not since.since_history
 
 
 @pytest.mark.parametrize("missing", [("opening",), ("p1", "p2")])
