@@ -18,6 +18,7 @@ from benchmarks.concealed.histories.recordings import as_recordings
 from benchmarks.concealed.methods import METHODS, WITH_HISTORY, learner, method
 from benchmarks.concealed.plant import EFFECTS
 from benchmarks.concealed.record import make
+from sklvalve.history.rehearsal import Rehearsal
 
 SIZES = {"healthy": 2, "each": 0, "pairs": 0, "outside": 0, "defects": 0}
 HEALTHY = Case(0, "healthy", excitation="closed", nasty=("quantised",))
@@ -203,17 +204,21 @@ def test_a_folder_without_a_plan_is_refused(tmp_path):
 def test_the_method_is_given_the_history_and_the_others_are_not(folders, monkeypatch):
     given = {}
 
+    class Learnt(list):
+        rehearsals_ = (Rehearsal(1.5, 0.5, None, 0.2),)
+
     def stand_in(recording, *, folder=None, history=None):
         given["history"] = history
         return {"verdict": "no_mismatch", "mismatch": {"p_value": 0.5}, "effects": []}
 
     monkeypatch.setattr(judging, "method", lambda name: stand_in)
-    monkeypatch.setattr(judging, "learner", lambda name: list if name in WITH_HISTORY else None)
+    monkeypatch.setattr(judging, "learner", lambda name: Learnt if name in WITH_HISTORY else None)
     place = next(folders[1].glob("record_*"))
     line = judging.line_of(place, "sklvalve_history")
     assert line["found"]["verdict"] == "no_mismatch"
     assert [len(recording) for recording in given["history"]] == [ROWS]
     assert line["truth"]["history"]["clean"] in (True, False)
+    assert line["rehearsals"] == [{"throughout": 1.5, "within": 0.5, "rest": None, "stem": 0.2}]
     # learning is a command of its own, and its time is told apart
     assert min(line[key] for key in ("seconds", "cpu_seconds", "learn_seconds", "learn_cpu_seconds")) >= 0.0
     assert "learn_seconds" not in judging.line_of(place, "sklvalve")
