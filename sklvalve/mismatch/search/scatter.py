@@ -51,14 +51,13 @@ class OverTime:
     r"""How the rows that speak for an effect agree, stretch by stretch, once it is fitted.
 
     The derivative of the log likelihood by an effect's size is a sum over stretches. As far as the noise is
-    what it is taken for, the stretches scatter by the information that each of them holds, and as far as the
-    equation of the effect gets a share of its size wrong, by that share. Errors of the simulation last: where
-    they look like the effect, its stretches disagree by more.
+    what it is taken for, the stretches scatter by the information that each of them holds. Errors of the
+    simulation last: where they look like the effect, its stretches disagree by more.
 
     Parameters
     ----------
     scatter : float, default=1
-        Variance of the derivative over stretches, in multiples of what is expected of it.
+        Variance of the derivative over stretches, in multiples of the information.
     stretches : float, default=inf
         How many stretches that hold alike much would scatter as much by chance.
     """
@@ -87,11 +86,9 @@ class OverTime:
         score, information = _by_stretch(problem, scores), _by_stretch(problem, informations)
         if not np.any(information):
             return cls()
-        squares = np.sum(information**2)
-        expected = information.sum() + SHARE_MISTAKEN**2 * squares
         # of the information, as if each held the same
-        stretches = information.sum() ** 2 / squares
-        return cls(float(np.sum(score**2) / expected), float(stretches))
+        stretches = information.sum() ** 2 / np.sum(information**2)
+        return cls(float(np.sum(score**2) / information.sum()), float(stretches))
 
     def deviations(self, gain: float) -> float:
         r"""Standard deviations of nothing by which an effect differs from it.
