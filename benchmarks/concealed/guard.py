@@ -87,11 +87,15 @@ def records(folder, effects=tuple(EFFECTS), *, healthy=True, every=1):
     return places
 
 
+def lines_of(places, jobs):
+    """A line of scores for each record."""
+    return Parallel(n_jobs=jobs)(delayed(line_of)(place, "sklvalve") for place in places)
+
+
 def judged(jobs):
-    """Lines that say what became of every record, and the rates of all."""
+    """Sentences that say what became of every record, and the rates of all."""
     with tempfile.TemporaryDirectory() as folder:
-        places = records(folder)
-        lines = Parallel(n_jobs=jobs)(delayed(line_of)(place, "sklvalve") for place in places)
+        lines = lines_of(records(folder), jobs)
     single = of_kind(lines, "single")
     for line in single:
         yield f"{line['record']} {', '.join(line['truth']['effects'])}: {judge(line)}"

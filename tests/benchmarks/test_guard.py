@@ -10,9 +10,8 @@ import os
 from collections import Counter
 
 import pytest
-from joblib import Parallel, delayed
 
-from benchmarks.concealed.guard import HEALTHY, records
+from benchmarks.concealed.guard import HEALTHY, lines_of, records
 from benchmarks.concealed.judging import line_of
 from benchmarks.concealed.scoring.detection import alarms
 from benchmarks.concealed.scoring.lines import of_kind
@@ -24,8 +23,7 @@ from benchmarks.concealed.scoring.outcome import judge
 def lines(tmp_path_factory):
     """A line of scores for every record."""
     places = records(tmp_path_factory.mktemp("guard"), every=3)
-    jobs = min(os.cpu_count() or 1, 4)
-    return Parallel(n_jobs=jobs)(delayed(line_of)(place, "sklvalve") for place in places)
+    return lines_of(places, min(os.cpu_count() or 1, 4))
 
 
 def test_a_clogged_valve_is_named_by_a_record_with_another_sheet(tmp_path):

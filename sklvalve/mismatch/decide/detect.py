@@ -97,11 +97,9 @@ class Evidence:
 
 def law_for(problem: Problem) -> NullLaw:
     """Law of recordings that are held against the same thing: a data sheet, or a history of the valve."""
-    return (
-        AGAINST_SHEET
-        if problem.history is None
-        else AGAINST_HISTORY.with_rehearsals(problem.history.rehearsals_)
-    )
+    if problem.history is None:
+        return AGAINST_SHEET
+    return AGAINST_HISTORY.with_rehearsals(problem.history.rehearsals_)
 
 
 def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, dict[str, float]]:

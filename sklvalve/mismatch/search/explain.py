@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -26,9 +26,8 @@ from sklvalve.mismatch.search.settling import settled_fit
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
     from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.search.extended import Report
     from sklvalve.mismatch.search.rivals import Finding, Rival
-
-    Report = Callable[[float], object]
 
 # of the effects fitted so many are settled under their own noise
 _TRIED = 6
