@@ -18,10 +18,7 @@ IN_CLASS = 0.95
 DISTINGUISHABLE = 14.0
 #: A difference is noticed from this distance on: five standard deviations.
 DETECTABLE = 25.0
-#: Of the error beyond noise in blocks left out of the fit, a name may leave this share. Larger: imitations
-#: that fit and do not predict are named, as a change of density was for a stem that bows.
-HELD_OUT_SHARE = 0.5
-#: On such rows a name gains at least this many standard errors of its gain by blocks. Of 48
+#: On rows left out of the fit a name gains at least this many standard errors of its gain by blocks. Of 48
 #: right names of simulated records the least gained 1.03. Larger: right names are lost whose effect acts
 #: seldom. Smaller: what happened once, and predicts nothing, is named.
 HELD_OUT_ERRORS = 1.0

@@ -23,7 +23,7 @@ from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
 from sklvalve.mismatch.decide.reasons import not_upheld, too_much_left
 from sklvalve.mismatch.decide.verdict import verdict_of
 from sklvalve.mismatch.inference.calibrating import calibrated
-from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated, held_out_share
+from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
 from sklvalve.mismatch.residual.pulses import find_pulses
 from sklvalve.mismatch.residual.since_history import left_since
@@ -178,8 +178,7 @@ def blocked(problem: Problem) -> Judgement:
 
 def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
     """The judgement, rule after rule: evidence, rows left out, what is left, noise, nameless patterns."""
-    stand, model, share = _upheld(case, findings, model)
-    judged = _against_noise(case, _named_or_not(case, stand, model, share))
+    judged = _against_noise(case, _named_or_not(case, *_upheld(case, findings, model)))
     judged = _by_least_error(case, judged)
     if judged.verdict == "no_mismatch" and case.channels is None:
         judged = _strays(case, judged)
@@ -190,27 +189,23 @@ def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
     return with_learnt(judged)
 
 
-def _upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model, float]:
+def _upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model]:
     """The strongest finding and those beside it that may be named, and the model with them.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
-    alarm and gains on rows left out helps to predict these; to be named beside a stronger one of the same
-    signals it must be ten times as rare. The share of the error that is left there is of all that helps.
+    alarm and gains on rows left out is named in signals of its own; to be named beside a stronger one of the
+    same signals it must be ten times as rare.
     """
     if not findings:
-        return [], model, 1.0
-    fit, first = case.problem.fit, findings[0]
-    able = [first, *[f for f in findings[1:] if case.held_out_gain(f) >= HELD_OUT_ERRORS and case.is_rare(f)]]
-    if len(able) < len(findings):
-        model = fit(tuple(f.term for f in able), start=model)
-    share = held_out_share(case.problem, case.explanation.nominal, model)
-    stand = [first]
-    for finding in able[1:]:
-        if _shows_alone(case.problem, finding, stand) or case.is_rare(finding, _BESIDE * case.alpha):
+        return [], model
+    stand = [findings[0]]
+    for finding in findings[1:]:
+        level = case.alpha if _shows_alone(case.problem, finding, stand) else _BESIDE * case.alpha
+        if case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level):
             stand.append(finding)
-    if len(stand) < len(able):
-        model = fit(tuple(f.term for f in stand), start=model)
-    return stand, model, share
+    if len(stand) < len(findings):
+        model = case.problem.fit(tuple(f.term for f in stand), start=model)
+    return stand, model
 
 
 def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]) -> bool:
@@ -221,7 +216,7 @@ def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]
     return elsewhere.isdisjoint(problem.channels_touched(finding.term.effect))
 
 
-def _named_or_not(case: Case, findings: list[Finding], model: Model, share: float) -> Judgement:
+def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgement:
     """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
     nominal = case.explanation.nominal
     findings, unknown, weighed = _by_evidence(case, findings, model)
@@ -231,13 +226,13 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model, share: floa
     if weighed.by_chance is not None:
         asked.append(rules.relevance(weighed.by_chance, case.alpha))
     if findings:
-        held_out = rules.held_out(share), rules.repeats(case.held_out_gain(findings[0]))
-        asked += held_out
+        held_out = rules.held_out(case.held_out_gain(findings[0]))
+        asked.append(held_out)
         if unknown is not None:
             # of all recordings together, as the unknown is
             bare = case.problem.baseline(model, (), nominal)
             explained = case.problem.change_in_all(unknown.channel, model, bare)
-        if not all(rule.passed for rule in held_out):
+        if not held_out.passed:
             # blocks that the fit had not seen speak against it: no name is better than a wrong one
             why.append(not_upheld(findings))
             findings = []

@@ -14,8 +14,7 @@ from sklvalve.mismatch import constants
 
 #: Names of the rules, in their order.
 ORDER = (
-    "data", "rarity", "relevance", "held_out", "repeats", "residual", "noise", "forecast", "black_box",
-    "probability",
+    "data", "rarity", "relevance", "held_out", "residual", "noise", "forecast", "black_box", "probability",
 )  # fmt: skip
 
 
@@ -79,24 +78,11 @@ def relevance(p_value: float, alpha: float) -> Rule:
     )
 
 
-def held_out(share: float) -> Rule:
-    """What was found must predict blocks of rows that were left out of its fit."""
-    limit = constants.HELD_OUT_SHARE
-    return Rule(
-        "held_out",
-        share,
-        limit,
-        share < limit,
-        f"In rows left out of the fit {percent(share)} of the error beyond noise remains; less than "
-        f"{percent(limit)} must.",
-    )
-
-
-def repeats(errors: float) -> Rule:
-    """It must gain in more than one event: what happened once, and predicts nothing, is no name."""
+def held_out(errors: float) -> Rule:
+    """It must gain on rows left out of its fit, and in more than one event: what happened once is no name."""
     limit = constants.HELD_OUT_ERRORS
     return Rule(
-        "repeats",
+        "held_out",
         errors,
         limit,
         errors >= limit,
@@ -201,7 +187,7 @@ def in_order(rules: Iterable[Rule]) -> list[Rule]:
 
 
 #: Rules on a fit; what is named by events or by the last rows alone is held against its own.
-OF_A_FIT = ("relevance", "held_out", "repeats")
+OF_A_FIT = ("relevance", "held_out")
 
 
 def without(rules: Iterable[Rule], names: Iterable[str]) -> tuple[Rule, ...]:

@@ -11,13 +11,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sklvalve.metrics import err_max, mape, rmse
-from sklvalve.mismatch.constants import HELD_OUT_SHARE
-from sklvalve.mismatch.inference.refitting import fits_without, lines_of, refitted
+from sklvalve.mismatch.inference.refitting import lines_of, refitted
 from sklvalve.mismatch.proof.black_box import black_box_prediction
 from sklvalve.mismatch.residual.low_pass_residual import learn_residual
 from sklvalve.mismatch.signals.model_free import model_free_noise
-from sklvalve.simulation.fitting import left_of, simulate_channels
-from sklvalve.simulation.robust import robust_cost
+from sklvalve.simulation.fitting import simulate_channels
 from sklvalve.simulation.simulation import learnt_rest
 
 if TYPE_CHECKING:
@@ -143,34 +141,6 @@ def held_out_predictions(
         c: black_box_prediction(whole, c, ~held, closed=forward.closed[c]) for c in problem.channels
     }
     return made, held
-
-
-def held_out_share(problem: Problem, nominal: Model, model: Model) -> float:
-    """Share of the nominal's excess error that a hypothesis leaves in blocks it was not fitted to.
-
-    The excess is that over what a healthy simulation leaves over, in the channels that the hypothesis
-    changes. One where it changes none by what counts.
-    """
-    sizes = problem.change(model, problem.baseline(model, (), nominal))
-    changed = [c for c, size in sizes.items() if problem.counts({c: size})]
-    before = after = 0.0
-    for fits in zip(fits_without(problem, nominal), fits_without(problem, model), strict=True):
-        for channel in changed:
-            size = problem.noise[channel].total
-            left = [
-                np.nan_to_num(left_of(problem.recording, fit.predictions, channel)[held] / size)
-                for held, fit in fits
-            ]
-            # robust as the fits are: one wild minute must not outweigh an hour
-            losses = [robust_cost(each) / (0.5 * len(each)) for each in left]
-            before += max(losses[0] - 1.0, 0.0)
-            after += max(losses[1] - 1.0, 0.0)
-    return float(after / before) if changed and before > 0.0 else 1.0
-
-
-def holds_out(problem: Problem, nominal: Model, model: Model) -> bool:
-    """Whether a hypothesis predicts such blocks clearly better than the calibrated nominal."""
-    return held_out_share(problem, nominal, model) < HELD_OUT_SHARE
 
 
 def run(problem: Problem, model: Model, whole: Recording) -> dict[str, np.ndarray]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from sklvalve.mismatch.constants import DETECTABLE, DISTINGUISHABLE
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in
@@ -59,6 +59,9 @@ class Tried:
     by_beginning: float | None = None
     stage: str = ""
     over_time: OverTime = field(default_factory=OverTime)
+
+
+_Gained = TypeVar("_Gained", Tried, "Finding")
 
 
 @dataclass(eq=False)
@@ -135,7 +138,7 @@ def explain(
         stood = problem.fit(stood.terms, start=stood)
         problem, model = search.taken_up(problem, stood)
     nominal = problem.fit((), start=search.nominal or nominal)
-    findings = [replace(f, by_beginning=search.by_beginning(f.gain, f.term, model.terms)) for f in findings]
+    findings = [search.with_its_beginning(problem, f, model, f.term) for f in findings]
     return Explanation(problem, nominal, model, findings, search.tried, tuple(effects))
 
 
@@ -158,8 +161,10 @@ class _Search:
     ----------
     tried : dict
         Effect key -> what the effect would gain as the first one.
-    throughout : float
-        Log likelihood that the likeliest effect adds which acts throughout, as the first one.
+    throughout : Model or None
+        The likeliest with one effect, or with none, that acts throughout.
+    by_acting : float
+        Log likelihood that its effect adds.
     seen : dict
         Effect key -> the best fit met of the effect.
     nominal : Model or None
@@ -170,19 +175,23 @@ class _Search:
         self.effects, self.threshold = effects, threshold
         self.most, self.report = most, report
         self.tried: dict[str, Tried] = {}
-        self.throughout = 0.0
+        self.throughout: Model | None = None
+        self.by_acting = 0.0
         self.seen: dict[str, Model] = {}
         self.nominal: Model | None = None
 
-    def by_beginning(self, gain: float, term: Term, terms: Sequence[Term]) -> float | None:
-        """What a term of a hypothesis gains by beginning within the recording; None where it does not.
+    def with_its_beginning(self, problem: Problem, found: _Gained, model: Model, term: Term) -> _Gained:
+        """What a term of a hypothesis gains, with what of it is gained by beginning within the recording.
 
         A valve that is not as it was known differs throughout: that it began then is what is gained beyond.
         Where the hypothesis holds more terms, these have taken up what differs throughout.
         """
         if term.onset is None:
-            return None
-        return max(gain - self.throughout, 0.0) if len(terms) == 1 else gain
+            return found
+        if len(model.terms) > 1 or self.throughout is None:
+            return replace(found, by_beginning=found.gain)
+        over_time = OverTime.of(problem, model, problem.judged(self.throughout))
+        return replace(found, by_beginning=max(found.gain - self.by_acting, 0.0), over_time=over_time)
 
     def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
@@ -209,6 +218,7 @@ class _Search:
                 model = problem.fit((), start=calibrated)
                 candidates, throughout = extended(problem, model, self.effects, self.report, done)
             self.nominal, self.throughout = model, throughout
+            self.by_acting = throughout.log_likelihood - model.log_likelihood
         for m in candidates[:FITTED]:
             self.seen.setdefault(m.terms[-1].effect.key, m)
         if first:
@@ -228,9 +238,9 @@ class _Search:
         """Keep what the only effect of a hypothesis gains."""
         gain, term = model.log_likelihood - without.log_likelihood, model.terms[-1]
         sizes = problem.change(model, problem.baseline(model, without.terms, without))
-        by_beginning = self.by_beginning(gain, term, model.terms)
         over_time = OverTime.of(problem, model, without)
-        self.tried[term.effect.key] = Tried(gain, sizes, by_beginning, term.effect.stage, over_time)
+        tried = Tried(gain, sizes, stage=term.effect.stage, over_time=over_time)
+        self.tried[term.effect.key] = self.with_its_beginning(problem, tried, model, term)
 
     def _calibrated_anew(self, problem: Problem, nominal: Model, candidates: Sequence[Model]) -> Model:
         """The simulation without effects from where the best of these have led its calibration, if better.

@@ -27,10 +27,10 @@ _FROM_WHAT_IS_KNOWN = 2
 
 def extended(
     problem: Problem, model: Model, effects: Sequence[Effect], report: Report | None, done: float
-) -> tuple[list[Model], float]:
+) -> tuple[list[Model], Model]:
     """Hypotheses with one effect more, best first: all screened, the most promising fitted.
 
-    And what the likeliest of those gains whose effect acts throughout.
+    And the likeliest of those whose effect acts throughout, or the hypothesis so far.
     """
     usable = [e for e in effects if not is_in(e, model.terms)]
     shown = report and (lambda share: report(done + 0.1 * share))
@@ -44,10 +44,10 @@ def extended(
         refined.append(m)
         if report:
             report(done + 0.1 + 0.1 * len(refined) / FITTED)
-    acting = [m.log_likelihood for m in (*every, *refined) if m.terms[-1].onset is None]
-    throughout = max(acting, default=model.log_likelihood) - model.log_likelihood
+    acting = [m for m in (*every, *refined) if m.terms[-1].onset is None]
+    throughout = max((model, *acting), key=lambda m: m.log_likelihood)
     tried = refined + rough[FITTED:]
-    return sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True), max(throughout, 0.0)
+    return sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True), throughout
 
 
 def _of_a_sound_stem(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.inference.hypothesis import Model
-from sklvalve.mismatch.search.onset import row_losses
+from sklvalve.mismatch.search.onset import losses_of, row_losses
 from sklvalve.simulation.robust import robust_weights
 
 if TYPE_CHECKING:
@@ -51,19 +51,24 @@ class OverTime:
     r"""How the rows that speak for an effect agree, stretch by stretch, once it is fitted.
 
     The derivative of the log likelihood by an effect's size is a sum over stretches. As far as the noise is
-    what it is taken for, the stretches scatter by the information that each of them holds. Errors of the
-    simulation last: where they look like the effect, its stretches disagree by more.
+    what it is taken for, the stretches scatter by the information that each of them holds, and as far as the
+    equation of the effect is wrong by a share of its size, by that share beside. Errors of the simulation
+    last: where they look like the effect, its stretches disagree by more.
 
     Parameters
     ----------
     scatter : float, default=1
-        Variance of the derivative over stretches, in multiples of the information.
+        Variance of the derivative over stretches, in multiples of what it is expected to be.
     stretches : float, default=inf
         How many stretches that hold alike much would scatter as much by chance.
+    of_rows : float, default=1
+        Share of what the effect gains that lies in rows; the rest, a calibration nearer to what is expected
+        of it, has no stretches to agree.
     """
 
     scatter: float = 1.0
     stretches: float = np.inf
+    of_rows: float = 1.0
 
     @classmethod
     def of(cls, problem: Problem, model: Model, without: Model) -> OverTime:
@@ -75,7 +80,7 @@ class OverTime:
         model, without : Model
             With the effect, and without it.
         """
-        scores, informations = (np.zeros(len(problem.recording)) for _ in range(2))
+        scores, informations, losses = (np.zeros(len(problem.recording)) for _ in range(3))
         left, before = problem.residuals(model), problem.residuals(without)
         for channel, noise in problem.noise.items():
             errors = np.nan_to_num(noise.whiten(left[channel]))
@@ -83,26 +88,34 @@ class OverTime:
             weights = robust_weights(errors)
             scores += weights * errors * change
             informations += weights * change**2
+            losses += losses_of(noise, before[channel]) - losses_of(noise, left[channel])
         score, information = _by_stretch(problem, scores), _by_stretch(problem, informations)
+        gain = model.log_likelihood - without.log_likelihood
         if not np.any(information):
             return cls()
+        expected = information.sum() + SHARE_MISTAKEN**2 * np.sum(information**2)
         # of the information, as if each held the same
         stretches = information.sum() ** 2 / np.sum(information**2)
-        return cls(float(np.sum(score**2) / information.sum()), float(stretches))
+        of_rows = np.clip(np.nansum(losses) / gain, 0.0, 1.0) if gain > 0.0 else 1.0
+        return cls(float(np.sum(score**2) / expected), float(stretches), float(of_rows))
 
     def deviations(self, gain: float) -> float:
         r"""Standard deviations of nothing by which an effect differs from it.
 
         .. math::
-            t = \sqrt{2 g / s^2}, \quad s^2 = \max\left(1, \frac{\nu_0 + k r}{\nu_0 + k - 1}\right),
-            \quad z = \frac{8 \nu + 1}{8 \nu + 3} \sqrt{\nu \ln\left(1 + \frac{t^2}{\nu}\right)},
-            \quad \nu = \nu_0 + k - 1
+            t = \sqrt{\frac{2 g}{1 - a + a s^2}}, \quad
+            s^2 = \max\left(1, \frac{\nu_0 + k r}{\nu_0 + k - 1}\right), \quad
+            z = \frac{8 \nu + 1}{8 \nu + 3} \sqrt{\nu \ln\left(1 + \frac{t^2}{\nu}\right)}, \quad
+            \nu = (\nu_0 + k - 1) \left(\frac{1 - a + a s^2}{a s^2}\right)^2
 
-        with the gain g in log likelihood, the scatter r of k stretches, and what other valves' stretches say
+        with the gain g in log likelihood, the scatter r of k stretches, what other valves' stretches say
         of it, which counts as much as nu_0 (Smyth, Statistical Applications in Genetics and Molecular
-        Biology 3, 2004). Noise that is taken for too small is the error that is allowed for: the scatter
-        only takes from a gain. The last step gives the normal deviation that is as rare as t in a law of nu
-        degrees of freedom (Wallace, Annals of Mathematical Statistics 30, 1959).
+        Biology 3, 2004), and the share a of the gain that lies in rows: an effect's size is known from rows
+        and from what is expected of the calibration, and its variance is the sum of both. Noise that is taken
+        for too small is the error that is allowed for: the scatter only takes from a gain. The last step
+        gives the normal deviation that is as rare as t in a law of nu degrees of freedom (Wallace, Annals of
+        Mathematical Statistics 30, 1959), as many as a sum of variances has of which one is estimated
+        (Satterthwaite, Biometrics Bulletin 2, 1946).
 
         Parameters
         ----------
@@ -115,13 +128,16 @@ class OverTime:
             At least 0.
         """
         square = 2.0 * max(gain, 0.0)
-        if np.isinf(self.stretches):
-            return float(np.sqrt(square))
         freedom = _AS_OTHERS + max(self.stretches - 1.0, 0.0)
-        square /= max((_AS_OTHERS + self.stretches * self.scatter) / freedom, 1.0)
-        return float(
-            (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0) * np.sqrt(freedom * np.log1p(square / freedom))
-        )
+        if np.isinf(freedom):
+            return float(np.sqrt(square))
+        by_rows = self.of_rows * max((_AS_OTHERS + self.stretches * self.scatter) / freedom, 1.0)
+        variance = 1.0 - self.of_rows + by_rows
+        # one over the degrees of freedom: none where nothing is estimated
+        square, few = square / variance, (by_rows / variance) ** 2 / freedom
+        if few * square > 1e-12:
+            square = np.log1p(few * square) / few
+        return float((8.0 + few) / (8.0 + 3.0 * few) * np.sqrt(square))
 
 
 def _by_stretch(problem: Problem, rows: np.ndarray, fewest: int = 2) -> np.ndarray:
