@@ -18,11 +18,11 @@ ROWS = 1_200
 
 
 @cache
-def recorded(limit, onset=0.0):
+def recorded(limit, onset=0.0, seed=3):
     """One plant whose trim lets the plug open as far as to 1 - limit, the first rows and those behind."""
     name = "clogging" if limit else None
     made = make_valve_recording(
-        name, limit or None, onset=onset, loop="wide", n_samples=2 * ROWS, n_later=0, random_state=3
+        name, limit or None, onset=onset, loop="wide", n_samples=2 * ROWS, n_later=0, random_state=seed
     )
     whole = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
     return whole.slice(0, ROWS), whole.slice(ROWS, 2 * ROWS)
@@ -135,7 +135,8 @@ def test_a_history_without_a_name_says_so_in_later_diagnoses():
 
 
 def test_a_sound_history_and_one_that_was_not_diagnosed_say_nothing():
-    earlier, later = recorded(0.0)
+    # the sound plant of seed 3 is one of the hundredth that an alarm at 0.01 takes for unsound
+    earlier, later = recorded(0.0, seed=4)
     for history in (MissingPhysicsFinder(n_jobs=1).history_of(earlier), ValveHistory().fit(earlier)):
         content = diagnosed(history, later, max_effects=0).content
         assert content["since_history"]["held"] == []
