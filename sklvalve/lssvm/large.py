@@ -16,8 +16,9 @@ from sklvalve.lssvm.threads import own_threads
 # columns of the preconditioner: beyond them they cost more than they save
 _RANK, _ROWS_A_COLUMN, _LEAST_RANK = 2000, 8, 256
 _REFINEMENTS = 3
-# of the tolerance, at which conjugate gradients stop: the rest is for what their sums drift, and the bias
-_OF_TOL = 0.8
+# of the tolerance, at which conjugate gradients stop: what is left of the targets' equations and, times a
+# bias hardly larger than the largest target, of those of the ones may add up
+_OF_TOL = 0.5
 
 
 def solve_tiled(blocks, y, ridge, *, bias, tol, n_jobs=None):
