@@ -105,7 +105,7 @@ def _joined(judged: Judgement, judged_beside: Judgement, effects: Sequence[Effec
     model = whole(cast("Model", judged_beside.model))
     # what is named anew must predict better than what was judged without it, not than nothing alone
     gain, error = HeldOut(problem, judged.model).gain(model)
-    if gain < HELD_OUT_ERRORS * error:
+    if not (gain >= HELD_OUT_ERRORS * error):
         return judged
     behind = [
         replace(f, rivals=[replace(r, model=whole(r.model)) for r in f.rivals])

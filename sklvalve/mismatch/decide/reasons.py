@@ -23,7 +23,7 @@ def not_upheld(findings: Sequence[Finding]) -> str:
     """The reason where rows that a fit had not seen speak against all that was found."""
     return (
         f"{_begun(_names(findings))} fits all rows, but does not predict rows left out of the fit: it "
-        "gains nothing there, or in one event only. A longer recording with more movement would settle it."
+        "gains too little there, or in one event only. A longer recording with more movement would settle it."
     )
 
 

@@ -163,7 +163,7 @@ class _Search:
         Effect key -> what the effect would gain as the first one.
     throughout : Model or None
         The likeliest with one effect, or with none, that acts throughout.
-    by_acting : float
+    gain_throughout : float
         Log likelihood that its effect adds.
     seen : dict
         Effect key -> the best fit met of the effect.
@@ -176,7 +176,7 @@ class _Search:
         self.most, self.report = most, report
         self.tried: dict[str, Tried] = {}
         self.throughout: Model | None = None
-        self.by_acting = 0.0
+        self.gain_throughout = 0.0
         self.seen: dict[str, Model] = {}
         self.nominal: Model | None = None
 
@@ -191,7 +191,7 @@ class _Search:
         if len(model.terms) > 1 or self.throughout is None:
             return replace(found, by_beginning=found.gain)
         over_time = OverTime.of(problem, model, problem.judged(self.throughout))
-        return replace(found, by_beginning=max(found.gain - self.by_acting, 0.0), over_time=over_time)
+        return replace(found, by_beginning=max(found.gain - self.gain_throughout, 0.0), over_time=over_time)
 
     def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
@@ -218,7 +218,7 @@ class _Search:
                 model = problem.fit((), start=calibrated)
                 candidates, throughout = extended(problem, model, self.effects, self.report, done)
             self.nominal, self.throughout = model, throughout
-            self.by_acting = throughout.log_likelihood - model.log_likelihood
+            self.gain_throughout = throughout.log_likelihood - model.log_likelihood
         for m in candidates[:FITTED]:
             self.seen.setdefault(m.terms[-1].effect.key, m)
         if first:
