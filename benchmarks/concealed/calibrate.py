@@ -3,7 +3,10 @@
 
     python -m benchmarks.concealed.calibrate                      numbers of mismatch/decide/borne_out.py
     python -m benchmarks.concealed.calibrate --without seventh    fitted without a run, and tried on it
-    python -m benchmarks.concealed.calibrate --histories SCORES   offset and slope of records with histories
+    python -m benchmarks.concealed.calibrate --histories          numbers of records with histories
+
+With `--histories` it takes the scores given after it, or those of all sealed draws with histories, prints
+their numbers, and what each draw would have had from the numbers of the others.
 
 A logistic regression with a ridge: the log odds of the leading name, the rarity of the mismatch, whether the
 class stands beside a stronger one, whether the values are coarse, whether the effect may vanish. Classes of
@@ -19,12 +22,13 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.special import logit
 
 from benchmarks.concealed.methods import WITH_HISTORY
 from benchmarks.concealed.report.history import RESULTS, runs_of
 from benchmarks.concealed.report.reliability import few_signals, reliability_report
 from benchmarks.concealed.scoring.lines import entries_of, names_of, read_lines, true_names
-from sklvalve.mismatch.decide.borne_out import Numbers
+from sklvalve.mismatch.decide.borne_out import Numbers, summed
 from sklvalve.mismatch.decide.probability import (
     Grounds,
     is_coarse,
@@ -33,6 +37,10 @@ from sklvalve.mismatch.decide.probability import (
     vanishing,
 )
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
+
+FRESH = Path(__file__).parent / "fresh"
+# each record once: files named again_ hold records that were judged before
+OF_HISTORIES = "*/[!a]*_sklvalve_history.jsonl.gz"
 
 # the runs were judged before stretches counted: what is as strong has a p so many times as large now, as
 # `USUAL_P` says; of later runs it is 1
@@ -54,12 +62,12 @@ class Told(NamedTuple):
         return any(self.true)
 
 
-def told_of(runs):
-    """Classes of runs as `history.runs_of` gives them."""
+def told_of(runs, since=_SINCE_STRETCHES_COUNT):
+    """Classes of runs as `history.runs_of` gives them, their p-values taken `since` times."""
     return [
         Told(
             run["run"],
-            grounds_of(line, entry, k > 0),
+            grounds_of(line, entry, k > 0, since),
             tuple(name in true_names(line) for name in names_of(entry)),
         )
         for run in runs
@@ -68,8 +76,8 @@ def told_of(runs):
     ]
 
 
-def grounds_of(line, entry, beside):
-    """`Grounds` of an entry of a line of scores."""
+def grounds_of(line, entry, beside, since=_SINCE_STRETCHES_COUNT):
+    """`Grounds` of an entry of a line of scores, its p-value taken `since` times."""
     name, parameters = entry["members"][0]["name"], entry["parameters"]
     forms = [
         e
@@ -78,7 +86,7 @@ def grounds_of(line, entry, beside):
     ]
     return Grounds(
         name,
-        _SINCE_STRETCHES_COUNT * line["found"]["mismatch"]["p_value"],
+        since * line["found"]["mismatch"]["p_value"],
         beside=beside,
         coarse=is_coarse(line["found"].get("data") or []),
         may_vanish=bool(forms) and bool(vanishing(forms[0], parameters)),
@@ -109,19 +117,27 @@ def fitted_to(told):
 
 
 def of_histories(told, numbers):
-    """Offset and slope of the log odds of classes that were told with a history."""
-    odds = [probability_of(replace(each.grounds, history=False), numbers) for each in told]
-    rows = np.array([[1.0, np.log(p / (1.0 - p))] for p in odds])
-    right = np.array([each.right for each in told], dtype=float)
+    """Numbers with those of classes that were told with a history."""
+    ours = held_by_name(told)
+    rows, right = [], np.array([each.right for each in told], dtype=float)
+    for each in told:
+        held = _without(each, summed(numbers.held, ours))
+        odds = logit(probability_of(replace(each.grounds, history=False), replace(numbers, held=held)))
+        rows.append([1.0, odds])
     # few records have histories: the sealed numbers are believed until these say otherwise
-    return _logistic(rows, right, np.array([0.0, 1.0]), _SPREAD_OF_SLOPE, free=0)
+    fitted = _logistic(np.array(rows), right, np.array([0.0, 1.0]), _SPREAD_OF_SLOPE, free=0)
+    return replace(numbers, with_history=tuple(fitted), held_with_history=ours)
 
 
 def _others_say(each, held):
-    """Log odds of its name by the other classes: a class must not vote for itself."""
+    """Log odds of its name by the other classes."""
+    return log_odds_of_name(each.grounds.leading, _without(each, held))
+
+
+def _without(each, held):
+    """Counts of the other classes: a class must not vote for itself."""
     right, many = held[each.grounds.leading]
-    others = held | {each.grounds.leading: (right - each.right, many - 1)}
-    return log_odds_of_name(each.grounds.leading, others)
+    return held | {each.grounds.leading: (right - each.right, many - 1)}
 
 
 def _logistic(rows, right, about, spread, free=1):
@@ -176,7 +192,9 @@ def main(arguments=None):
     )
     parser.add_argument("results", type=Path, nargs="?", default=RESULTS, help="folder with runs.csv")
     parser.add_argument("--without", metavar="RUN", help="leave a run out, and try the numbers on it")
-    parser.add_argument("--histories", type=Path, metavar="SCORES", help="records held against histories")
+    parser.add_argument(
+        "--histories", type=Path, nargs="*", metavar="SCORES", help="records held against histories"
+    )
     options = parser.parse_args(arguments)
     try:
         runs = runs_of(options.results)
@@ -186,16 +204,48 @@ def main(arguments=None):
         parser.error(f"--without takes one of {', '.join(run['run'] for run in runs)}")
     numbers = fitted_to(told_of([run for run in runs if run["run"] != options.without]))
     if options.histories is not None:
-        lines = [line for line in read_lines(options.histories) if "found" in line]
-        told = told_of([{"run": "with histories", "lines": lines}])
-        offset, slope = of_histories(told, numbers)
-        print(f"    with_history=({offset:.3f}, {slope:.3f}),  # {len(told)} classes of {len(lines)} records")
+        print_histories(options.histories or sorted(FRESH.glob(OF_HISTORIES)), numbers)
         return 0
     print(as_code(numbers))
     for run in runs:
         if run["run"] == options.without:
             print(reliability_report([reported_anew(line, numbers) for line in run["lines"]]), sep="\n")
     return 0
+
+
+def print_histories(files, numbers):
+    """Print the numbers of records with histories, and how those of the other draws do on each."""
+    draws = []
+    for file in files:
+        lines = [line for line in read_lines(file) if "found" in line]
+        # all of them were judged since stretches count
+        draws.append((file, lines, told_of([{"run": file.parent.name, "lines": lines}], since=1.0)))
+    told = [each for _, _, of_draw in draws for each in of_draw]
+    print(histories_as_code(of_histories(told, numbers), sum(len(lines) for _, lines, _ in draws)))
+    if len(draws) < 2:
+        return
+    print("\n| draw | classes | true | mean probability, by the other draws |\n|---|---|---|---|")
+    for file, _, of_draw in draws:
+        others = of_histories([x for f, _, each in draws if f != file for x in each], numbers)
+        mean = np.mean([probability_of(x.grounds, others) for x in of_draw])
+        true = np.mean([x.right for x in of_draw])
+        print(f"| {file.parent.name} | {len(of_draw)} | {true:.3f} | {mean:.3f} |")
+
+
+def histories_as_code(numbers, records):
+    """Numbers of records with histories as `borne_out` has them."""
+    offset, slope = numbers.with_history
+    held = numbers.held_with_history
+    right, many = (sum(counts) for counts in zip(*held.values(), strict=True))
+    return "\n".join(
+        [
+            f"    # of {many} classes told of {records} records with a history, {right} held a true name",
+            f"    with_history=({offset:.3f}, {slope:.3f}),",
+            "    held_with_history={",
+            *(f'        "{name}": ({a}, {b}),' for name, (a, b) in held.items()),
+            "    },",
+        ]
+    )
 
 
 if __name__ == "__main__":

@@ -65,7 +65,23 @@ def test_classes_told_with_a_history_get_an_offset_and_a_slope():
         told.append(
             each._replace(grounds=grounds, true=(bool(rng.random() < probability_of(grounds, drawn)),))
         )
-    assert of_histories(told, numbers) == pytest.approx((-0.5, 0.6), abs=0.25)
+    fitted = of_histories(told, numbers)
+    assert fitted.with_history == pytest.approx((-0.5, 0.6), abs=0.25)
+    assert sum(many for _, many in fitted.held_with_history.values()) == len(told)
+    # what was drawn afresh is as likely as it is said to be, name by name
+    for name in ("good", "bad"):
+        of_name = [each for each in told if each.grounds.leading == name]
+        said = np.mean([probability_of(each.grounds, fitted) for each in of_name])
+        assert said == pytest.approx(np.mean([each.right for each in of_name]), abs=0.03)
+
+
+def test_counts_with_a_history_speak_of_recordings_with_one_only():
+    numbers = Numbers(1.5, 1.0, (0.0,) * 4, (0.0, 1.0), {"good": (95, 100), "bad": (60, 100)})
+    known = replace(numbers, held_with_history={"bad": (40, 40), "new": (0, 9)})
+    without, with_ = Grounds("bad", 1e-5), Grounds("bad", 1e-5, history=True)
+    assert probability_of(without, known) == probability_of(without, numbers)
+    assert probability_of(with_, known) > probability_of(with_, numbers)
+    assert probability_of(replace(with_, leading="new"), known) < probability_of(with_, known)
 
 
 def _line(probability, true, nasty=(), grade=None, p=1e-5):

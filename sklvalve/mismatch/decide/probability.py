@@ -123,7 +123,9 @@ def probability_of(grounds: Grounds, numbers: Numbers = SEALED) -> float:
     -------
     probability : float
     """
-    odds = numbers.intercept + numbers.of_name * log_odds_of_name(grounds.leading, numbers.held)
+    odds = numbers.intercept + numbers.of_name * log_odds_of_name(
+        grounds.leading, numbers.held_by(grounds.history)
+    )
     odds += float(np.dot(numbers.of_grounds, grounds.columns))
     if grounds.few_signals:
         offset, slope = numbers.few_signals
