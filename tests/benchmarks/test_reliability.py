@@ -72,7 +72,7 @@ def test_classes_told_with_a_history_get_an_offset_and_a_slope():
     for name in ("good", "bad"):
         of_name = [each for each in told if each.grounds.leading == name]
         said = np.mean([probability_of(each.grounds, fitted) for each in of_name])
-        assert said == pytest.approx(np.mean([each.right for each in of_name]), abs=0.03)
+        assert said == pytest.approx(np.mean([each.right for each in of_name]), abs=0.05)
 
 
 def test_counts_with_a_history_speak_of_recordings_with_one_only():
