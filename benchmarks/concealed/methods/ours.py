@@ -4,7 +4,9 @@
 from benchmarks.concealed.methods.rows import told_rows
 from sklvalve import MissingPhysicsFinder
 
-_TOLD = ("verdict", "mismatch", "location", "effects", "unknown", "data")
+_TOLD = ("verdict", "mismatch", "location", "effects", "unknown", "data", "rules", "reasons")
+# rows of the table of explanations that are kept, of each place
+_RANKS = 4
 
 
 def diagnose(recording, *, folder=None, **settings):
@@ -27,6 +29,8 @@ def diagnose(recording, *, folder=None, **settings):
     finder = MissingPhysicsFinder(n_jobs=1, **settings).fit(recording)
     content, traces = finder.diagnosis_.to_dict(), finder.diagnosis_.traces
     found = {key: content[key] for key in _TOLD if key in content}
+    # with it a change of the rules can be tried on the scores, without a search
+    found["comparison"] = [row for row in content.get("comparison", ()) if row["rank"] <= _RANKS]
     nominal = getattr(finder, "nominal_simulation_", None)
     ratio = opening = None
     if nominal is not None:
