@@ -143,20 +143,21 @@ class Comparison:
 
 
 def _place_of(finding: Finding, places: list[list[Row]]) -> list[Row] | None:
-    """The rows of a place in which a finding's effect is of the class; None where there is no such."""
-    key = finding.term.effect.key
+    """The rows of a place in which a finding's likeliest effect is of the class; None where there is none."""
+    key = max(finding.rivals, key=lambda rival: rival.probability).term.effect.key
     able = [rows for rows in places if any(row.form == key and row.in_class for row in rows)]
     return max(able, key=lambda rows: max(r.posterior for r in rows if r.form == key), default=None)
 
 
 def _rows_of_rivals(problem: Problem, finding: Finding) -> list[Row]:
     """Rows of a finding that the search's table does not hold, by its own explanations."""
-    best = max(rival.model.log_likelihood for rival in finding.rivals)
+    # each by its own noise, as in the search's table: log likelihoods by several noises are not compared
+    best = max(rival.gain for rival in finding.rivals)
     rows: list[Row] = []
     before = 0.0
     for rank, rival in enumerate(sorted(finding.rivals, key=lambda r: -r.probability)[:_KEPT], start=1):
         known = finding.gain > 0.0
-        gain = finding.gain + rival.model.log_likelihood - best if known else None
+        gain = finding.gain + rival.gain - best if known else None
         one = _Competitor(rival.term, rival.model, gain or 0.0, finding.sizes)
         row = _of_effect(problem, one, None) | {"log_likelihood": gain}
         evidence = None if gain is None else gain - complexity_penalty(problem, rival.term)

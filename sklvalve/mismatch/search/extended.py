@@ -35,7 +35,7 @@ def extended(
     usable = [e for e in effects if not is_in(e, model.terms)]
     shown = report and (lambda share: report(done + 0.1 * share))
     every = screened(problem, model, usable, also=_of_a_sound_stem(problem, model, usable), report=shown)
-    if problem.history is not None and not model.terms:
+    if problem.history is not None:
         every += _from_what_is_known(problem, model, usable)
     rough = _best_of_each(problem, every)
     onset = rough[0].terms[-1].onset if rough else None
@@ -64,12 +64,12 @@ def _of_a_sound_stem(
 
 
 def _from_what_is_known(problem: Problem, model: Model, effects: Sequence[Effect]) -> list[Model]:
-    """The likeliest two hypotheses with one effect, fitted from where a history expects the valve.
+    """The likeliest two hypotheses with one effect more, fitted from where a history expects the valve.
 
     Calibrated to what lacks an effect, all that a history knows sharply may lie where the effect no longer
     helps. What effects gain there, before anything else has moved, tells them apart best.
     """
-    base = problem.judged(problem.simulate((), model.values | expected_values(problem)))
+    base = problem.judged(problem.simulate(model.terms, model.values | expected_values(problem)))
     best = _best_of_each(problem, screened(problem, base, effects))[:_FROM_WHAT_IS_KNOWN]
     return list(parallel_map(lambda m: problem.fit(m.terms, start=m), best))
 

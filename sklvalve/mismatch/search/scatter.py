@@ -29,12 +29,14 @@ def gain_in_spreads(problem: Problem, better: Model, other: Model) -> float:
     """Log likelihood that one fit gains on another, in standard deviations of its scatter over time.
 
     The scatter is the recording's own, stretch by stretch (Vuong, Econometrica 57, 1989): what one event
-    gained counts as one event.
+    gained counts as one event. What is gained by a calibration nearer to what is expected of it has no
+    stretches and no scatter.
 
     Parameters
     ----------
     problem : Problem
     better, other : Model
+        Fitted under the noise of `problem`.
 
     Returns
     -------
@@ -43,7 +45,8 @@ def gain_in_spreads(problem: Problem, better: Model, other: Model) -> float:
     losses = [row_losses(problem, m, problem.channels) for m in (better, other)]
     each = _by_stretch(problem, losses[1] - losses[0], _FEWEST)
     scatter = np.sqrt(len(each)) * each.std(ddof=1)
-    return float(each.sum() / scatter) if scatter > 0.0 else 0.0
+    gain = better.log_likelihood - other.log_likelihood
+    return float(gain / scatter) if scatter > 0.0 else 0.0
 
 
 @dataclass(frozen=True)

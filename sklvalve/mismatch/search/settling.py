@@ -57,6 +57,6 @@ def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Mo
         return by_its_noise, throughout
     bare = problem.fit(others, start=model)
     little = gained < SHARE_MISTAKEN * (model.log_likelihood - bare.log_likelihood)
-    if little and gain_in_spreads(problem, model, throughout) < SPREADS:
+    if little and gain_in_spreads(problem, model, problem.judged(throughout)) < SPREADS:
         return by_its_noise, throughout
     return problem, model

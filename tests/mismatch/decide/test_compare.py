@@ -110,6 +110,24 @@ def test_places_follow_the_effects_of_a_diagnosis(monkeypatch):
     assert (known[0].log_likelihood, known[0].rank) == (30.0, 1)
 
 
+def test_a_place_is_found_by_the_likeliest_effect_of_a_finding(monkeypatch):
+    monkeypatch.setattr(compare, "_relative_spread", lambda one: None)
+    # what was taken up first may be less likely, by its own noise, than others of its place
+    finding = _finding("seat_leakage", ("seat_leakage", -2.0, 0.02), ("clogging", -5.0, 0.98))
+    rows = Comparison((_row(1),)).in_order_of(_bench(), [finding]).rows
+    assert [(r.place, r.hypothesis, r.stands) for r in rows] == [(1, "clogging", True)]
+
+
+def test_rivals_are_told_apart_by_what_each_gains_by_its_own_noise(monkeypatch):
+    monkeypatch.setattr(compare, "_relative_spread", lambda one: None)
+    finding = _finding("erosion", ("erosion", -90.0, 0.7), ("clogging", -5.0, 0.3), gain=50.0)
+    finding = replace(
+        finding, rivals=[replace(r, gain=g) for r, g in zip(finding.rivals, (20.0, 12.0), strict=True)]
+    )
+    rows = Comparison().in_order_of(_bench(), [finding]).rows
+    assert [(r.hypothesis, r.log_likelihood) for r in rows] == [("erosion", 50.0), ("clogging", 42.0)]
+
+
 def test_the_gain_on_rows_left_out_is_told_in_standard_errors():
     gained = [replace(_row(1, k), held_out_gain=g, held_out_se=4.0) for k, g in ((2, 12.0), (3, 2.0))]
     outside = replace(_row(1, 4), held_out_gain=80.0, held_out_se=4.0, in_class=False)
