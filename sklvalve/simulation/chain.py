@@ -30,7 +30,7 @@ _ROOTS_KEPT, _NUMBERS_OF_ROOTS = 16, 1_000_000
 _ONSETS_KEPT = 32
 _OF_DROP = ("dp_zero", "fl_scale", "fl_slope", "knee")
 # stages that change what drives the flow
-_OF_ROOT = ("pressures", "choking")
+_OF_ROOT = ("pressures", "choking", "line")
 
 
 def clock_of(recording):
@@ -255,7 +255,7 @@ class Chain:
 
     def _root_at(self, plug, kv, values):
         """Root of what drives the flow, at hand where neither its parameters nor the plug has moved since."""
-        if any(e.stage in _OF_ROOT or (self.choking and e.stage == "line") for e in self.effects):
+        if any(e.stage in _OF_ROOT for e in self.effects):
             # what they make of the drop may hang on anything
             return self._root(plug, kv, values)
         sign = tuple(values.get(name) for name in _OF_DROP)
