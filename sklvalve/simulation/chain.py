@@ -29,8 +29,6 @@ _ROOTS_KEPT, _NUMBERS_OF_ROOTS = 16, 1_000_000
 # onsets of which the rows behind are kept
 _ONSETS_KEPT = 32
 _OF_DROP = ("dp_zero", "fl_scale", "fl_slope", "knee")
-# stages that change what drives the flow
-_OF_ROOT = ("pressures", "choking", "line")
 
 
 def clock_of(recording):
@@ -245,42 +243,32 @@ class Chain:
         self.plug, self._table = plug, self.trim.table(values)
         kv = self.capacity_at(plug)
         kv = self._through("capacity", kv, values)
-        root = self._root_at(plug, kv, values)
-        flow = FLOW_CONSTANT * self._through("line", kv, values) * root
+        kv = self._through("line", kv, values)
+        flow = FLOW_CONSTANT * kv * self._root_at(plug, values)
         if self.recording.mass_flow:
             flow = flow * self.density
         flow = self._through("flow", flow, values)
         flow = first_order_lag(flow, self.step, values["meter_lag"], values["meter_ahead"])
         return self._through("flow_meter", flow, values) + values.get("flow_zero", 0.0)
 
-    def _root_at(self, plug, kv, values):
+    def _root_at(self, plug, values):
         """Root of what drives the flow, at hand where neither its parameters nor the plug has moved since."""
-        if any(e.stage in _OF_ROOT for e in self.effects):
+        if any(e.stage in ("pressures", "choking") for e in self.effects):
             # what they make of the drop may hang on anything
-            return self._root(plug, kv, values)
+            return self._root(plug, values)
         sign = tuple(values.get(name) for name in _OF_DROP)
         for known, at, root in tuple(self._roots):
             if known == sign and (not self.choking or _same(at, plug)):
                 return root
-        root = self._root(plug, kv, values)
+        root = self._root(plug, values)
         kept = min(max(_NUMBERS_OF_ROOTS // len(plug), 2), _ROOTS_KEPT)
         del self._roots[: max(len(self._roots) + 1 - kept, 0)]
         self._roots.append((sign, plug, root))
         return root
 
-    def _root(self, plug, kv, values):
-        choking = self._choking_between_taps(self._choking(plug, values), kv, values)
+    def _root(self, plug, values):
+        choking = self._through("choking", self._choking(plug, values), values)
         return self._root_of_drop(*self._drop_at_valve(values), **choking)
-
-    def _choking_between_taps(self, choking, kv, values):
-        """F_L and corner as effects leave them, where what is in series takes part of the drop."""
-        choking = self._through("choking", choking, values)
-        for effect in self.effects:
-            if effect.stage == "line":
-                fl, acting = choking["fl"], self.active(effect)
-                changed = effect.recovery(fl, kv, self._own(effect, values), self)
-                choking = choking | {"fl": changed if acting is None else np.where(acting, changed, fl)}
-        return choking
 
     def _drop_at_valve(self, values):
         """Pressure drop and, where known, :math:`p_1 - F_F p_v`, as the effects have them [Pa]."""

@@ -198,9 +198,8 @@ class GivenChain(Chain):
             return 0.0
         own = share * self._kv
         kv = own + self._shift
-        kv = self._through("capacity", kv, values)
-        choking = self._choking_between_taps(self._own_choking(values), kv, values)
-        kv = self._through("line", kv, values)
+        kv = self._through("line", self._through("capacity", kv, values), values)
+        choking = self._through("choking", self._own_choking(values), values)
         before = own * self._root * more_drop
         added = FLOW_CONSTANT * (kv * self._root_of_drop(*self._drop_at_valve(values), **choking) - before)
         return added * self.density if self.recording.mass_flow else added

@@ -43,11 +43,7 @@ def values(bench):
 
 EQUAL = [
     ("parallel", {"seat_leakage.leak_kv": 0.7}, {"bypass_open.bypass_kv": 0.7}),
-    (
-        "series",
-        {"piping_reducers.loss": 1.2, "piping_reducers.before": 0.4},
-        {"line_loss.loss": 1.2, "line_loss.before": 0.4},
-    ),
+    ("series", {"piping_reducers.loss": 1.2}, {"line_loss.loss": 1.2}),
     ("gain", {"flow_meter_gain.gain": 0.2}, {"capacity_error.gain": 0.2}),
     ("gain", {"flow_meter_gain.gain": 0.25}, {"density_change.ratio": 0.64}),
     ("growth", {"sedimentation.rate": 0.9}, {"flow_meter_drift_span.rate": -0.9}),

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import minimize_scalar
 
-from sklvalve.mechanism.piping import combined_recovery_factor, piping_factor
 from sklvalve.mismatch.effects.flow_inertia import water_column
 from sklvalve.simulation import Tolerance
 
@@ -26,20 +25,6 @@ def test_a_line_takes_the_share_of_the_drop_that_resistances_in_series_take():
     together = 1.0 / np.sqrt(1.0 / kv**2 + loss / rated**2)
     assert apply("line_loss", [kv], {"loss": loss}, chain)[0] == pytest.approx(together, rel=1e-12)
     assert BY_KEY["line_loss"].family == BY_KEY["piping_reducers"].family != ""
-
-
-@given(kv=st.floats(0.5, 70.9), fl=st.floats(0.5, 0.95), sums=st.floats(0.1, 1.5), inlet=st.floats(0.0, 2.0))
-@settings(max_examples=50, deadline=None, derandomize=True)
-def test_what_is_in_series_chokes_between_the_taps_as_the_standard_says(kv, fl, sums, inlet):
-    rated, size = 70.9, 0.05
-    chain = chain_of(1, trim=SimpleNamespace(rated=rated, known=True))
-    # the standard's loss coefficients, as drops of the open valve, and the inlet's share of them
-    loss = 1.0 / piping_factor(rated, size, sums) ** 2 - 1.0
-    parameters = {"loss": loss, "before": inlet / sums}
-    told = BY_KEY["piping_reducers"].recovery(np.array([fl]), np.array([kv]), parameters, chain)
-    expected = combined_recovery_factor(kv, size, inlet, fl) / piping_factor(kv, size, sums)
-    assert told[0] == pytest.approx(expected, rel=1e-9)
-    assert BY_KEY["line_loss"].recovery(np.array([np.inf]), np.array([kv]), parameters, chain)[0] == np.inf
 
 
 def test_column_of_water_obeys_its_equation_of_motion():

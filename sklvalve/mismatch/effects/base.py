@@ -179,10 +179,6 @@ class Effect:
         """What the stage makes, `value`, with the effect of parameters `p`."""
         raise NotImplementedError
 
-    def recovery(self, fl: Any, kv: Any, p: dict[str, float], chain: Chain) -> Any:
-        """Factor of pressure recovery between the taps, of the trim's F_L; `kv` is the trim's [m3/h]."""
-        return fl
-
     def kind_of(self, chain: Chain, late: bool) -> str:
         """What it is in this valve: "fault", "property" or "either"; `late`: it began in the record."""
         return self.kind_late if late or self.grows else self.kind
