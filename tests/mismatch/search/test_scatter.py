@@ -9,8 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm, t
 
+from sklvalve.mismatch.search import scatter as of_scatter
 from sklvalve.mismatch.search.onset import losses_of
-from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, OverTime
+from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, OverTime, gain_in_spreads
 
 GAINS = st.floats(0.0, 1e4)
 SCATTERS = st.builds(OverTime, st.floats(0.0, 50.0), st.floats(1.0, 96.0), st.floats(0.0, 1.0))
@@ -52,6 +53,25 @@ def test_scatter_as_wide_as_noise_takes_nothing_where_stretches_are_many():
 @pytest.mark.parametrize("scatter", [0.5, 4.0])
 def test_what_is_gained_by_the_calibration_alone_has_no_stretches_to_agree(scatter):
     assert OverTime(scatter, 5.0, of_rows=0.0).deviations(50.0) == pytest.approx(10.0)
+
+
+def test_what_the_calibration_regains_counts_and_does_not_scatter(monkeypatch):
+    rows = 0.02 + 0.1 * np.random.default_rng(0).standard_normal(ROWS)
+    problem = SimpleNamespace(
+        channels=("flow",),
+        plain=SimpleNamespace(clock=np.arange(ROWS, dtype=float)),
+        recording=type("Recorded", (), {"__len__": lambda self: ROWS, "sample_time": 1.0})(),
+    )
+    # in rows alone one gains `rows` on the other; what its likelihood holds beyond is of the priors
+    other = SimpleNamespace(losses=rows, log_likelihood=0.0)
+    alone, regained = (
+        SimpleNamespace(losses=np.zeros(ROWS), log_likelihood=rows.sum() + more) for more in (0.0, 50.0)
+    )
+    monkeypatch.setattr(of_scatter, "row_losses", lambda problem, model, channels: model.losses)
+    each = np.array([part.sum() for part in np.array_split(rows, (ROWS - 1) // SPAN)])
+    spread = np.sqrt(len(each)) * each.std(ddof=1)
+    assert gain_in_spreads(problem, alone, other) == pytest.approx(rows.sum() / spread)
+    assert gain_in_spreads(problem, regained, other) == pytest.approx((rows.sum() + 50.0) / spread)
 
 
 def test_a_size_known_from_rows_and_from_the_calibration_has_the_variance_of_both():
