@@ -22,6 +22,10 @@ DETECTABLE = 25.0
 #: right names of simulated records the least gained 1.03. Larger: right names are lost whose effect acts
 #: seldom. Smaller: what happened once, and predicts nothing, is named.
 HELD_OUT_ERRORS = 1.0
+#: A correction adds at most this many standard errors to the squared error of forecast rows: the same measure
+#: as of rows left out. Larger: names stand that predict nothing. Smaller: what long errors do to a few
+#: stretches takes right names away.
+FORECAST_ERRORS = 1.0
 #: An unexplained residual of this share of what the effects explain makes their names doubtful.
 RESIDUAL_SHARE = 0.5
 #: A slow residual of the flow may be so many times what noise and tolerances allow.

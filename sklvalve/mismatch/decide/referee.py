@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.decide import rules
-from sklvalve.mismatch.proof.comparison import Compared, compare, pooled, share_explained
+from sklvalve.mismatch.proof.comparison import Compared, compare, pooled, rise, share_explained
 from sklvalve.mismatch.proof.forward import Forward, forward_in_time
 from sklvalve.mismatch.search.events import simulated
 
@@ -63,8 +63,9 @@ def refereed(problem: Problem, judged: Judgement) -> tuple[Judgement, Forward]:
     forward = forward_in_time(problem, judged.nominal, simulated(judged.model), unknown)
     compared = compare(problem, forward)
     reasons = []
-    at_first, corrected = compared, bool(judged.findings or judged.kept)
-    if pooled(compared, "corrected") > pooled(compared, "nominal"):
+    corrected = bool(judged.findings or judged.kept)
+    ahead = rules.forecast(rise(problem, forward), pooled(compared, "corrected"), pooled(compared, "nominal"))
+    if not ahead.passed:
         judged, sentence = _taken_back(problem, judged, compared)
         reasons.append(sentence)
         made = forward.predictions
@@ -79,7 +80,7 @@ def refereed(problem: Problem, judged: Judgement) -> tuple[Judgement, Forward]:
         reasons.append(_as_good(problem, compared))
     asked = [_black_box(compared, judged.verdict == "named")] if compared else []
     if compared and corrected:
-        asked.append(rules.forecast(pooled(at_first, "corrected"), pooled(at_first, "nominal")))
+        asked.append(ahead)
     judged = replace(judged, rules=(*judged.rules, *asked))
     return replace(judged, referee=Referee(compared, share, tuple(reasons))), forward
 

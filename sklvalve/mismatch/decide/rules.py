@@ -134,16 +134,26 @@ def noise(times: float | None, passed: bool) -> Rule:
     return Rule("noise", times, limit, passed, f"{words}.")
 
 
-def forecast(corrected: float, nominal: float) -> Rule:
-    """The correction must not make forecasts of later rows worse."""
+def forecast(rise: float, corrected: float, nominal: float) -> Rule:
+    """The correction must not make forecasts of later rows worse by more than chance.
+
+    Parameters
+    ----------
+    rise : float
+        What it adds to the squared error, in standard errors.
+    corrected, nominal : float
+        The squared errors.
+    """
+    limit = constants.FORECAST_ERRORS
     ratio = corrected / nominal if nominal > 0.0 else 1.0
+    way = "above" if rise > 0.0 else "below"
     return Rule(
         "forecast",
-        ratio,
-        1.0,
-        ratio <= 1.0,
+        rise,
+        limit,
+        rise <= limit,
         f"On forecast rows the corrected simulation has {ratio:.2g} times the squared error of the nominal "
-        "one; once is the limit.",
+        f"one, {abs(rise):.2g} standard errors {way} it; {limit:g} above is the limit.",
     )
 
 

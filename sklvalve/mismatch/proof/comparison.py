@@ -11,6 +11,7 @@ import numpy as np
 
 from sklvalve.mismatch.constants import MARGIN, MARGIN_OF_A_DROP
 from sklvalve.mismatch.inference.origins import enough
+from sklvalve.mismatch.search.scatter import FEWEST, by_stretch
 from sklvalve.simulation.calibration import drop_is_unknown
 
 if TYPE_CHECKING:
@@ -115,6 +116,32 @@ def compare(problem: Problem, forward: Forward) -> tuple[Compared, ...]:
 def pooled(compared: Iterable[Compared], kind: str) -> float:
     """Mean square error of all channels together, each in units of what counts [1]."""
     return float(sum(each.losses[kind] for each in compared))
+
+
+def rise(problem: Problem, forward: Forward) -> float:
+    """What a correction adds to the squared error of rows ahead in time, in standard errors of itself.
+
+    The standard error is that of the sum over stretches of a minute or more, each channel in units of what
+    counts: errors of a simulation last, and rows next to each other say the same.
+
+    Parameters
+    ----------
+    problem : Problem
+    forward : Forward
+
+    Returns
+    -------
+    errors : float
+        Below zero where the correction helps [1].
+    """
+    added = np.zeros(len(problem.recording))
+    for c in problem.channels:
+        recorded, size = problem.recording[c], max((problem.least(c) * problem.spans[c]) ** 2, _TINY)
+        before, after = ((recorded - forward.predictions[k][c]) ** 2 for k in ("nominal", "corrected"))
+        added += np.nan_to_num(after - before) / size
+    each = by_stretch(problem, added[forward.held], FEWEST)
+    error = np.sqrt(len(each)) * each.std(ddof=1)
+    return float(each.sum() / error) if error > 0.0 else 0.0
 
 
 def share_explained(compared: Sequence[Compared]) -> float | None:

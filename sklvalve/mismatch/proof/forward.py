@@ -143,7 +143,9 @@ def forecast(
         if known.terms not in fits:
             fits[known.terms] = model if known is model else problem.least_squares(known)
         fitted = fits[known.terms]
-        lines = lines_of(problem.homoscedastic(fitted, past), fitted)
+        # plain least squares take every row for news and draw a calibration from what its history knows
+        by_noise = problem if problem.history is not None else problem.homoscedastic(fitted, past)
+        lines = lines_of(by_noise, fitted)
         again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, past))
         for c in problem.channels:
             made[c][span] = again.predictions[c][span]

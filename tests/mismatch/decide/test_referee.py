@@ -20,6 +20,11 @@ SPANS = tuple(slice(low, low + 60) for low in range(160, 400, 60))
 class Recording(dict):
     """Signals by role, in SI and as recorded alike."""
 
+    sample_time = 1.0
+
+    def __len__(self):
+        return N
+
     def per_si(self, channel):
         return 1.0
 
@@ -36,6 +41,7 @@ def _bench(**signals):
         spans={"flow": 2.0},
         least=lambda channel: 0.005,
         channels_touched=lambda effect: effect,
+        plain=SimpleNamespace(clock=np.arange(float(N))),
     )
 
 
@@ -104,6 +110,23 @@ def test_a_correction_that_makes_rows_ahead_worse_is_taken_back(monkeypatch):
     assert judged.suspected is named.model
     assert forward.predictions["corrected"] is forward.predictions["nominal"]
     assert "rises from 0.0508 m3/h to 0.0609 m3/h" in judged.referee.reasons[0]
+
+
+def test_a_correction_that_makes_rows_ahead_worse_by_chance_stays(monkeypatch):
+    bench, rng = _bench(), np.random.default_rng(1)
+    forward = _forward(bench, nominal=0.05, corrected=0.05, black_box=0.09)
+    recorded, noise = bench.recording["flow"], 0.05 * rng.standard_normal(N)
+    # errors of the same size, none the other's, and one chosen to be larger by less than it scatters
+    better = recorded - forward.predictions["nominal"]["flow"]
+    scale = np.sqrt(1.005 * np.mean(better[forward.held] ** 2) / np.mean(noise[forward.held] ** 2))
+    forward.predictions["corrected"]["flow"] = recorded - scale * noise
+    monkeypatch.setattr(decision, "simulated", lambda model: model)
+    monkeypatch.setattr(decision, "forward_in_time", lambda *asked: forward)
+    judged, _ = decision.refereed(bench, _judgement("named", [_finding("flow")]))
+    asked = next(rule for rule in judged.rules if rule.name == "forecast")
+    assert 0.0 < asked.value < asked.limit
+    assert judged.verdict == "named"
+    assert "above it" in asked.sentence
 
 
 def test_a_name_that_accounts_for_little_is_no_name(monkeypatch):

@@ -12,7 +12,7 @@ from sklvalve.mismatch.decide.records import plain_records
 EVERY = [
     rules.probability(0.7, True),
     rules.black_box(0.9, 1.25, True),
-    rules.forecast(0.5, 1.0),
+    rules.forecast(-3.0, 0.5, 1.0),
     rules.noise(0.8, True),
     rules.residual(0.01, 0.05),
     rules.held_out(4.0),
@@ -44,7 +44,7 @@ def test_of_a_rule_asked_twice_the_last_outcome_counts():
         rules.residual(0.05, 0.05),
         rules.residual(0.05, 0.0),
         rules.noise(1.4, False),
-        rules.forecast(1.1, 1.0),
+        rules.forecast(constants.FORECAST_ERRORS + 0.1, 1.1, 1.0),
         rules.black_box(1.3, constants.MARGIN, False),
         rules.probability(0.5, False),
         rules.probability(None, False),

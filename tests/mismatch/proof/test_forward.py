@@ -32,6 +32,7 @@ def bench(monkeypatch):
     monkeypatch.setattr(forward, "refitted", lambda problem, model, lines, rows: model.values)
     return SimpleNamespace(
         recording=np.zeros(N),
+        history=None,
         channels=("flow",),
         homoscedastic=lambda model, rows: None,
         least_squares=lambda model: model,
@@ -55,3 +56,13 @@ def test_without_a_nominal_the_same_calibration_goes_on(bench, monkeypatch):
     monkeypatch.setattr(forward, "replace", lambda model, terms: _Model(terms, model.values, model.chain))
     made = forward.forecast(bench, _model(2.0, float(N)), spans_of(N))["flow"]
     assert (made[spans_of(N)[0].start :] == 2.0).all()
+
+
+@pytest.mark.parametrize("history", [None, "some"])
+def test_rows_before_an_origin_are_fitted_by_the_noise_of_a_history(bench, monkeypatch, history):
+    asked = []
+    monkeypatch.setattr(forward, "lines_of", lambda problem, model: asked.append(problem))
+    bench.history, bench.homoscedastic = history, lambda model, rows: "of one size"
+    forward.forecast(bench, _model(2.0), spans_of(N))
+    assert asked
+    assert all(each is (bench if history else "of one size") for each in asked)
