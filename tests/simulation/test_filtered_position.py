@@ -11,12 +11,12 @@ from sklvalve.simulation.stages import play
 ROWS, NOISE = 1200, 0.003
 
 
-def _recording(valve, opening):
-    """A recording of a position and nothing else that matters."""
+def _recording(valve, opening, flow=0.005):
+    """A recording of a position, a flow and nothing else that matters."""
     rows = len(opening)
     signals = {
         "opening": np.asarray(opening, dtype=float),
-        "flow": np.full(rows, 0.005),
+        "flow": np.broadcast_to(flow, rows).astype(float),
         "p1": np.full(rows, 6e5),
         "p2": np.full(rows, 2e5),
         "temperature": np.full(rows, 293.0),
@@ -80,3 +80,38 @@ def test_joined_recordings_are_kept_apart(recording, trembling):
     one, other = _recording(recording.valve, trembling), _recording(recording.valve, trembling[::-1])
     both = filtered_position(join_recordings([one, other]))
     np.testing.assert_array_equal(both, np.concatenate([filtered_position(one), filtered_position(other)]))
+
+
+@pytest.mark.parametrize("late", [0, 2])
+def test_a_stem_that_never_rests_is_no_noise_where_the_flow_follows_it(recording, trembling, late):
+    flow = 0.01 * np.roll(trembling, late)
+    left = filtered_position(_recording(recording.valve, trembling, flow)) - trembling
+    assert np.std(left) < 0.1 * NOISE
+
+
+def test_of_what_a_flow_follows_in_part_as_much_is_kept_as_is_sure(recording, trembling):
+    rng = np.random.default_rng(8)
+    flow = 0.01 * (trembling + NOISE * rng.standard_normal(ROWS))
+    averaged = filtered_position(_recording(recording.valve, trembling)) - trembling
+    left = filtered_position(_recording(recording.valve, trembling, flow)) - trembling
+    # half of the flow's quick variance is the stem's
+    assert np.std(left) / np.std(averaged) == pytest.approx(0.5, abs=0.1)
+
+
+def test_a_flow_that_moves_against_it_is_no_sign_of_movement(recording, trembling):
+    against = filtered_position(_recording(recording.valve, trembling, 0.02 - 0.01 * trembling))
+    averaged = filtered_position(_recording(recording.valve, trembling))
+    assert np.std(against - averaged) < 0.1 * np.std(trembling - averaged)
+
+
+def test_gaps_of_the_flow_say_nothing(recording, trembling):
+    flow = 0.01 * trembling
+    flow[100:400] = np.nan
+    left = filtered_position(_recording(recording.valve, trembling, flow)) - trembling
+    assert np.isfinite(left).all()
+    assert np.std(left) < 0.1 * NOISE
+    nothing = np.full(ROWS, np.nan)
+    np.testing.assert_array_equal(
+        filtered_position(_recording(recording.valve, trembling, nothing)),
+        filtered_position(_recording(recording.valve, trembling)),
+    )
