@@ -73,6 +73,8 @@ _TIMES = np.geomspace(1.0, _UP_TO, 69)
 #: looked at by itself beside a history, where chance makes more of it; else it is one of the first.
 OF_EFFECTS = ("throughout", "stem", "within")
 LOOKS = (*OF_EFFECTS, "rest")
+# looks of which neither tells how strong chance is in the other
+_UNRELATED = {"throughout": ("stem",), "stem": ("throughout",)}
 #: Covariates that are held within their range in the reference, besides the noise.
 EDGED = ("travel", "held_opening", "held_flow")
 
@@ -166,6 +168,9 @@ class NullLaw:
         law under s is that of the largest among the reference, s times as large, the looks taken for
         independent. Without a rehearsal the law is that of the reference.
 
+        What drives the stem, and what valve and meters do, have an s each: a stem that never rests says
+        nothing of the flow at a given opening. The other looks tell of both, and are scaled by both.
+
         Parameters
         ----------
         rehearsals : iterable of Rehearsal
@@ -173,18 +178,27 @@ class NullLaw:
         tables, known = self.tables, [asdict(each) for each in rehearsals]
         if not known:
             return self
-        weights = np.full(len(_TIMES), 1.0 / (_ONE_OF * (len(_TIMES) - 1)))
-        weights[0] = 1.0 - 1.0 / _ONE_OF
-        for looks in known:
-            seen = {look: v for look, v in looks.items() if v is not None and look in tables}
-            largest = float(np.clip(max(seen.values(), default=0.0), _QUIET, _UP_TO))
-            some = [tables[look] for look in seen]
-            weights *= [_beyond(some, 0.95 * largest / s) - _beyond(some, 1.05 * largest / s) for s in _TIMES]
-            weights /= weights.sum()
-        times, probable = tuple(_TIMES.tolist()), tuple(weights.tolist())
-        return NullLaw(
-            **{look: replace(each, times=times, weights=probable) for look, each in tables.items()}
-        )
+        scaled = {}
+        for look, table in tables.items():
+            of_it = [each for each in tables if each not in _UNRELATED.get(look, ())]
+            weights = _weights_of(known, {each: tables[each] for each in of_it})
+            scaled[look] = replace(table, times=tuple(_TIMES.tolist()), weights=tuple(weights.tolist()))
+        return NullLaw(**scaled)
+
+
+def _weights_of(rehearsals: Iterable[dict[str, float | None]], tables: dict[str, Table]) -> np.ndarray:
+    """How probable it is that chance is so many times as strong, by what some looks saw in rehearsals."""
+    weights = np.full(len(_TIMES), 1.0 / (_ONE_OF * (len(_TIMES) - 1)))
+    weights[0] = 1.0 - 1.0 / _ONE_OF
+    for looks in rehearsals:
+        seen = {look: v for look, v in looks.items() if v is not None and look in tables}
+        largest = float(np.clip(max(seen.values(), default=0.0), _QUIET, _UP_TO))
+        some = [tables[look] for look in seen]
+        weights = weights * [
+            _beyond(some, 0.95 * largest / s) - _beyond(some, 1.05 * largest / s) for s in _TIMES
+        ]
+        weights /= weights.sum()
+    return weights
 
 
 def _law_of(name: str) -> NullLaw:

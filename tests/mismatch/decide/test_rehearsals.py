@@ -46,6 +46,22 @@ def test_a_valve_that_is_unlike_the_reference_is_not_held_against_it():
     assert chance(4.8, 1.0, rests=[28.0]) > 0.01
 
 
+def test_a_stem_that_does_much_by_itself_says_nothing_of_valve_and_meters_nor_they_of_it():
+    restless, plain = Rehearsal(1.0, 1.0, 1.0, stem=4.0), Rehearsal(1.0, 1.0, 1.0, stem=1.0)
+    drifting = Rehearsal(4.0, 1.0, 1.0, stem=1.0)
+
+    def beyond(look, rehearsal):
+        table = AGAINST_HISTORY.with_rehearsals([rehearsal]).tables[look]
+        return survival(table, 4.0 * table.typical(SOMEWHERE), SOMEWHERE)
+
+    assert beyond("throughout", restless) == pytest.approx(beyond("throughout", plain), rel=0.5)
+    assert beyond("stem", drifting) == pytest.approx(beyond("stem", plain), rel=0.5)
+    assert beyond("stem", restless) > 10.0 * beyond("stem", plain)
+    # what begins within a recording may be of either
+    for made in (restless, drifting):
+        assert beyond("within", made) > 10.0 * beyond("within", plain)
+
+
 @pytest.mark.parametrize("look", ["throughout", "within", "rest"])
 def test_a_rehearsal_makes_nothing_rarer(look):
     for made in (Rehearsal(28.0, 1.0, 0.1), Rehearsal(0.0, 0.0, 0.0), Rehearsal(1.2, 3.0)):
