@@ -34,10 +34,11 @@ def filtered_position(recording: Recording) -> np.ndarray:
     smaller than about three deviations are spread over some rows. Where the reading has no noise, it is
     returned as it is.
 
-    Of what is averaged out the share :math:`\rho^2` is given back, with the correlation :math:`\rho > 0`
-    of it and of what is averaged out likewise of a recorded flow: at least so much of it is the stem's own
-    movement. In the records of a simulated plant it is 0.00 to 0.03, but for stems that slip; in the hour
-    of a sugar factory's valve 0.66 to 0.67.
+    Of what is averaged out the share :math:`\rho^2` is given back, with the largest correlation
+    :math:`\rho > 0` of it and of what is averaged out likewise of a recorded flow, at once or up to three
+    rows later: at least so much of it is the stem's own movement. In 71 of 72 records of a simulated plant
+    it is 0.00 to 0.09; in the other one, of a stem that slips, 0.71; in the hour of a sugar factory's valve
+    0.66 to 0.67.
 
     Parameters
     ----------
@@ -62,7 +63,7 @@ def filtered_position(recording: Recording) -> np.ndarray:
 def _followed(quick: np.ndarray, flow: np.ndarray) -> float:
     """Share of some quick movement that a flow surely follows: the square of their correlation."""
     seen = np.isfinite(quick) & np.isfinite(flow)
-    if seen.sum() <= 2 * _REACH:
+    if seen.sum() <= 2 * _REACH or not quick[seen].any():
         return 0.0
     stem, answer = np.where(seen, quick, 0.0), np.where(seen, flow - _averaged(flow), 0.0)
     powers = float(np.sum(stem**2) * np.sum(answer**2))

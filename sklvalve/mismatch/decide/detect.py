@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,6 +36,7 @@ from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.given import ACTUATOR_STAGES
 
 if TYPE_CHECKING:
+    from sklvalve.history.rehearsal import Rehearsal
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.explain import Explanation, Tried
     from sklvalve.mismatch.search.rivals import Finding
@@ -99,7 +101,13 @@ def law_for(problem: Problem) -> NullLaw:
     """Law of recordings that are held against the same thing: a data sheet, or a history of the valve."""
     if problem.history is None:
         return AGAINST_SHEET
-    return AGAINST_HISTORY.with_rehearsals(problem.history.rehearsals_)
+    return _law_beside(tuple(problem.history.rehearsals_))
+
+
+@lru_cache(maxsize=8)
+def _law_beside(rehearsals: tuple[Rehearsal, ...]) -> NullLaw:
+    """Law of one valve; a diagnosis asks for it again and again."""
+    return AGAINST_HISTORY.with_rehearsals(rehearsals)
 
 
 def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, dict[str, float]]:

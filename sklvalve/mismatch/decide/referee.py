@@ -64,7 +64,8 @@ def refereed(problem: Problem, judged: Judgement) -> tuple[Judgement, Forward]:
     compared = compare(problem, forward)
     reasons = []
     corrected = bool(judged.findings or judged.kept)
-    ahead = rules.forecast(rise(problem, forward), pooled(compared, "corrected"), pooled(compared, "nominal"))
+    rises = rise(problem, compared, forward.held)
+    ahead = rules.forecast(rises, pooled(compared, "corrected"), pooled(compared, "nominal"))
     if not ahead.passed:
         judged, sentence = _taken_back(problem, judged, compared)
         reasons.append(sentence)

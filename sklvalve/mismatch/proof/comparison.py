@@ -11,7 +11,7 @@ import numpy as np
 
 from sklvalve.mismatch.constants import MARGIN, MARGIN_OF_A_DROP
 from sklvalve.mismatch.inference.origins import enough
-from sklvalve.mismatch.search.scatter import FEWEST, by_stretch
+from sklvalve.mismatch.search.scatter import scatter_of_sum
 from sklvalve.simulation.calibration import drop_is_unknown
 
 if TYPE_CHECKING:
@@ -40,6 +40,9 @@ class Compared:
         drop nobody recorded follows that first of all.
     closed : bool
         Whether a controller answers the channel.
+    added : ndarray of shape (n,)
+        What the correction adds to the mean square error in each row, in units of what counts; zero in rows
+        that are not forecast [1].
     stretches : int
         Of how many.
     """
@@ -51,6 +54,7 @@ class Compared:
     consistent: int
     exogenous: bool
     closed: bool
+    added: np.ndarray
     stretches: int = 4
 
     @property
@@ -107,6 +111,7 @@ def compare(problem: Problem, forward: Forward) -> tuple[Compared, ...]:
                 better,
                 not (c == "flow" and drop_is_unknown(problem.recording)),
                 forward.closed[c],
+                (squares["corrected"] - squares["nominal"]) / (size * known.sum()),
                 len(spans),
             )
         )
@@ -118,30 +123,29 @@ def pooled(compared: Iterable[Compared], kind: str) -> float:
     return float(sum(each.losses[kind] for each in compared))
 
 
-def rise(problem: Problem, forward: Forward) -> float:
+def rise(problem: Problem, compared: Sequence[Compared], held: np.ndarray) -> float:
     """What a correction adds to the squared error of rows ahead in time, in standard errors of itself.
 
-    The standard error is that of the sum over stretches of a minute or more, each channel in units of what
-    counts: errors of a simulation last, and rows next to each other say the same.
+    The standard error is that of the sum over stretches of a minute or more: errors of a simulation last, and
+    rows next to each other say the same.
 
     Parameters
     ----------
     problem : Problem
-    forward : Forward
+    compared : sequence of Compared
+    held : ndarray of bool, shape (n,)
+        Rows that are forecast, the last ones.
 
     Returns
     -------
     errors : float
         Below zero where the correction helps [1].
     """
-    added = np.zeros(len(problem.recording))
-    for c in problem.channels:
-        recorded, size = problem.recording[c], max((problem.least(c) * problem.spans[c]) ** 2, _TINY)
-        before, after = ((recorded - forward.predictions[k][c]) ** 2 for k in ("nominal", "corrected"))
-        added += np.nan_to_num(after - before) / size
-    each = by_stretch(problem, added[forward.held], FEWEST)
-    error = np.sqrt(len(each)) * each.std(ddof=1)
-    return float(each.sum() / error) if error > 0.0 else 0.0
+    if not compared:
+        return 0.0
+    added = sum((each.added for each in compared), np.zeros(len(held)))[held]
+    error = scatter_of_sum(problem, added)
+    return float(added.sum() / error) if error > 0.0 else 0.0
 
 
 def share_explained(compared: Sequence[Compared]) -> float | None:

@@ -17,11 +17,9 @@ if TYPE_CHECKING:
 
 # what a simulation gets wrong of most effects, share of their size
 SHARE_MISTAKEN = 0.15
-# stretches are longer than whatever a valve remembers
+# stretches are longer than whatever a valve remembers, and so many that a few make a scatter
 _STRETCH = 60.0
-#: So many stretches make a scatter that a few do not rule.
-FEWEST = 16
-_MOST = 96
+_FEWEST, _MOST = 16, 96
 # what healthy recordings say of how stretches scatter counts as so many more: the strongest effects of 209
 # scatter by the law of F with so many, around 1
 _AS_OTHERS = 20.0
@@ -45,10 +43,22 @@ def gain_in_spreads(problem: Problem, better: Model, other: Model) -> float:
     spreads : float
     """
     losses = [row_losses(problem, m, problem.channels) for m in (better, other)]
-    each = by_stretch(problem, losses[1] - losses[0], FEWEST)
-    scatter = np.sqrt(len(each)) * each.std(ddof=1)
+    scatter = scatter_of_sum(problem, losses[1] - losses[0])
     gain = better.log_likelihood - other.log_likelihood
     return float(gain / scatter) if scatter > 0.0 else 0.0
+
+
+def scatter_of_sum(problem: Problem, rows: np.ndarray) -> float:
+    """Standard deviation of the sum of what each row says, by how stretches of the recording scatter.
+
+    Parameters
+    ----------
+    problem : Problem
+    rows : ndarray of shape (k,)
+        Of all rows, or of the last ones.
+    """
+    each = _by_stretch(problem, rows, _FEWEST)
+    return float(np.sqrt(len(each)) * each.std(ddof=1))
 
 
 @dataclass(frozen=True)
@@ -94,7 +104,7 @@ class OverTime:
             scores += weights * errors * change
             informations += weights * change**2
             losses += losses_of(noise, before[channel]) - losses_of(noise, left[channel])
-        score, information = by_stretch(problem, scores), by_stretch(problem, informations)
+        score, information = _by_stretch(problem, scores), _by_stretch(problem, informations)
         gain = model.log_likelihood - without.log_likelihood
         if not np.any(information):
             return cls()
@@ -145,21 +155,9 @@ class OverTime:
         return float((8.0 + few) / (8.0 + 3.0 * few) * np.sqrt(square))
 
 
-def by_stretch(problem: Problem, rows: np.ndarray, fewest: int = 2) -> np.ndarray:
-    """Sums of a row's values over stretches of a recording, or of some rows of it.
-
-    Parameters
-    ----------
-    problem : Problem
-    rows : ndarray of shape (k,)
-    fewest : int, default=2
-        Number of stretches at least.
-
-    Returns
-    -------
-    sums : ndarray
-    """
-    clock = problem.plain.clock[: len(rows)]
+def _by_stretch(problem: Problem, rows: np.ndarray, fewest: int = 2) -> np.ndarray:
+    """Sums of a row's values over stretches of a recording, or of its last rows."""
+    clock = problem.plain.clock[-len(rows) :]
     # the time between recordings that were joined holds nothing
     length = min(clock[-1] - clock[0], len(clock) * problem.recording.sample_time)
     many = int(np.clip(length / _STRETCH, fewest, _MOST))

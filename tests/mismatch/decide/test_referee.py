@@ -153,7 +153,7 @@ def test_all_is_explained_where_the_correction_is_the_best():
 
 def test_a_black_box_must_be_better_nearly_everywhere():
     rmse, losses = {"corrected": 2.0, "black_box": 1.0}, {"corrected": 4.0, "black_box": 1.0}
-    better = Compared("flow", 9, rmse, losses, consistent=3, exogenous=True, closed=False)
+    better = Compared("flow", 9, rmse, losses, consistent=3, exogenous=True, closed=False, added=np.zeros(9))
     assert better.clearly_better
     assert not replace(better, consistent=2).clearly_better
     # where nobody recorded the drop, the drop may be what it follows
