@@ -14,7 +14,8 @@ Check = Callable[[object, str], object]
 def plain_number(value: object, where: str) -> float:
     """A finite number; true and false are none, although Python counts with them."""
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise InputError(f"{where} must be a number; got {shown(value)}, so write it without quotes")
+        mend = ", so write it without quotes" if isinstance(value, str) else ""
+        raise InputError(f"{where} must be a number; got {shown(value)}{mend}")
     try:
         number = float(value)
     except OverflowError:

@@ -21,7 +21,7 @@ _RULES = {
     "held_out": "predicts rows left out of the fit, in more than one event",
     "residual": "little is left unexplained",
     "noise": "explained down to the noise",
-    "forecast": "improves forecasts",
+    "forecast": "makes no forecast worse by more than chance",
     "black_box": "forecasts as well as a black box",
     "probability": "likely enough by blind tests",
 }

@@ -131,9 +131,8 @@ def _watched(
     _require_known(entry, _VALVE_KEYS, where)
     sheet, folder = entry.get("sheet"), entry.get("data", tag)
     if not isinstance(sheet, str) or not sheet.strip():
-        raise InputError(
-            f'{where} has no sheet; add the path of its valve.toml, such as sheet = "{tag}.toml"'
-        )
+        found = "has no sheet" if sheet is None else f"sheet must be a path in quotes; got {shown(sheet)}"
+        raise InputError(f'{where} {found}; add the path of its valve.toml, such as sheet = "{tag}.toml"')
     if not isinstance(folder, str) or not folder.strip():
         raise InputError(f"{where} data must be the name of a folder in quotes; got {shown(folder)}")
     if Path(folder).is_absolute() or ".." in Path(folder).parts:

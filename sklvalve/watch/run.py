@@ -20,6 +20,9 @@ from sklvalve.watch.valve import Watch, watch_valve
 #: Columns of the table of trends.
 TRENDS = ("valve", "day", "rows", "mend", "evidence", "cusum")
 
+# it may be tomorrow already where the valve is
+_AHEAD = dt.timedelta(days=1)
+
 
 def watch(
     plant: Plant,
@@ -87,8 +90,13 @@ def inspected(plant: Plant, state: str | PathLike[str], tag: str, day: dt.date, 
     Raises
     ------
     InputError
-        If the plant has no such valve, or the day lies before an inspection that was entered already.
+        If the plant has no such valve, the day is yet to come, or it lies before an inspection that was
+        entered already.
     """
+    if day > dt.date.today() + _AHEAD:
+        raise InputError(
+            f"the inspection of {tag} cannot be on {day}, which is yet to come; enter the day on which it was"
+        )
     tags = [each.tag for each in plant.valves]
     if tag not in tags:
         raise InputError(f"the plant has no valve {tag}; {hint(tag, tags)}")

@@ -101,6 +101,8 @@ class _Run:
             )
         files = [f for f in found.days if self.epoch.begins is None or f.day >= self.epoch.begins]
         if not files:
+            if found.days:
+                self.said.append(f"No day since its inspection on {self.epoch.begins}.")
             return self._ends("no data")
         learnt = self.store.history(self.watched.tag, self.epoch) or self._learn(files)
         if learnt is None:
@@ -119,31 +121,40 @@ class _Run:
 
         What it was calibrated on it meets too well: the other half is the reference of later days.
         """
-        wanted = self._commissioning()
-        days = set(wanted.of([f.day for f in files]))
-        sound = [f for f in files if f.day in days]
-        complete = files[-1].day > wanted.last if wanted.last else len(sound) >= wanted.days
-        if not complete or len(sound) < 2 * FEWEST:
-            wants = f"from {wanted.first} to {wanted.last}" if wanted.last else f"{wanted.days} days"
-            self.said.append(
-                f"It is learnt from its sound days, {wants} and at least {2 * FEWEST}; so far there are "
-                f"{len(sound)}."
-            )
-            return None
-        first = int(len(sound) * _LEARNT)
-        read = []
-        for each in sound[:first]:
-            recording, why = self._rows_of(each)
-            if recording is None:
-                self.said.append(f"{each.day}: {why}")
-            else:
-                read.append(recording)
-        if not read:
-            return None
+        rows: dict[dt.date, Recording | None] = {}
+        while True:
+            # a day that cannot be read is none of them; the next one takes its place
+            sound = self._sound([f for f in files if rows.get(f.day, ...) is not None])
+            if not sound:
+                return None
+            first = int(len(sound) * _LEARNT)
+            new = [f for f in sound[:first] if f.day not in rows]
+            if not new:
+                break
+            for each in new:
+                rows[each.day], why = self._rows_of(each)
+                if why:
+                    self.said.append(f"{each.day}: {why}")
+        read = [row for f in sound[:first] if (row := rows[f.day]) is not None]
         history = MissingPhysicsFinder(random_state=self.seed).history_of(read)
         learnt, reference = ([f.day for f in part] for part in (sound[:first], sound[first:]))
         self.store.save_history(self.watched.tag, self.epoch, history, learnt, reference)
         return history
+
+    def _sound(self, files: Sequence[DayFiles]) -> list[DayFiles]:
+        """The commissioning days; empty while there are too few, which is said."""
+        wanted = self._commissioning()
+        days = set(wanted.of([f.day for f in files]))
+        sound = [f for f in files if f.day in days]
+        complete = bool(files) and files[-1].day > wanted.last if wanted.last else len(sound) >= wanted.days
+        if complete and len(sound) >= 2 * FEWEST:
+            return sound
+        wants = f"from {wanted.first} to {wanted.last}" if wanted.last else f"{wanted.days} days"
+        self.said.append(
+            f"It is learnt from its sound days, {wants} and at least {2 * FEWEST}; so far there are "
+            f"{len(sound)}."
+        )
+        return []
 
     def _rows_of(self, files: DayFiles) -> tuple[Recording | None, str]:
         """Rows of a day, or why there are none."""

@@ -115,3 +115,14 @@ def test_gaps_of_the_flow_say_nothing(recording, trembling):
         filtered_position(_recording(recording.valve, trembling, nothing)),
         filtered_position(_recording(recording.valve, trembling)),
     )
+
+
+def test_one_event_in_both_is_no_stem_that_never_rests(recording, trembling):
+    rng = np.random.default_rng(9)
+    flow = 0.01 + 0.001 * NOISE * rng.standard_normal(ROWS)
+    struck = trembling.copy()
+    struck[200:202] += 40.0 * NOISE
+    flow[200:202] += 0.04 * NOISE
+    alone = filtered_position(_recording(recording.valve, struck))
+    both = filtered_position(_recording(recording.valve, struck, flow))
+    assert np.std(both - alone) < 0.05 * np.std(struck - alone)

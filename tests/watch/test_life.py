@@ -187,6 +187,28 @@ def test_a_day_that_cannot_be_used_is_told_and_left_out(data, bad, says):
     assert says in told.said[0]
 
 
+def test_a_commissioning_day_that_cannot_be_read_is_replaced_by_the_next(data):
+    for k in range(10):
+        data.put(k)
+    data.put(2, text_of=lambda day, level: "")
+    told = data.run()
+    assert told.state == "commissioning"
+    assert told.said[0].startswith("2026-01-03: ")
+    assert "so far there are 9." in told.said[1]
+    data.put(10)
+    assert data.run().state == "sound"
+    assert Data.learnt_on == [f"FV-1 2026-01-0{d}" for d in (1, 2, 4, 5, 6)]
+
+
+def test_no_inspection_lies_in_the_future(data):
+    with pytest.raises(InputError, match="yet to come"):
+        inspected(data.plant, data.root / "state", "FV-1", dt.date.today() + dt.timedelta(days=3))
+    data.put(0)
+    inspected(data.plant, data.root / "state", "FV-1", FIRST + dt.timedelta(days=30))
+    told = data.run()
+    assert (told.state, told.said) == ("no data", ("No day since its inspection on 2026-01-31.",))
+
+
 def test_an_inspection_begins_a_new_history(data):
     for k in range(45):
         data.put(k, shift=8.0 * (k >= 30))

@@ -145,15 +145,19 @@ def forecast(rise: float, corrected: float, nominal: float) -> Rule:
         The squared errors.
     """
     limit = constants.FORECAST_ERRORS
-    ratio = corrected / nominal if nominal > 0.0 else 1.0
-    way = "above" if rise > 0.0 else "below"
+    if nominal > 0.0:
+        words = f"On forecast rows the corrected simulation has {corrected / nominal:.2g} times the squared "
+        words += "error of the nominal one"
+    else:
+        words = "On forecast rows the nominal simulation has no error"
+    if rise > 0.0:
+        words += f"; it rises by {rise:.2g} times its standard error, and {limit:g} is the limit"
     return Rule(
         "forecast",
         rise,
         limit,
         rise <= limit,
-        f"On forecast rows the corrected simulation has {ratio:.2g} times the squared error of the nominal "
-        f"one, {abs(rise):.2g} standard errors {way} it; {limit:g} above is the limit.",
+        f"{words}.",
     )
 
 

@@ -15,6 +15,9 @@ from sklvalve.simulation.robust import least_within, normal_equations, robust_co
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
 
+# of a step to first order so much is tried, as long as it makes the rows worse that it should make better
+_SHARES = (1.0, 0.3, 0.1, 0.03)
+
 
 class Linearised:
     """A fitted hypothesis and, to first order, what its calibration can do about a change of some channels.
@@ -37,7 +40,7 @@ class Linearised:
     """
 
     def __init__(self, problem: Problem, model: Model, touched: Sequence[str]) -> None:
-        misfits = problem.misfits(model, touched)
+        self._misfits = misfits = problem.misfits(model, touched)
         self.channels = tuple(c for m in misfits for c in m.channels)
         self.clock, self.n = model.chain.clock, len(model.chain.clock)
         self._names, parts = [], []
@@ -49,7 +52,6 @@ class Linearised:
         self._weights = robust_weights(self.errors)
         _, hessian = normal_equations(self._slopes, self._weights, self.errors)
         self._inverse = np.linalg.pinv(hessian, rcond=1e-10, hermitian=True)
-        self._vectors = [m.vector for m in misfits]
 
     def _assemble(self, parts: list[dict[str, Any]]) -> None:
         """One system of all groups: they share no parameter, so their derivatives stand block by block."""
@@ -78,7 +80,9 @@ class Linearised:
         return np.concatenate([whitened, self._priors])
 
     def refitted(self, rows: np.ndarray) -> dict[str, float]:
-        """Values of the calibration when only some rows count.
+        """Values of the calibration when only some rows count, as they are where no step makes these better.
+
+        One step to first order, shortened where the simulation bends before its end.
 
         Parameters
         ----------
@@ -86,7 +90,21 @@ class Linearised:
         """
         counts = np.concatenate([np.tile(rows, len(self.channels)), np.ones(len(self._priors), dtype=bool)])
         errors, slopes = (np.where(counts, each, 0.0) for each in (self.errors, self._slopes))
-        return self.values(least_within(slopes, errors, self._low, self._high)[1])
+        step, least = least_within(slopes, errors, self._low, self._high)[1], robust_cost(errors)
+        for share in _SHARES:
+            if robust_cost(np.where(counts, self._errors_after(share * step), 0.0)) <= least:
+                return self.values(share * step)
+        return self.values(0.0 * step)
+
+    def _errors_after(self, steps: np.ndarray) -> np.ndarray:
+        """Errors of the simulation itself after steps of the calibration, as `errors` has them."""
+        whitened, priors, at = [], [], 0
+        for misfit in self._misfits:
+            z = (self._z + steps)[at : at + len(misfit.vector)]
+            whitened.append(misfit.whitened(misfit.predictions(z)))
+            priors.append(misfit.vector.prior_residuals(z))
+            at += len(misfit.vector)
+        return np.concatenate([*whitened, *priors])
 
     def answered(
         self,
@@ -173,18 +191,10 @@ class Linearised:
         """Values of the calibration after steps."""
         moved, at = self._z + steps[: len(self._z)], 0
         values: dict[str, float] = {}
-        for vector in self._vectors:
+        for vector in (misfit.vector for misfit in self._misfits):
             values |= vector.values(moved[at : at + len(vector)])
             at += len(vector)
         return values
-
-    def between(self, here: dict[str, float], there: dict[str, float], share: float) -> dict[str, float]:
-        """Values that lie a share of the way from some of the calibration to others."""
-        way: dict[str, float] = {}
-        for vector in self._vectors:
-            start = vector.pack(here)
-            way |= vector.values(start + share * (vector.pack(there) - start))
-        return way
 
     def predictions(self, changed: dict[str, np.ndarray], steps: np.ndarray) -> dict[str, np.ndarray]:
         """Changed predictions after steps of the calibration."""

@@ -10,15 +10,12 @@ import numpy as np
 
 from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.inference.linearised import Linearised
-from sklvalve.simulation.fitting import left_of, simulate_channels
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
 
 #: Blocks of a recording, of which every fourth is left out in turn.
 BLOCKS, FOLDS = 16, 4
-# of a step to first order so much is tried, as long as it makes the rows worse that it should make better
-_SHARES = (1.0, 0.3, 0.1, 0.03)
 
 
 def lines_of(problem: Problem, model: Model) -> list[Linearised]:
@@ -33,17 +30,10 @@ def lines_of(problem: Problem, model: Model) -> list[Linearised]:
 def refitted(
     problem: Problem, model: Model, lines: Sequence[Linearised], rows: np.ndarray
 ) -> dict[str, float]:
-    """Values fitted to some rows only: one step, shortened where the simulation bends before its end."""
+    """Values fitted to some rows only, by one step of each line."""
     values = dict(model.values)
     for line in lines:
-        least, there = _error(problem, model.predictions, line, rows), line.refitted(rows)
-        here = {name: model.values[name] for name in there}
-        for share in _SHARES:
-            step = line.between(here, there, share)
-            made = simulate_channels(model.chain, model.values | step, line.channels)
-            if _error(problem, made, line, rows) <= least:
-                break
-        values |= step
+        values |= line.refitted(rows)
     return values if problem.history is None else problem.history.expected_of(values)
 
 
@@ -61,11 +51,3 @@ def fits_without(problem: Problem, model: Model) -> Iterator[tuple[np.ndarray, M
     for fold in range(FOLDS):
         held = block % FOLDS == fold
         yield held, problem.simulate(model.terms, refitted(problem, model, lines, ~held))
-
-
-def _error(problem: Problem, made: dict[str, np.ndarray], line: Linearised, rows: np.ndarray) -> float:
-    """Squared errors of the channels of a line on some rows, each in its own size."""
-    return sum(
-        np.nansum(left_of(problem.recording, made, c)[rows] ** 2) / problem.spans[c] ** 2
-        for c in line.channels
-    )

@@ -126,8 +126,10 @@ def pooled(compared: Iterable[Compared], kind: str) -> float:
 def rise(problem: Problem, compared: Sequence[Compared], held: np.ndarray) -> float:
     """What a correction adds to the squared error of rows ahead in time, in standard errors of itself.
 
-    The standard error is that of the sum over stretches of a minute or more: errors of a simulation last, and
-    rows next to each other say the same.
+    The standard error is that of the sum over stretches of a minute, or of a sixteenth of the rows where
+    these are shorter: errors of a simulation last, and rows next to each other say the same. It counts as no
+    larger than the squared error that is there without the correction: one stretch that is all the rise
+    makes a standard error as large as itself, and a doubled error is no chance.
 
     Parameters
     ----------
@@ -139,13 +141,15 @@ def rise(problem: Problem, compared: Sequence[Compared], held: np.ndarray) -> fl
     Returns
     -------
     errors : float
-        Below zero where the correction helps [1].
+        Below zero where the correction helps; infinite where no error was there before [1].
     """
     if not compared:
         return 0.0
     added = sum((each.added for each in compared), np.zeros(len(held)))[held]
-    error = scatter_of_sum(problem, added)
-    return float(added.sum() / error) if error > 0.0 else 0.0
+    total, error = float(added.sum()), min(scatter_of_sum(problem, added), pooled(compared, "nominal"))
+    if error > 0.0:
+        return total / error
+    return float(np.sign(total)) * np.inf if total else 0.0
 
 
 def share_explained(compared: Sequence[Compared]) -> float | None:

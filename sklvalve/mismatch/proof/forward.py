@@ -137,15 +137,19 @@ def forecast(
     n = len(problem.recording)
     made = {c: np.full(n, np.nan) for c in problem.channels}
     fits: dict[tuple[Term, ...], Model] = {} if nominal is None else {(): nominal}
+    before = None
+    if problem.history is not None:
+        # plain least squares take every row for news and draw a calibration from what its history knows, and
+        # the noise of the best explanation makes little of a poor one's errors
+        before = problem.with_noise_of(model if nominal is None else nominal, cautious=True)
     for span in spans:
         past = np.arange(n) < span.start
         known = _known_at(model, span.start)
         if known.terms not in fits:
             fits[known.terms] = model if known is model else problem.least_squares(known)
         fitted = fits[known.terms]
-        # plain least squares take every row for news and draw a calibration from what its history knows
-        by_noise = problem if problem.history is not None else problem.homoscedastic(fitted, past)
-        lines = lines_of(by_noise, fitted)
+        judge = problem.homoscedastic(fitted, past) if before is None else before
+        lines = lines_of(judge, fitted)
         again = problem.simulate(fitted.terms, refitted(problem, fitted, lines, past))
         for c in problem.channels:
             made[c][span] = again.predictions[c][span]

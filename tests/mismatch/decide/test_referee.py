@@ -126,7 +126,7 @@ def test_a_correction_that_makes_rows_ahead_worse_by_chance_stays(monkeypatch):
     asked = next(rule for rule in judged.rules if rule.name == "forecast")
     assert 0.0 < asked.value < asked.limit
     assert judged.verdict == "named"
-    assert "above it" in asked.sentence
+    assert "it rises by" in asked.sentence
 
 
 def test_a_name_that_accounts_for_little_is_no_name(monkeypatch):

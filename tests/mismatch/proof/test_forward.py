@@ -60,9 +60,17 @@ def test_without_a_nominal_the_same_calibration_goes_on(bench, monkeypatch):
 
 @pytest.mark.parametrize("history", [None, "some"])
 def test_rows_before_an_origin_are_fitted_by_the_noise_of_a_history(bench, monkeypatch, history):
-    asked = []
+    asked, of = [], []
+
+    def as_the_history_has_it(model, cautious):
+        of.append((model, cautious))
+        return "as before"
+
     monkeypatch.setattr(forward, "lines_of", lambda problem, model: asked.append(problem))
     bench.history, bench.homoscedastic = history, lambda model, rows: "of one size"
-    forward.forecast(bench, _model(2.0), spans_of(N))
-    assert asked
-    assert all(each is (bench if history else "of one size") for each in asked)
+    bench.with_noise_of = as_the_history_has_it
+    nominal = _model(1.0)
+    forward.forecast(bench, _model(2.0), spans_of(N), nominal=nominal)
+    assert set(asked) == {"as before" if history else "of one size"}
+    # both hypotheses by the same, that of the nominal
+    assert of == ([(nominal, True)] if history else [])

@@ -12,30 +12,33 @@ from sklvalve.history import ValveHistory
 from sklvalve.mismatch import MissingPhysicsFinder, load_history, save_history
 from sklvalve.recording import Recording, Valve
 from sklvalve.report import to_text
-from tests.history.plant import changed
+from tests.history.plant import changed, without
 
 ROWS = 1_200
+# rivals that any row of clogging is held against, and what comes beside it; the whole catalogue takes minutes
+FEW = ("clogging", "piping_reducers", "line_loss", "flow_meter_bias", "seat_leakage", "backlash")
 
 
 @cache
-def recorded(limit, onset=0.0, seed=3):
+def recorded(limit, onset=0.0, seed=6):
     """One plant whose trim lets the plug open as far as to 1 - limit, the first rows and those behind."""
     name = "clogging" if limit else None
     made = make_valve_recording(
         name, limit or None, onset=onset, loop="wide", n_samples=2 * ROWS, n_later=0, random_state=seed
     )
-    whole = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    # nothing here is about the stem, which takes most of the time
+    whole = without(Recording.from_frame(made.frame, Valve.from_dict(made.valve)), "command")
     return whole.slice(0, ROWS), whole.slice(ROWS, 2 * ROWS)
 
 
 @cache
 def clogged(onset=0.0):
     """A history of a clogged valve, diagnosed by itself."""
-    return MissingPhysicsFinder(n_jobs=1).history_of(recorded(0.3, onset)[0])
+    return MissingPhysicsFinder(effects=FEW, n_jobs=1).history_of(recorded(0.3, onset)[0])
 
 
 def diagnosed(history, later, **settings):
-    return MissingPhysicsFinder(n_jobs=1, history=history, **settings).fit(later).diagnosis_
+    return MissingPhysicsFinder(effects=FEW, n_jobs=1, history=history, **settings).fit(later).diagnosis_
 
 
 def test_what_a_diagnosis_names_is_held_by_the_history():
@@ -137,7 +140,10 @@ def test_a_history_without_a_name_says_so_in_later_diagnoses():
 def test_a_sound_history_and_one_that_was_not_diagnosed_say_nothing():
     # the sound plant of seed 3 is one of the hundredth that an alarm at 0.01 takes for unsound
     earlier, later = recorded(0.0, seed=4)
-    for history in (MissingPhysicsFinder(n_jobs=1).history_of(earlier), ValveHistory().fit(earlier)):
+    for history in (
+        MissingPhysicsFinder(effects=FEW, n_jobs=1).history_of(earlier),
+        ValveHistory().fit(earlier),
+    ):
         content = diagnosed(history, later, max_effects=0).content
         assert content["since_history"]["held"] == []
         assert not [reason for reason in content["reasons"] if "history" in reason]
