@@ -60,6 +60,10 @@ def test_a_stem_that_does_much_by_itself_says_nothing_of_valve_and_meters_nor_th
     # what begins within a recording may be of either
     for made in (restless, drifting):
         assert beyond("within", made) > 10.0 * beyond("within", plain)
+    # and what began within a rehearsal, or was left over there, says something of both
+    for made in (Rehearsal(1.0, 4.0, 1.0, stem=1.0), Rehearsal(1.0, 1.0, 8.0, stem=1.0)):
+        for look in ("throughout", "stem"):
+            assert beyond(look, made) > 5.0 * beyond(look, plain)
 
 
 @pytest.mark.parametrize("look", ["throughout", "within", "rest"])
