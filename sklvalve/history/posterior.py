@@ -126,6 +126,8 @@ def expected(
             # what this window's own change is, given what is known of the valve
             own = np.linalg.inv(window.hessian + sharp)
             step = own @ (window.pull - window.hessian @ mean)
+            # no window's calibration is out of bounds, however hard what it hardly tells of is pulled
+            step = np.clip(step, *(bound - mean for bound in sheet.reach))
             through = own @ window.hessian
             scatter = own + through @ covariance @ through.T
             seen += (ways.T @ step) ** 2 + np.einsum("ij,ik,kj->j", ways, scatter, ways)
