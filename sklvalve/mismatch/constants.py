@@ -23,9 +23,9 @@ DETECTABLE = 25.0
 #: seldom. Smaller: what happened once, and predicts nothing, is named.
 HELD_OUT_ERRORS = 1.0
 #: A correction adds at most this many standard errors to the squared error of forecast rows: the same measure
-#: as of rows left out. Beside a history five right names of simulated records had -5.3 to 0.7 and a wrong one
-#: 6.4. Larger: names stand that predict nothing. Smaller: what long errors do to a few stretches takes right
-#: names away.
+#: as of rows left out. Beside a history five right names of simulated records had -6.0 to -0.4 and a wrong
+#: one -1.0. Larger: names stand that predict nothing. Smaller: what long errors do to a few stretches takes
+#: right names away.
 FORECAST_ERRORS = 1.0
 #: An unexplained residual of this share of what the effects explain makes their names doubtful.
 RESIDUAL_SHARE = 0.5
