@@ -55,7 +55,7 @@ def test_the_plant_is_called_by_its_folder_unless_named(written):
         ('[valve."A."]\nsheet = "a.toml"\n', "no tag that a folder can be named by"),
         ("[valve]\nA = 1\n", "must be a section"),
         ("[valve.A]\n", "has no sheet"),
-        ("[valve.A]\nsheet = 3\n", "has no sheet"),
+        ("[valve.A]\nsheet = 3\n", "sheet must be a path in quotes; got 3"),
         ('[valve.A]\nsheet = "b.toml"\n', "no such file"),
         ('[valve.A]\nsheet = "a.toml"\ndata = "/etc"\n', "must lie within the folder"),
         ('[valve.A]\nsheet = "a.toml"\ndata = "x/../../y"\n', "must lie within the folder"),
