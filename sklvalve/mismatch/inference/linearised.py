@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,18 +79,26 @@ class Linearised:
         """Errors of a changed simulation whose calibration stands as it was."""
         return np.concatenate([whitened, self._priors])
 
-    def refitted(self, rows: np.ndarray) -> dict[str, float]:
-        """Values of the calibration when only some rows count, as they are where no step makes these better.
+    def refitted(
+        self, rows: np.ndarray, error: Callable[[dict[str, float]], float] | None = None
+    ) -> dict[str, float]:
+        """Values of the calibration when only some rows count: one step to first order.
 
-        One step to first order, shortened where the simulation bends before its end.
+        It is shortened where the simulation bends before its end, and none is taken where none lessens the
+        cost of the rows.
 
         Parameters
         ----------
         rows : ndarray of bool, shape (n,)
+        error : callable, default=None
+            ``error(values)`` by which the step is shortened instead; the shortest is then taken at least.
         """
         counts = np.concatenate([np.tile(rows, len(self.channels)), np.ones(len(self._priors), dtype=bool)])
         errors, slopes = (np.where(counts, each, 0.0) for each in (self.errors, self._slopes))
         step, least = least_within(slopes, errors, self._low, self._high)[1], robust_cost(errors)
+        if error is not None:
+            tried, least = [self.values(share * step) for share in _SHARES], error(self.values(0.0 * step))
+            return next((values for values in tried if error(values) <= least), tried[-1])
         for share in _SHARES:
             if robust_cost(np.where(counts, self._errors_after(share * step), 0.0)) <= least:
                 return self.values(share * step)
