@@ -39,9 +39,8 @@ def filtered_position(recording: Recording) -> np.ndarray:
     Of what is averaged out the share :math:`\rho^2` is given back, with the largest correlation
     :math:`\rho > 0` of it and of what is averaged out likewise of a recorded flow, at once or up to three
     rows later, both within three of their deviations, less the share that chance has: so much of it is the
-    stem's own movement. In 71 of 72 records of a simulated plant
-    it is 0.00 to 0.03; in the other one, of a stem that slips, 0.71; in the hour of a sugar factory's valve
-    0.67 to 0.68.
+    stem's own movement. In 71 of 72 records of a simulated plant it is 0.00 to 0.03; in the other one, of a
+    stem that slips, 0.71; in the hour of a sugar factory's valve 0.67 to 0.68.
 
     Parameters
     ----------

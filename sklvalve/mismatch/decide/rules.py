@@ -150,7 +150,8 @@ def forecast(rise: float, corrected: float, nominal: float) -> Rule:
         words += "error of the nominal one"
     else:
         words = "On forecast rows the nominal simulation has no error"
-    if rise > 0.0:
+        words += ", and the corrected one has" if rise > 0.0 else ""
+    if 0.0 < rise < float("inf"):
         words += f"; it rises by {rise:.2g} times its standard error, and {limit:g} is the limit"
     return Rule(
         "forecast",

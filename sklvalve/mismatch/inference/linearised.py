@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -79,40 +79,50 @@ class Linearised:
         """Errors of a changed simulation whose calibration stands as it was."""
         return np.concatenate([whitened, self._priors])
 
-    def refitted(
-        self, rows: np.ndarray, error: Callable[[dict[str, float]], float] | None = None
-    ) -> dict[str, float]:
-        """Values of the calibration when only some rows count: one step to first order.
-
-        It is shortened where the simulation bends before its end, and none is taken where none lessens the
-        cost of the rows.
+    def towards(self, rows: np.ndarray) -> list[np.ndarray]:
+        """The step that is best to first order where only some rows count, and shares of it.
 
         Parameters
         ----------
         rows : ndarray of bool, shape (n,)
-        error : callable, default=None
-            ``error(values)`` by which the step is shortened instead; the shortest is then taken at least.
         """
-        counts = np.concatenate([np.tile(rows, len(self.channels)), np.ones(len(self._priors), dtype=bool)])
+        counts = self._counting(rows)
         errors, slopes = (np.where(counts, each, 0.0) for each in (self.errors, self._slopes))
-        step, least = least_within(slopes, errors, self._low, self._high)[1], robust_cost(errors)
-        if error is not None:
-            tried, least = [self.values(share * step) for share in _SHARES], error(self.values(0.0 * step))
-            return next((values for values in tried if error(values) <= least), tried[-1])
-        for share in _SHARES:
-            if robust_cost(np.where(counts, self._errors_after(share * step), 0.0)) <= least:
-                return self.values(share * step)
-        return self.values(0.0 * step)
+        step = least_within(slopes, errors, self._low, self._high)[1]
+        return [share * step for share in _SHARES]
+
+    def refitted(self, rows: np.ndarray) -> dict[str, float]:
+        """Values of the calibration when only some rows count: the first step `towards` them that helps.
+
+        Where none lessens their cost, it stays as it is.
+
+        Parameters
+        ----------
+        rows : ndarray of bool, shape (n,)
+        """
+        counts = self._counting(rows)
+        least = robust_cost(np.where(counts, self.errors, 0.0))
+        for steps in self.towards(rows):
+            if robust_cost(np.where(counts, self._errors_after(steps), 0.0)) <= least:
+                return self.values(steps)
+        return self.values(np.zeros(len(self._z)))
+
+    def _counting(self, rows: np.ndarray) -> np.ndarray:
+        """Which of the errors count where only some rows do; the priors always."""
+        return np.concatenate([np.tile(rows, len(self.channels)), np.ones(len(self._priors), dtype=bool)])
 
     def _errors_after(self, steps: np.ndarray) -> np.ndarray:
         """Errors of the simulation itself after steps of the calibration, as `errors` has them."""
-        whitened, priors, at = [], [], 0
+        moved = list(self._after(steps))
+        whitened = (misfit.whitened(misfit.predictions(z)) for misfit, z in moved)
+        return np.concatenate([*whitened, *(misfit.vector.prior_residuals(z) for misfit, z in moved)])
+
+    def _after(self, steps: np.ndarray) -> Iterator[tuple[Misfit, np.ndarray]]:
+        """Each group and where its calibration is after steps."""
+        moved, at = self._z + steps[: len(self._z)], 0
         for misfit in self._misfits:
-            z = (self._z + steps)[at : at + len(misfit.vector)]
-            whitened.append(misfit.whitened(misfit.predictions(z)))
-            priors.append(misfit.vector.prior_residuals(z))
+            yield misfit, moved[at : at + len(misfit.vector)]
             at += len(misfit.vector)
-        return np.concatenate([*whitened, *priors])
 
     def answered(
         self,
@@ -197,11 +207,9 @@ class Linearised:
 
     def values(self, steps: np.ndarray) -> dict[str, float]:
         """Values of the calibration after steps."""
-        moved, at = self._z + steps[: len(self._z)], 0
         values: dict[str, float] = {}
-        for vector in (misfit.vector for misfit in self._misfits):
-            values |= vector.values(moved[at : at + len(vector)])
-            at += len(vector)
+        for misfit, z in self._after(steps):
+            values |= misfit.vector.values(z)
         return values
 
     def predictions(self, changed: dict[str, np.ndarray], steps: np.ndarray) -> dict[str, np.ndarray]:

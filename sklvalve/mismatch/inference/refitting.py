@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,16 +31,25 @@ def lines_of(problem: Problem, model: Model) -> list[Linearised]:
 def refitted(
     problem: Problem, model: Model, lines: Sequence[Linearised], rows: np.ndarray
 ) -> dict[str, float]:
-    """Values fitted to some rows only, by one step of each line.
-
-    Against a data sheet plain squares shorten the step: the limit of the rule `held_out` was measured so, and
-    steps by their own cost go further, where few rows tell an effect from the calibration.
-    """
-    values = dict(model.values)
+    """Values fitted to some rows only, by one step of each line."""
+    values, history = dict(model.values), problem.history
     for line in lines:
-        plain = None if problem.history is not None else partial(_error, problem, model, line, rows)
-        values |= line.refitted(rows, plain)
-    return values if problem.history is None else problem.history.expected_of(values)
+        values |= _shortened(problem, model, line, rows) if history is None else line.refitted(rows)
+    return values if history is None else history.expected_of(values)
+
+
+def _shortened(problem: Problem, model: Model, line: Linearised, rows: np.ndarray) -> dict[str, float]:
+    """Values after a step that plain squares shorten, as they did where the limit of `held_out` was measured.
+
+    Steps by their own cost go further, where few rows tell an effect from the calibration.
+    """
+    least, values = _error(problem, model.predictions, line, rows), {}
+    for steps in line.towards(rows):
+        values = line.values(steps)
+        made = simulate_channels(model.chain, model.values | values, line.channels)
+        if _error(problem, made, line, rows) <= least:
+            break
+    return values
 
 
 def blocks_in_turn(rows: int) -> np.ndarray:
@@ -60,11 +68,8 @@ def fits_without(problem: Problem, model: Model) -> Iterator[tuple[np.ndarray, M
         yield held, problem.simulate(model.terms, refitted(problem, model, lines, ~held))
 
 
-def _error(
-    problem: Problem, model: Model, line: Linearised, rows: np.ndarray, values: dict[str, float]
-) -> float:
+def _error(problem: Problem, made: dict[str, np.ndarray], line: Linearised, rows: np.ndarray) -> float:
     """Squared errors of the channels of a line on some rows, each in its own size."""
-    made = simulate_channels(model.chain, model.values | values, line.channels)
     return sum(
         np.nansum(left_of(problem.recording, made, c)[rows] ** 2) / problem.spans[c] ** 2
         for c in line.channels

@@ -84,12 +84,12 @@ def test_the_rarest_of_many_ordinary_rehearsals_is_no_sign_of_another_kind():
 def test_the_reference_loses_its_weight_without_a_step():
     weights = [
         AGAINST_HISTORY.with_rehearsals([Rehearsal(times, 1.0)]).throughout.weights[0]
-        for times in np.linspace(1.0, 20.0, 100)
+        for times in np.linspace(1.0, 20.0, 400)
     ]
     assert weights[0] > 0.95
     assert weights[-1] < 1e-3
-    assert np.max(-np.diff(weights)) < 0.3
-    assert np.max(np.diff(weights)) < 8e-3
+    assert np.max(-np.diff(weights)) < 0.1
+    assert np.max(np.diff(weights)) < 2e-3
 
 
 def test_a_quiet_rehearsal_speaks_for_the_reference():

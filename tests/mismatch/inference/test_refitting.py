@@ -44,4 +44,5 @@ def test_where_no_share_of_a_step_helps_the_values_stay(bench, monkeypatch):
     rows = np.arange(len(problem.recording)) < 360
     for line in lines_of(problem, nominal):
         monkeypatch.setattr(line, "_errors_after", lambda steps, line=line: line.errors + 1e3)
-        assert line.refitted(rows) == pytest.approx({n: nominal.values[n] for n in line.refitted(rows)})
+        refitted = line.refitted(rows)
+        assert refitted == pytest.approx({name: nominal.values[name] for name in refitted})
