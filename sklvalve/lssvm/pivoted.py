@@ -83,16 +83,16 @@ def pivoted_cholesky(between, X, diagonal, *, rank, left, random_state, n_jobs=N
 def _kept(between, X, F, lacks, drawn, random_state):
     """Of rows drawn at once those that would have been drawn one at a time, and the factor of their rest."""
     rest = between(X[drawn], X[drawn]) - F[drawn] @ F[drawn].T
-    before = rest.diagonal().copy()
-    chosen, columns = [], np.zeros((len(drawn), len(drawn)))
-    for i in range(len(drawn)):
-        done = len(chosen)
-        now = rest[i, i] - columns[i, :done] @ columns[i, :done]
-        # two draws of one row leave nothing to the second
-        if not now > max(random_state.uniform() * before[i], 1e-10 * lacks[drawn[i]]):
-            continue
-        columns[:, done] = (rest[:, i] - columns[:, :done] @ columns[i, :done]) / np.sqrt(now)
+    lacking = rest.diagonal().copy()
+    # two draws of one row leave nothing to the second
+    least = np.maximum(random_state.uniform(size=len(drawn)) * lacking, 1e-10 * lacks[drawn])
+    chosen, columns, i = [], np.zeros((len(drawn), len(drawn))), 0
+    while (kept := lacking[i:] > least[i:]).any():
+        i, done = i + int(kept.argmax()), len(chosen)
+        columns[:, done] = (rest[:, i] - columns[:, :done] @ columns[i, :done]) / np.sqrt(lacking[i])
+        lacking -= columns[:, done] ** 2
         chosen.append(i)
+        i += 1
     triangle = np.tril(columns[np.ix_(chosen, range(len(chosen)))])
     return drawn[chosen], triangle
 

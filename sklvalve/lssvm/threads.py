@@ -6,7 +6,7 @@ core. Threads that take blocks of their own wait for nothing.
 """
 
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from functools import cache
 from itertools import count
 from threading import Lock
@@ -73,14 +73,20 @@ def own_threads(n_jobs=None):
         first error.
     """
     many = threads_to_use(n_jobs)
-    with one_blas_thread(), ThreadPoolExecutor(many) as pool:
 
-        def quietly(task, k):
-            # what overflows is seen by whoever asks whether the result is finite; threads inherit no errstate
-            with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                task(k)
+    def quietly(task, k):
+        # what overflows is seen by whoever asks whether the result is finite; threads inherit no errstate
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            task(k)
+
+    # a pool of one thread would only keep this one waiting
+    pool = ThreadPoolExecutor(many) if many > 1 else None
+    with one_blas_thread(), pool or nullcontext():
 
         def run(task):
+            if pool is None:
+                quietly(task, 0)
+                return
             for done in [pool.submit(quietly, task, k) for k in range(many)]:
                 done.result()
 
