@@ -8,7 +8,7 @@ core. Threads that take blocks of their own wait for nothing.
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from functools import cache
-from itertools import count
+from itertools import count, repeat
 from threading import Lock
 
 import numpy as np
@@ -80,15 +80,12 @@ def own_threads(n_jobs=None):
             task(k)
 
     # a pool of one thread would only keep this one waiting
-    pool = ThreadPoolExecutor(many) if many > 1 else None
-    with one_blas_thread(), pool or nullcontext():
+    with one_blas_thread(), ThreadPoolExecutor(many) if many > 1 else nullcontext() as pool:
+        each = pool.map if pool else map
 
         def run(task):
-            if pool is None:
-                quietly(task, 0)
-                return
-            for done in [pool.submit(quietly, task, k) for k in range(many)]:
-                done.result()
+            # a list takes all the answers, and so raises the first error
+            list(each(quietly, repeat(task, many), range(many)))
 
         run.many = many
         yield run
