@@ -136,7 +136,7 @@ class _Run:
                 if why:
                     self.said.append(f"{each.day}: {why}")
         read = [row for f in sound[:first] if (row := rows[f.day]) is not None]
-        history = MissingPhysicsFinder(random_state=self.seed).history_of(read)
+        history = MissingPhysicsFinder(n_jobs=1, random_state=self.seed).history_of(read)
         learnt, reference = ([f.day for f in part] for part in (sound[:first], sound[first:]))
         self.store.save_history(self.watched.tag, self.epoch, history, learnt, reference)
         return history
@@ -281,7 +281,7 @@ class _Run:
         if not any(each is not None for each in read):
             raise InputError(f"the rows of {days[-1]}, from which on it calls, are gone; put them back")
         rows = join_recordings([each for each in read if each is not None])
-        finder = MissingPhysicsFinder(random_state=self.seed, history=history).fit(rows)
+        finder = MissingPhysicsFinder(n_jobs=1, random_state=self.seed, history=history).fit(rows)
         folder = self.store.reports(self.watched.tag, days[-1])
         folder.mkdir(parents=True, exist_ok=True)
         write_report(folder / "report.html", finder.diagnosis_, title=self.watched.tag, source=rows.source)

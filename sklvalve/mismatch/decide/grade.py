@@ -72,7 +72,7 @@ def _why(grounds: Grounds, evidence: dict[str, Any], level: int) -> str:
     """What speaks most against a finding; of a strong one, what speaks for it."""
     skill = evidence.get("skill")
     if grounds.may_vanish:
-        return f"the interval of its {_either(evidence['vanishes'])} includes the value of no effect"
+        return f"no interval of its {_either(evidence['vanishes'])} excludes the value of no effect"
     if evidence.get("at_first"):
         return "it acts in the first rows only, and what happened before the recording is not known"
     if skill is not None and skill <= 0.0:

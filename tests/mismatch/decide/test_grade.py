@@ -43,7 +43,7 @@ def test_an_interval_that_holds_zero_names_nothing():
     grounds = Grounds("flow_meter_bias", 1e-6, may_vanish=True)
     grade = _grade(0.95, grounds, vanishes=["bias"])
     assert grade["level"] == "weak"
-    assert grade["reason"] == "The interval of its bias includes the value of no effect."
+    assert grade["reason"] == "No interval of its bias excludes the value of no effect."
 
 
 def test_what_acts_in_the_first_rows_alone_is_no_name():
@@ -172,7 +172,7 @@ def test_the_verdict_is_taken_back_where_all_is_weak():
     _, verdict, reasons = assessed([weak], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "cannot_tell"
     assert reasons == [
-        "Flow meter bias is too uncertain to be named: the interval of its bias includes the value of no "
+        "Flow meter bias is too uncertain to be named: no interval of its bias excludes the value of no "
         "effect."
     ]
     entries, verdict, reasons = assessed([weak, _entry()], "named", 1e-5, AHEAD, [], _bench())

@@ -75,7 +75,10 @@ def _intervals(**ends):
     [
         ("flow_meter_bias", {"bias": [-0.1, 0.2]}, ["bias"]),
         ("flow_meter_bias", {"bias": [0.1, 0.2]}, []),
-        ("flow_meter_bias", {"bias": None}, []),
+        # what is not known may be anything
+        ("flow_meter_bias", {"bias": None}, ["bias"]),
+        ("transducer_fault", {"gain": None, "bias": [0.02, 0.05]}, []),
+        ("transducer_fault", {"gain": None, "bias": [-0.02, 0.05]}, ["gain", "bias"]),
         ("external_leakage", {"leak_kv": [0.0, 2.9]}, ["leak_kv"]),
         # of a ratio it is one
         ("density_change", {"ratio": [0.95, 1.02]}, ["ratio"]),
@@ -85,6 +88,7 @@ def _intervals(**ends):
         ("transducer_fault", {"gain": [-0.1, 0.1], "bias": [-0.02, 0.05]}, ["gain", "bias"]),
         # how a play begins is no size of it, and a limit of speed has no value at which it is none
         ("backlash", {"width": [0.01, 0.03], "overshoot": [0.0, 0.3], "first_side": [-1.0, 1.0]}, []),
+        ("backlash", {"width": None, "overshoot": None, "first_side": None}, ["width"]),
         ("slew_limit", {"speed": [0.001, 1.0], "closing_ratio": [0.25, 4.0]}, []),
     ],
 )
