@@ -136,6 +136,7 @@ class _Run:
                 if why:
                     self.said.append(f"{each.day}: {why}")
         read = [row for f in sound[:first] if (row := rows[f.day]) is not None]
+        # one thread, here and below: the processes of the other valves have the other cores
         history = MissingPhysicsFinder(n_jobs=1, random_state=self.seed).history_of(read)
         learnt, reference = ([f.day for f in part] for part in (sound[:first], sound[first:]))
         self.store.save_history(self.watched.tag, self.epoch, history, learnt, reference)

@@ -68,7 +68,8 @@ def assessed(
             few_signals=few,
             history=problem.history is not None,
         )
-        made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds.leading)))
+        sized = "an effect whose size has no interval" if evidence.get("no_interval") else ""
+        made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds.leading) or sized))
     if verdict != "named":
         return made, verdict, []
     weak = [entry for entry in made if entry["grade"]["level"] == WEAK]

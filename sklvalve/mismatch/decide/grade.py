@@ -43,7 +43,7 @@ def grade_of(
     evidence : dict
         Of the entry: ``skill`` (share of the squared error beyond noise that the correction removes on rows
         ahead in time; None where not known), ``late`` (it begins too late for one), ``at_first`` (it acts in
-        the first rows alone) and ``vanishes`` (names of parameters).
+        the first rows alone), ``vanishes`` and ``no_interval`` (names of parameters).
     unchecked : str, default=""
         Why it was not checked how often such names hold.
 
@@ -63,7 +63,7 @@ def grade_of(
     elif level:
         # what is likely by its frequency stays named
         level = max(level - lowered, 1)
-    if grounds.may_vanish or evidence.get("at_first"):
+    if grounds.may_vanish or evidence.get("no_interval") or evidence.get("at_first"):
         level = 0
     return {"level": LEVELS[level], "reason": f"{reason[:1].upper()}{reason[1:]}."}
 
@@ -72,7 +72,9 @@ def _why(grounds: Grounds, evidence: dict[str, Any], level: int) -> str:
     """What speaks most against a finding; of a strong one, what speaks for it."""
     skill = evidence.get("skill")
     if grounds.may_vanish:
-        return f"no interval of its {_either(evidence['vanishes'])} excludes the value of no effect"
+        return f"the interval of its {_either(evidence['vanishes'])} includes the value of no effect"
+    if evidence.get("no_interval"):
+        return f"no interval of its {_either(evidence['no_interval'])} is known"
     if evidence.get("at_first"):
         return "it acts in the first rows only, and what happened before the recording is not known"
     if skill is not None and skill <= 0.0:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sklvalve.mismatch.decide.probability import vanishing
+from sklvalve.mismatch.decide.probability import vanishing, without_interval
 from sklvalve.mismatch.describe.intervals import interval_of
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.inference.hypothesis import Model, Term, parameter_values
@@ -54,6 +54,7 @@ def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> di
         "gain": float(f"{finding.gain:.4g}"),
         "runner_up": _runner_up(finding, explanations),
         "vanishes": vanishing(term.effect, entry["parameters"]),
+        "no_interval": without_interval(term.effect, entry["parameters"]),
         "at_bound": [q.name for q in term.effect.quantities(fitted.chain) if _at_bound(term, fitted, q)],
     }
     return entry

@@ -43,7 +43,26 @@ def test_an_interval_that_holds_zero_names_nothing():
     grounds = Grounds("flow_meter_bias", 1e-6, may_vanish=True)
     grade = _grade(0.95, grounds, vanishes=["bias"])
     assert grade["level"] == "weak"
-    assert grade["reason"] == "No interval of its bias excludes the value of no effect."
+    assert grade["reason"] == "The interval of its bias includes the value of no effect."
+
+
+def test_a_size_without_an_interval_names_nothing():
+    grade = _grade(0.95, no_interval=["leak_kv"])
+    assert grade["level"] == "weak"
+    assert grade["reason"] == "No interval of its leak Kv is known."
+
+
+def test_of_a_size_without_an_interval_no_frequency_is_told():
+    entry = _entry("flow_meter_bias")
+    entry["evidence"]["no_interval"] = ["bias"]
+    (weak,), verdict, reasons = assessed([entry], "named", 1e-5, AHEAD, [], _bench())
+    assert verdict == "cannot_tell"
+    assert weak["probability"] is None
+    assert reasons == ["Flow meter bias is too uncertain to be named: no interval of its bias is known."]
+    # a name beside it stays, with its frequency
+    (named,), verdict, _ = assessed([_entry(), entry], "named", 1e-5, AHEAD, [], _bench())
+    assert verdict == "named"
+    assert named["probability"] is not None
 
 
 def test_what_acts_in_the_first_rows_alone_is_no_name():
@@ -172,7 +191,7 @@ def test_the_verdict_is_taken_back_where_all_is_weak():
     _, verdict, reasons = assessed([weak], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "cannot_tell"
     assert reasons == [
-        "Flow meter bias is too uncertain to be named: no interval of its bias excludes the value of no "
+        "Flow meter bias is too uncertain to be named: the interval of its bias includes the value of no "
         "effect."
     ]
     entries, verdict, reasons = assessed([weak, _entry()], "named", 1e-5, AHEAD, [], _bench())
