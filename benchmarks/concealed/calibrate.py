@@ -36,6 +36,7 @@ from sklvalve.mismatch.decide.borne_out import Numbers, summed
 from sklvalve.mismatch.decide.probability import (
     Grounds,
     is_coarse,
+    left_over,
     log_odds_of_name,
     probability_of,
     vanishing,
@@ -43,11 +44,8 @@ from sklvalve.mismatch.decide.probability import (
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
 
 FRESH = Path(__file__).parent / "fresh"
-# not those named again_, whose records were judged before. So were the 62 of a file named later_: the numbers
-# that are in use count them twice, which moves no probability of these classes by more than 0.032
-OF_HISTORIES = "*/[!a]*_sklvalve_history.jsonl.gz"
-# judged by the numbers that are fitted here: they test them
-JUDGED_BY_THEM = ("seed_98128962", "within_22071526")
+# not those named again_ and later_, whose records were judged before
+OF_HISTORIES = "*/[!al]*_sklvalve_history.jsonl.gz"
 
 # the runs were judged before stretches counted: what is as strong has a p so many times as large now, as
 # `USUAL_P` says; of later runs it is 1
@@ -85,7 +83,7 @@ def told_of(runs, since=_SINCE_STRETCHES_COUNT):
 
 def grounds_of(line, entry, beside, since=_SINCE_STRETCHES_COUNT):
     """`Grounds` of an entry of a line of scores, its p-value taken `since` times."""
-    name, parameters = entry["members"][0]["name"], entry["parameters"]
+    name, parameters, evidence = entry["members"][0]["name"], entry["parameters"], entry.get("evidence")
     forms = [
         e
         for e in (*CATALOGUE, *EVENTS)
@@ -99,6 +97,8 @@ def grounds_of(line, entry, beside, since=_SINCE_STRETCHES_COUNT):
         may_vanish=bool(forms) and bool(vanishing(forms[0], parameters)),
         few_signals=few_signals(line),
         history=line.get("method") in WITH_HISTORY,
+        # the seven runs kept no evidence
+        left=left_over(evidence["gain"], evidence["skill"]) if evidence else None,
     )
 
 
@@ -117,9 +117,9 @@ def fitted_to(told):
     rows = np.array([[1.0, _others_say(each, held), *each.grounds.columns] for each in told])
     right = np.array([each.right for each in told], dtype=float)
     few = np.array([each.grounds.few_signals for each in told])
-    of_all = _logistic(rows[~few], right[~few], np.array([0.0, 1.0, *[0.0] * (rows.shape[1] - 2)]), _SPREAD)
+    of_all = logistic(rows[~few], right[~few], np.array([0.0, 1.0, *[0.0] * (rows.shape[1] - 2)]), _SPREAD)
     odds = np.stack([np.ones(few.sum()), rows[few] @ of_all], axis=1)
-    of_few = _logistic(odds, right[few], np.array([0.0, 1.0]), _SPREAD_OF_SLOPE)
+    of_few = logistic(odds, right[few], np.array([0.0, 1.0]), _SPREAD_OF_SLOPE)
     return Numbers(of_all[0], of_all[1], tuple(of_all[2:]), tuple(of_few), held)
 
 
@@ -130,9 +130,9 @@ def of_histories(told, numbers):
     rows, right = [], np.array([each.right for each in told], dtype=float)
     for each in told:
         others = replace(numbers, held=_without(each, together))
-        rows.append([1.0, logit(probability_of(replace(each.grounds, history=False), others))])
+        rows.append([1.0, logit(probability_of(replace(each.grounds, history=False, left=None), others))])
     # few records have histories: the sealed numbers are believed until these say otherwise
-    fitted = _logistic(np.array(rows), right, np.array([0.0, 1.0]), _SPREAD_OF_SLOPE, free=0)
+    fitted = logistic(np.array(rows), right, np.array([0.0, 1.0]), _SPREAD_OF_SLOPE, free=0)
     return replace(numbers, with_history=tuple(fitted), held_with_history=ours)
 
 
@@ -147,11 +147,11 @@ def _without(each, held):
     return held | {each.grounds.leading: (right - each.right, many - 1)}
 
 
-def _logistic(rows, right, about, spread, free=1):
-    """Coefficients of least log loss; the first, the intercept, is `free`, others have a prior."""
+def logistic(rows, right, about, spread, free=1, beside=0.0):
+    """Coefficients of least log loss `beside` known log odds; the first is `free`, others have a prior."""
 
     def loss(values):
-        odds, off = rows @ values, (values - about)[free:] / spread
+        odds, off = beside + rows @ values, (values - about)[free:] / spread
         return np.sum(np.logaddexp(0.0, odds) - right * odds) + 0.5 * off @ off
 
     return minimize(loss, about).x
@@ -226,7 +226,7 @@ def main(arguments=None):
 
 def sealed_histories():
     """Scores of the sealed draws with histories that the numbers are fitted to."""
-    return [file for file in sorted(FRESH.glob(OF_HISTORIES)) if file.parent.name not in JUDGED_BY_THEM]
+    return sorted(FRESH.glob(OF_HISTORIES))
 
 
 def print_histories(files, numbers):

@@ -3,6 +3,7 @@
 
 import json
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -16,8 +17,10 @@ from benchmarks.concealed.calibrate import (
     reported_anew,
     told_of,
 )
+from benchmarks.concealed.calibrate_left_over import fitted as fitted_to_what_is_left
+from benchmarks.concealed.calibrate_left_over import tried
 from benchmarks.concealed.report.reliability import by_chance, main, reliability_report
-from sklvalve.mismatch.decide.borne_out import Numbers
+from sklvalve.mismatch.decide.borne_out import SEALED, Numbers
 from sklvalve.mismatch.decide.probability import Grounds, probability_of
 
 
@@ -73,6 +76,19 @@ def test_classes_told_with_a_history_get_an_offset_and_a_slope():
         of_name = [each for each in told if each.grounds.leading == name]
         said = np.mean([probability_of(each.grounds, fitted) for each in of_name])
         assert said == pytest.approx(np.mean([each.right for each in of_name]), abs=0.05)
+
+
+def test_what_is_left_over_gets_an_offset_and_a_weight():
+    drawn = replace(SEALED, left_over=(0.6, -0.15))
+    rng, told = np.random.default_rng(5), []
+    for name in rng.choice(sorted(SEALED.held), 4000):
+        grounds = Grounds(str(name), 10.0 ** -rng.uniform(2.0, 6.0), left=float(rng.uniform(0.0, 22.0)))
+        told.append(Told("draw", grounds, (bool(rng.random() < probability_of(grounds, drawn)),)))
+    assert fitted_to_what_is_left(told) == pytest.approx((0.6, -0.15), abs=0.15)
+    halves = {"first": told[:2000], "second": told[2000:]}
+    said = {with_it: chain(*tried(halves, with_it).values()) for with_it in (False, True)}
+    loss = {w: np.mean([(p - right) ** 2 for p, right in pairs]) for w, pairs in said.items()}
+    assert loss[True] < loss[False]
 
 
 def test_counts_with_a_history_speak_of_recordings_with_one_only():

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from sklvalve.mismatch.decide.borne_out import SEALED
 from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
 from sklvalve.mismatch.decide.grade import WEAK, grade_of
-from sklvalve.mismatch.decide.probability import Grounds, is_coarse, probability_of
+from sklvalve.mismatch.decide.probability import Grounds, is_coarse, left_over, probability_of
 from sklvalve.mismatch.inference.origins import ORIGINS
 
 if TYPE_CHECKING:
@@ -67,6 +67,7 @@ def assessed(
             may_vanish=bool(evidence["vanishes"]),
             few_signals=few,
             history=problem.history is not None,
+            left=left_over(evidence["gain"], evidence["skill"]),
         )
         sized = "an effect whose size has no interval" if evidence.get("no_interval") else ""
         made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds.leading) or sized))

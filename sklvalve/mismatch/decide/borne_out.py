@@ -27,6 +27,9 @@ class Numbers:
         As `few_signals`, where the recording is held against a history of the valve.
     held_with_history : dict
         As `held`, of such recordings; they count beside those of `held`.
+    left_over : tuple of float
+        What is added to the log odds where it is known what a class leaves of its difference, and for each
+        nat that it leaves (`probability.left_over`).
     """
 
     intercept: float
@@ -36,6 +39,7 @@ class Numbers:
     held: dict[str, tuple[int, int]] = field(default_factory=dict)
     with_history: tuple[float, float] = (0.0, 1.0)
     held_with_history: dict[str, tuple[int, int]] = field(default_factory=dict)
+    left_over: tuple[float, float] = (0.0, 0.0)
 
     def held_by(self, history: bool) -> dict[str, tuple[int, int]]:
         """Leading name -> (classes that held the truth, classes), those with a history counted in or not."""
@@ -109,52 +113,56 @@ SEALED = Numbers(
         "viscous_flow": (15, 15),
         "wrong_characteristic": (31, 34),
     },
-    # of 555 classes told of 1179 sealed records with a history, 508 held a true name; printed by the same
+    # of 635 classes told of 1334 records with a history, 577 held a true name; printed by the same
     # command with --histories
-    with_history=(0.624, 0.813),
+    with_history=(0.548, 0.855),
     held_with_history={
-        "actuator_lag": (20, 24),
-        "actuator_leak": (6, 8),
-        "backlash": (33, 33),
-        "bypass_open": (23, 23),
-        "capacity_error": (3, 3),
-        "cavitation": (7, 12),
-        "choked_flow": (11, 13),
-        "clogging": (15, 15),
-        "dead_time": (29, 29),
-        "density_change": (25, 26),
-        "erosion": (8, 8),
-        "external_leakage": (23, 23),
-        "flashing": (1, 1),
+        "actuator_lag": (23, 26),
+        "actuator_leak": (8, 10),
+        "backlash": (37, 37),
+        "bypass_open": (27, 27),
+        "capacity_error": (3, 4),
+        "cavitation": (9, 15),
+        "choked_flow": (14, 16),
+        "clogging": (14, 14),
+        "dead_time": (32, 32),
+        "density_change": (31, 32),
+        "erosion": (10, 10),
+        "external_leakage": (28, 29),
+        "flashing": (3, 3),
         "flow_inertia": (1, 1),
-        "flow_meter_bias": (25, 29),
-        "flow_meter_drift": (3, 5),
-        "flow_meter_gain": (3, 3),
-        "friction": (1, 2),
-        "inlet_pressure_bias": (6, 7),
-        "line_loss": (7, 7),
-        "outlet_pressure_bias": (6, 7),
+        "flow_meter_bias": (29, 33),
+        "flow_meter_drift": (5, 7),
+        "flow_meter_gain": (6, 6),
+        "friction": (2, 3),
+        "inlet_pressure_bias": (7, 8),
+        "line_loss": (10, 10),
+        "outlet_pressure_bias": (8, 9),
         "piping_reducers": (5, 6),
-        "position_sensor_bias": (39, 42),
-        "position_sensor_gain": (30, 33),
+        "position_sensor_bias": (44, 48),
+        "position_sensor_gain": (33, 36),
         "positioner_characteriser": (14, 14),
-        "positioner_deadband": (19, 19),
-        "positioner_feedback_fault": (8, 10),
-        "presliding": (0, 1),
+        "positioner_deadband": (22, 22),
+        "positioner_feedback_fault": (9, 10),
+        "presliding": (1, 3),
         "rod_bend": (1, 1),
-        "seat_leakage": (17, 17),
+        "seat_leakage": (15, 15),
         "sedimentation": (3, 3),
         "sensor_lag": (18, 18),
-        "slew_limit": (13, 17),
-        "spring_fault": (2, 2),
-        "stiction": (18, 18),
+        "slew_limit": (12, 17),
+        "spring_fault": (2, 3),
+        "stiction": (19, 19),
         "stuck_valve": (6, 6),
-        "supply_pressure_drop": (2, 4),
+        "supply_pressure_drop": (3, 8),
         "tight_shutoff": (3, 3),
-        "transducer_fault": (8, 10),
-        "two_phase": (5, 5),
-        "viscosity_change": (5, 6),
+        "transducer_fault": (10, 14),
+        "two_phase": (7, 7),
+        "viscosity_change": (6, 7),
         "viscous_flow": (11, 13),
-        "wrong_characteristic": (25, 28),
+        "wrong_characteristic": (26, 30),
     },
+    # of 1,209 classes of 15 draws that the present core has judged, 101 of them wrong; printed by
+    # ``python -m benchmarks.concealed.calibrate_left_over``. By the numbers of the other draws it leaves, of
+    # classes with 0.6 or more, 1,088 right and 79 wrong; without it 1,098 and 93
+    left_over=(0.805, -0.1090),
 )

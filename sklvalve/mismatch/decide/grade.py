@@ -80,14 +80,14 @@ def _why(grounds: Grounds, evidence: dict[str, Any], level: int) -> str:
     if skill is not None and skill <= 0.0:
         return "including it does not lower the error on forecast rows"
     if level < LEVELS.index(STRONG):
-        return _weakest(grounds)
+        return _weakest(grounds, skill)
     words = "a difference this large is rare among healthy valves"
     if skill is None:
         return words
     return f"{words}, and the correction explains {100.0 * min(skill, 1.0):.0f} % of it on forecast rows"
 
 
-def _weakest(grounds: Grounds) -> str:
+def _weakest(grounds: Grounds, skill: float | None) -> str:
     """The fact that lowers the probability most."""
     right, many = SEALED.held.get(grounds.leading, (0, 0))
     rarity, beside, coarse, _ = np.multiply(SEALED.of_grounds, grounds.columns)
@@ -99,6 +99,11 @@ def _weakest(grounds: Grounds) -> str:
         "it was found beside a stronger finding": beside,
         "the recorded values are compressed or coarsely quantised": coarse,
     }
+    if grounds.left is not None and skill is not None:
+        words = (
+            f"the correction explains only {100.0 * max(skill, 0.0):.0f} % of the difference on forecast rows"
+        )
+        facts[words] = float(np.dot(SEALED.left_over, (1.0, grounds.left)))
     worst = min(facts, key=facts.__getitem__)
     return (
         "the opening or a pressure is not recorded"

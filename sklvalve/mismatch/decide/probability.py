@@ -19,6 +19,7 @@ import numpy as np
 
 from sklvalve.mismatch.decide.borne_out import SEALED, USUAL_P
 from sklvalve.mismatch.effects.base import Effect
+from sklvalve.mismatch.inference.posterior import temperature
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.borne_out import Numbers
@@ -52,6 +53,8 @@ class Grounds:
         Whether the opening or a pressure is not recorded.
     history : bool
         Whether the recording is held against a history of the valve.
+    left : float or None
+        What the class leaves of its difference, as `left_over` counts it; None where that is not known.
     """
 
     leading: str
@@ -61,12 +64,42 @@ class Grounds:
     may_vanish: bool = False
     few_signals: bool = False
     history: bool = False
+    left: float | None = None
 
     @property
     def columns(self) -> tuple[float, float, float, float]:
         """The facts as numbers, in the order of `Numbers.of_grounds`."""
         rarity = -np.log10(max(self.p_value, _LEAST_P)) + np.log10(USUAL_P)
         return float(rarity), float(self.beside), float(self.coarse), float(self.may_vanish)
+
+
+def left_over(gain: float, skill: float | None) -> float | None:
+    r"""What a correction leaves of a difference, in nats as the posterior counts them.
+
+    .. math:: \frac{(1 - s) G}{T}, \qquad T = 1 + 2 \kappa^2 G
+
+    A true cause leaves its noise, and of a large difference the share that its equation gets wrong. Another
+    one leaves what it cannot imitate.
+
+    Parameters
+    ----------
+    gain : float
+        G, the log likelihood that the explanation gains on none [nats].
+    skill : float or None
+        s, the share of the squared error beyond noise that the correction removes on forecast rows.
+
+    Returns
+    -------
+    left : float or None
+        At most 1 / (2 kappa^2) where the correction does no harm; None where no forecast was made.
+
+    Examples
+    --------
+    >>> from sklvalve.mismatch.decide.probability import left_over
+    >>> round(left_over(200.0, 0.95), 2), round(left_over(200.0, 0.3), 2)
+    (1.0, 14.0)
+    """
+    return None if skill is None else max(1.0 - skill, 0.0) * max(gain, 0.0) / temperature(gain)
 
 
 def is_coarse(data: list[dict[str, Any]]) -> bool:
@@ -153,4 +186,7 @@ def probability_of(grounds: Grounds, numbers: Numbers = SEALED) -> float:
     if grounds.history:
         offset, slope = numbers.with_history
         odds = offset + slope * odds
+    if grounds.left is not None:
+        offset, of_a_nat = numbers.left_over
+        odds += offset + of_a_nat * grounds.left
     return float(1.0 / (1.0 + np.exp(-odds)))

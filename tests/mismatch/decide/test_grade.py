@@ -10,7 +10,7 @@ from sklvalve.mismatch.constants import NAMED_FROM
 from sklvalve.mismatch.decide.assessing import assessed
 from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
 from sklvalve.mismatch.decide.grade import grade_of
-from sklvalve.mismatch.decide.probability import Grounds, probability_of
+from sklvalve.mismatch.decide.probability import Grounds, left_over, probability_of
 
 CLEAR = Grounds("dead_time", 1e-6)
 PLAIN = {"skill": 0.9, "vanishes": [], "at_bound": []}
@@ -37,6 +37,8 @@ def test_reasons_are_one_plain_sentence():
     assert coarse["reason"] == "The recorded values are compressed or coarsely quantised."
     few = _grade(0.7, Grounds("dead_time", 1e-4, few_signals=True))
     assert few["reason"] == "The opening or a pressure is not recorded."
+    left = _grade(0.7, Grounds("dead_time", 1e-6, left=16.0), skill=0.3)
+    assert left["reason"] == "The correction explains only 30 % of the difference on forecast rows."
 
 
 def test_an_interval_that_holds_zero_names_nothing():
@@ -156,7 +158,8 @@ AHEAD = {"flow": 0.8, "opening": None}
 def test_entries_of_a_checked_kind():
     (first, second), verdict, reasons = assessed([_entry(), _entry()], "named", 1e-5, AHEAD, [], _bench())
     assert (verdict, reasons) == ("named", [])
-    assert first["probability"] == pytest.approx(probability_of(Grounds("dead_time", 1e-5)), abs=1e-4)
+    grounds = Grounds("dead_time", 1e-5, left=left_over(100.0, 0.8))
+    assert first["probability"] == pytest.approx(probability_of(grounds), abs=1e-4)
     assert second["probability"] < first["probability"]
     assert sum(m["probability"] for m in first["members"]) == pytest.approx(first["probability"], abs=2e-4)
     assert first["members"][1]["probability"] / first["probability"] == pytest.approx(0.1, abs=2e-3)

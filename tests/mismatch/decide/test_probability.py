@@ -11,6 +11,7 @@ from sklvalve.mismatch.decide.borne_out import SEALED, USUAL_P, Numbers
 from sklvalve.mismatch.decide.probability import (
     Grounds,
     is_coarse,
+    left_over,
     log_odds_of_name,
     probability_of,
     vanishing,
@@ -47,6 +48,27 @@ def test_it_spreads():
     worst = Grounds("rod_bend", 0.01, beside=True, coarse=True)
     assert probability_of(worst) < 0.4 < probability_of(Grounds("friction", 1e-4)) < 0.8
     assert NAMED_FROM < 0.95 < probability_of(Grounds("dead_time", 1e-6))
+
+
+def test_what_a_class_leaves_of_its_difference_lowers_its_probability():
+    numbers = Numbers(1.0, 0.0, (0.0,) * 4, (0.0, 1.0), {"a": (1, 2)}, left_over=(0.5, -0.1))
+    said = probability_of(Grounds("a", USUAL_P, left=20.0), numbers)
+    assert said == pytest.approx(1.0 / (1.0 + np.exp(-(1.0 + 0.5 - 0.1 * 20.0))))
+    assert (
+        probability_of(replace(USUAL, left=20.0))
+        < probability_of(USUAL)
+        < probability_of(replace(USUAL, left=0.0))
+    )
+
+
+def test_what_is_left_by_hand():
+    # of 200 nats, of which a tenth counts: T = 1 + 2 * 0.15^2 * 200 = 10
+    assert left_over(200.0, 0.5) == pytest.approx(100.0 / 10.0)
+    assert left_over(200.0, 1.2) == 0.0
+    assert left_over(200.0, -0.1) == pytest.approx(220.0 / 10.0)
+    assert left_over(200.0, None) is None
+    # what an equation gets wrong of a large difference is no reason against it
+    assert left_over(20_000.0, 0.98) < left_over(200.0, 0.9)
 
 
 def test_names_of_the_table_are_those_of_the_catalogue():
