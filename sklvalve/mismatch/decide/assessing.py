@@ -32,7 +32,7 @@ def assessed(
     Parameters
     ----------
     entries : list of dict
-        As `verdict.effect_entry` makes them, the strongest first.
+        As `result.effect_entry` makes them, the strongest first.
     verdict : str
     p_value : float or None
     skills : dict
@@ -70,7 +70,7 @@ def assessed(
             left=left_over(evidence["gain"], evidence["skill"]),
         )
         sized = "an effect whose size has no interval" if evidence.get("no_interval") else ""
-        made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds.leading) or sized))
+        made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds) or sized))
     if verdict != "named":
         return made, verdict, []
     weak = [entry for entry in made if entry["grade"]["level"] == WEAK]
@@ -107,9 +107,10 @@ def _graded(entry: dict[str, Any], grounds: Grounds, evidence: dict[str, Any], k
     }
 
 
-def _never_led(name: str) -> str:
+def _never_led(grounds: Grounds) -> str:
     """Why it was not checked how often a name holds; empty where classes of blind tests were led by it."""
-    return "" if name in SEALED.held else "an effect that no blind test has named"
+    led = grounds.leading in SEALED.held_by(grounds.history)
+    return "" if led else "an effect that no blind test has named"
 
 
 def _doubt(entry: dict[str, Any]) -> str:

@@ -47,7 +47,10 @@ def unchecked(problem: Problem) -> str:
         (GasExpansion().possible(chain), "gas"),
         ("flow" not in recording or "command" not in recording, "recordings without flow or command"),
         (sum(role not in recording for role in _MAY_LACK) > 1, "recordings with so few signals"),
-        (not chain.trim.known, "valves without a data sheet of capacity and characteristic"),
+        (
+            valve.kv_rated is None or valve.characteristic is None,
+            "valves without a data sheet of capacity and characteristic",
+        ),
         (chain.electric or valve.supply_pressure is None, "actuators that are not driven by air"),
         (not low <= recording.sample_time <= high, f"rows {recording.sample_time:.3g} s apart"),
         (not ROWS[0] <= len(recording) <= ROWS[1], f"recordings of {len(recording)} rows"),

@@ -89,11 +89,12 @@ def _why(grounds: Grounds, evidence: dict[str, Any], level: int) -> str:
 
 def _weakest(grounds: Grounds, skill: float | None) -> str:
     """The fact that lowers the probability most."""
-    right, many = SEALED.held.get(grounds.leading, (0, 0))
+    held = SEALED.held_by(grounds.history)
+    right, many = held.get(grounds.leading, (0, 0))
     rarity, beside, coarse, _ = np.multiply(SEALED.of_grounds, grounds.columns)
     facts = {
         f"in blind tests {right} of {many} diagnoses that named this effect first were right": (
-            SEALED.of_name * log_odds_of_name(grounds.leading, SEALED.held)
+            SEALED.of_name * log_odds_of_name(grounds.leading, held)
         ),
         "a difference this large is not very rare among healthy valves": rarity,
         "it was found beside a stronger finding": beside,

@@ -8,6 +8,7 @@ import pytest
 
 from sklvalve.mismatch.constants import NAMED_FROM
 from sklvalve.mismatch.decide.assessing import assessed
+from sklvalve.mismatch.decide.borne_out import SEALED
 from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
 from sklvalve.mismatch.decide.grade import grade_of
 from sklvalve.mismatch.decide.probability import Grounds, left_over, probability_of
@@ -33,6 +34,10 @@ def test_reasons_are_one_plain_sentence():
     friction = _grade(0.7, Grounds("friction", 1e-4))["reason"]
     assert friction.startswith("In blind tests ")
     assert "diagnoses that named this effect first were right" in friction
+    seen = _grade(0.7, Grounds("friction", 1e-4, history=True))["reason"]
+    right, many = SEALED.held_by(True)["friction"]
+    assert f"{right} of {many} diagnoses" in seen
+    assert seen != friction
     coarse = _grade(0.7, Grounds("dead_time", 1e-4, coarse=True))
     assert coarse["reason"] == "The recorded values are compressed or coarsely quantised."
     few = _grade(0.7, Grounds("dead_time", 1e-4, few_signals=True))
@@ -110,8 +115,11 @@ def _bench(
     recording = Signals({role: None for role in roles if role not in lacks})
     recording.pieces, recording.sample_time = pieces, seconds
     recording.time = seconds * np.arange(rows)
-    valve = SimpleNamespace(fluid=dict.fromkeys(fluid, 1.0), supply_pressure=supply)
-    chain = SimpleNamespace(trim=SimpleNamespace(known=known), electric=electric, valve=valve)
+    sheet = {"kv_rated": 40.0, "characteristic": "linear" if known else None}
+    valve = SimpleNamespace(fluid=dict.fromkeys(fluid, 1.0), supply_pressure=supply, **sheet)
+    # without a pressure drop the trim is learnt, whatever the sheet gives
+    trim = SimpleNamespace(known=known and not lacks)
+    chain = SimpleNamespace(trim=trim, electric=electric, valve=valve)
     return SimpleNamespace(recording=recording, plain=chain, valve=valve, history=history)
 
 
