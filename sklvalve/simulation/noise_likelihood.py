@@ -21,7 +21,7 @@ _BASE, _SHARE, _TIMING, _FAST_TIME, _FAST, _SLOW_TIME, _SLOW = range(_MANY)
 # a part of so small a share of its usual size is as good as none, and none is so many times as large
 _AS_GOOD_AS_NONE, _LARGEST = 1e-7, 1e12
 # of the logarithms: weak priors keep parts that are not there from running off
-_SPREAD = 5.0
+_SPREAD = 2.0
 _OPTIONS = {"maxiter": 60, "ftol": 1e-7}
 # logarithms beside those of the usual parts at which the ascent begins: noise that grows with the signal, and
 # a wander that is quick and large. Of 556 fits one ended lower from there than a simplex did by more
