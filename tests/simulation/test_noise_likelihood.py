@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from sklvalve.simulation.noise import NoiseModel
+from sklvalve.simulation.noise_likelihood import _SPREAD as SPREAD
 from sklvalve.simulation.noise_likelihood import PARTS, Bounds, likeliest, loss_and_slopes
 from sklvalve.simulation.robust import robust_cost
 
@@ -60,7 +61,7 @@ def test_no_part_beside_the_likeliest_is_likelier(seed):
     found = likeliest(USUAL, FREE, 0.0, rows)
 
     def cost(parts):
-        return loss_and_slopes(parts, *rows)[0] + np.sum(np.log(parts / USUAL) ** 2) / 50.0
+        return loss_and_slopes(parts, *rows)[0] + np.sum(np.log(parts / USUAL) ** 2) / (2.0 * SPREAD**2)
 
     least = cost(found)
     for i in range(len(PARTS)):
