@@ -63,7 +63,7 @@ class LSSVMRegressorCV(MultiOutputMixin, RegressorMixin, BaseEstimator):
         Scores of all pairs, on at most 2,000 rows; NaN where C is too large for the kernel. The best five of
         C are compared again on all rows.
     estimator_ : LSSVMRegressor
-        Fitted to all rows.
+        Fitted to all rows; its ``solver_``, ``gamma_``, ``residual_`` and ``n_iter_`` say how.
     dual_coef_, intercept_, X_fit_
         Of `estimator_`.
     n_features_in_ : int

@@ -79,24 +79,28 @@ class MissingPhysicsFinder(BaseEstimator):
         A `ValveSimulation` brings its own sheet, tolerance and effects, with their onsets. It is calibrated
         again, fitted or not. Its effects are calibrated too and are no candidates.
 
-        Of a regressor, or a function of the recording, only the prediction is used, as if the recording had
-        it as the column ``simulated_flow``, or ``simulated_opening`` where no flow is recorded. Effects then
-        change this prediction. Only gain, zeros, response and a trim within its tolerance are calibrated.
+        A regressor gets the roles that it was fitted to (``feature_names_in_``; else those recorded of
+        command, opening, p1, p2, temperature, in this order), in SI. A function gets the `Recording`, and
+        returns one number a row, or a dict of such arrays by role, ``flow`` [m3/s] and ``opening`` [1].
+        Only the prediction is used, as if the recording had it as the column ``simulated_flow``, or
+        ``simulated_opening`` where no flow is recorded. Effects then change this prediction. Only gain,
+        zeros, response, and trim and F_L within their tolerances are calibrated; there is no probability.
     effects : "all", str or sequence of str and effects, default="all"
         Names of the effects to be considered, and effects of your own; ``"all"`` among them adds the whole
         catalogue.
     alpha : float, default=0.01
-        Level of the test for any mismatch at all, for the whole recording.
+        Level of the main test for any mismatch, for the whole recording. Looks for cycles, pulses and late
+        events have levels of their own: together they alarm more often (:doc:`/validation`).
     tolerance : Tolerance, default=None
         What a data sheet leaves open, and from which size on an effect counts; goes before that of
         `simulation`.
     max_effects : int, default=4
         Largest number of effects at once.
     evidence : float, default=15.0
-        Log likelihood that an effect must add beyond the price of its parameters.
+        Log likelihood that an effect must add beyond the penalty of its parameters [nats].
     search_rows : int or None, default=16384
         In a recording with many more rows the search is done on so many, in stretches spread evenly over it;
-        what it finds is fitted to all rows, and proven on them. None searches all rows always.
+        what it finds is fitted to all rows, and then forecast. None searches all rows always.
     n_jobs : int or None, default=None
         Threads that fit explanations side by side, counted as joblib counts (-1: all cores); None takes the
         cores, at most four. The diagnosis does not depend on it. Give 1 where recordings run in parallel.
@@ -186,6 +190,8 @@ class MissingPhysicsFinder(BaseEstimator):
         Parameters
         ----------
         X : Recording, DataFrame with role names as columns, in SI, or list of these
+            Roles are command, opening, p1, p2, temperature, flow; a data frame needs a column or an index
+            ``time``, and brings no data sheet: its trim is learnt, and names have no probability.
             Several recordings of one valve share its physics, and each has its own noise
             (`sklvalve.recording.join_recordings` says how they are laid out in time).
         y : ignored

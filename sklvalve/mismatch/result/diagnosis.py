@@ -61,7 +61,7 @@ class Diagnosis:
 
     @property
     def effects(self) -> tuple[tuple[str, ...], ...]:
-        """Names of the effects found, each class as a tuple, the most probable member first."""
+        """Names that are given, under ``cannot_tell`` candidates: a tuple a class, the likeliest first."""
         return tuple(tuple(m["name"] for m in e["members"]) for e in self.content["effects"])
 
     @property
