@@ -23,7 +23,7 @@ from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
-from sklvalve.mismatch.data.preparation import asks_all, candidates, lasting, prepared_problem, rows_to_use
+from sklvalve.mismatch.data.preparation import candidates, lasting, prepared_problem, rows_to_use
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.behind import judged_behind
 from sklvalve.mismatch.decide.compare import compared
@@ -397,7 +397,6 @@ class MissingPhysicsFinder(BaseEstimator):
             {} if mend else fit_entries(problem, whole, judged, forward, flagged, seed),
             data=data,
             not_testable=not_testable,
-            whole_catalogue=asks_all(self.effects),
             alpha=float(self.alpha),
             random_state=seed,
             mend=mend or spoilt,

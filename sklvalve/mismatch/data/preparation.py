@@ -244,11 +244,6 @@ def candidates(
     return testable, _not_testable(problem.plain, testable, untestable)
 
 
-def asks_all(wanted: str | Iterable[str | Effect]) -> bool:
-    """Whether the whole catalogue is asked, effects of the caller's own beside it or not."""
-    return set(_NAMES) <= _asked(wanted)[1]
-
-
 def _asked(wanted: str | Iterable[str | Effect]) -> tuple[tuple[Effect, ...], set[str]]:
     """Effects of the catalogue and the caller's own, and the names of those to be considered."""
     wanted = [wanted] if isinstance(wanted, str) else list(wanted)

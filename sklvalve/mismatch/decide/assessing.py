@@ -6,7 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from sklvalve.mismatch.decide.borne_out import SEALED
-from sklvalve.mismatch.decide.checked_kind import few_signals
+from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
 from sklvalve.mismatch.decide.grade import WEAK, grade_of
 from sklvalve.mismatch.decide.probability import Grounds, is_coarse, left_over, probability_of
 from sklvalve.mismatch.inference.origins import ORIGINS
@@ -26,7 +26,6 @@ def assessed(
     skills: dict[str, float | None],
     data: list[dict[str, Any]],
     problem: Problem,
-    kind: str,
 ) -> tuple[list[dict[str, Any]], str, list[str]]:
     """Entries of diagnosis.json with how sure they are, and the verdict that this leaves.
 
@@ -42,9 +41,6 @@ def assessed(
     data : list of dict
         Findings of `screen_recording`.
     problem : Problem
-    kind : str
-        Why it was not checked how often names hold on such recordings, as `checked_kind.unchecked` says it;
-        empty where it was.
 
     Returns
     -------
@@ -59,7 +55,7 @@ def assessed(
     """
     if not entries:
         return entries, verdict, []
-    few, coarse = few_signals(problem.recording), is_coarse(data)
+    kind, few, coarse = unchecked(problem), few_signals(problem.recording), is_coarse(data)
     made = []
     for k, entry in enumerate(entries):
         evidence = _evidence(entry, skills, problem.recording)

@@ -12,7 +12,6 @@ import numpy as np
 import sklvalve
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.assessing import assessed
-from sklvalve.mismatch.decide.checked_kind import unchecked
 from sklvalve.mismatch.decide.dated import change_entry
 from sklvalve.mismatch.decide.kinds import kind_of_class, with_kinds
 from sklvalve.mismatch.decide.reasons import reasons_of
@@ -91,7 +90,6 @@ def content_of(
     *,
     data: list[dict],
     not_testable: list[dict],
-    whole_catalogue: bool,
     alpha: float,
     random_state: int,
     mend: str | None,
@@ -99,17 +97,13 @@ def content_of(
 ) -> dict[str, Any]:
     """The plain data of diagnosis.json, schema ``sklvalve.diagnosis/1``.
 
-    `mend` is what to do to the data, and `plan` the next test, where there is one. `whole_catalogue` says
-    whether all effects were asked.
+    `mend` is what to do to the data, and `plan` the next test, where there is one.
     """
     entries = [with_kinds(effect_entry(f, whole, problem), f) for f in judgement.findings]
     # forecasts of the rows used: those kept for the final figures must decide nothing
     seen = () if judgement.referee is None else judgement.referee.compared
     ahead = skills_ahead(problem, seen)
-    kind = unchecked(problem) or ("" if whole_catalogue else "a part of the catalogue")
-    entries, verdict, doubts = assessed(
-        entries, judgement.verdict, judgement.p_value, ahead, data, problem, kind
-    )
+    entries, verdict, doubts = assessed(entries, judgement.verdict, judgement.p_value, ahead, data, problem)
     asked = _asked(judgement, entries, verdict, alpha)
     judgement = replace(judgement, verdict=verdict)
     unexplained = _unexplained(judgement)

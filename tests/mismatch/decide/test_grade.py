@@ -62,12 +62,12 @@ def test_a_size_without_an_interval_names_nothing():
 def test_of_a_size_without_an_interval_no_frequency_is_told():
     entry = _entry("flow_meter_bias")
     entry["evidence"]["no_interval"] = ["bias"]
-    (weak,), verdict, reasons = _assessed([entry], "named", 1e-5, AHEAD, [], _bench())
+    (weak,), verdict, reasons = assessed([entry], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "cannot_tell"
     assert weak["probability"] is None
     assert reasons == ["Flow meter bias is too uncertain to be named: no interval of its bias is known."]
     # a name beside it stays, with its frequency
-    (named,), verdict, _ = _assessed([_entry(), entry], "named", 1e-5, AHEAD, [], _bench())
+    (named,), verdict, _ = assessed([_entry(), entry], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "named"
     assert named["probability"] is not None
 
@@ -160,15 +160,11 @@ def _entry(name="dead_time", vanishes=(), onset=None):
     }
 
 
-def _assessed(entries, verdict, p_value, ahead, data, problem):
-    return assessed(entries, verdict, p_value, ahead, data, problem, unchecked(problem))
-
-
 AHEAD = {"flow": 0.8, "opening": None}
 
 
 def test_entries_of_a_checked_kind():
-    (first, second), verdict, reasons = _assessed([_entry(), _entry()], "named", 1e-5, AHEAD, [], _bench())
+    (first, second), verdict, reasons = assessed([_entry(), _entry()], "named", 1e-5, AHEAD, [], _bench())
     assert (verdict, reasons) == ("named", [])
     grounds = Grounds("dead_time", 1e-5, left=left_over(100.0, 0.8))
     assert first["probability"] == pytest.approx(probability_of(grounds), abs=1e-4)
@@ -180,13 +176,13 @@ def test_entries_of_a_checked_kind():
 
 
 def test_what_begins_late_has_no_skill():
-    (entry,), _, _ = _assessed([_entry(onset=2990.0)], "named", 1e-5, {"flow": 0.0}, [], _bench())
+    (entry,), _, _ = assessed([_entry(onset=2990.0)], "named", 1e-5, {"flow": 0.0}, [], _bench())
     assert entry["evidence"]["late"]
     assert entry["evidence"]["skill"] is None
 
 
 def test_entries_of_another_kind_have_a_grade_alone():
-    (entry,), verdict, _ = _assessed([_entry()], "named", 1e-5, AHEAD, [], _bench(known=False))
+    (entry,), verdict, _ = assessed([_entry()], "named", 1e-5, AHEAD, [], _bench(known=False))
     assert entry["probability"] is None
     assert [m["probability"] for m in entry["members"]] == [None, None]
     assert (entry["grade"]["level"], verdict) == ("strong", "named")
@@ -195,7 +191,7 @@ def test_entries_of_another_kind_have_a_grade_alone():
 def test_an_effect_that_no_blind_test_has_named_has_no_probability():
     own = _entry()
     own["members"][0]["name"] = "worn_groove"
-    (entry,), _, _ = _assessed([own], "named", 1e-5, AHEAD, [], _bench())
+    (entry,), _, _ = assessed([own], "named", 1e-5, AHEAD, [], _bench())
     assert entry["probability"] is None
     assert [member["probability"] for member in entry["members"]] == [None] * len(entry["members"])
     assert "was not checked for an effect that no blind test has named" in entry["grade"]["reason"]
@@ -203,16 +199,16 @@ def test_an_effect_that_no_blind_test_has_named_has_no_probability():
 
 def test_the_verdict_is_taken_back_where_all_is_weak():
     weak = _entry("flow_meter_bias", ["bias"])
-    _, verdict, reasons = _assessed([weak], "named", 1e-5, AHEAD, [], _bench())
+    _, verdict, reasons = assessed([weak], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "cannot_tell"
     assert reasons == [
         "Flow meter bias is too uncertain to be named: the interval of its bias includes the value of no "
         "effect."
     ]
-    entries, verdict, reasons = _assessed([weak, _entry()], "named", 1e-5, AHEAD, [], _bench())
+    entries, verdict, reasons = assessed([weak, _entry()], "named", 1e-5, AHEAD, [], _bench())
     assert verdict == "named"
     assert [entry["members"][0]["name"] for entry in entries] == ["dead_time"]
     assert reasons[0].startswith("Flow meter bias is too uncertain")
-    (entry,), _, _ = _assessed([_entry() | {"spells": [[0.0, 30.0]]}], "named", 1e-5, AHEAD, [], _bench())
+    (entry,), _, _ = assessed([_entry() | {"spells": [[0.0, 30.0]]}], "named", 1e-5, AHEAD, [], _bench())
     assert entry["grade"]["level"] == "weak"
-    assert _assessed([], "no_mismatch", 0.5, {}, [], _bench()) == ([], "no_mismatch", [])
+    assert assessed([], "no_mismatch", 0.5, {}, [], _bench()) == ([], "no_mismatch", [])
