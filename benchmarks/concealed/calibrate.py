@@ -42,6 +42,7 @@ from sklvalve.mismatch.decide.probability import (
     vanishing,
 )
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS
+from sklvalve.mismatch.inference.origins import ORIGINS
 
 FRESH = Path(__file__).parent / "fresh"
 # not those named again_ and later_, whose records were judged before
@@ -97,9 +98,14 @@ def grounds_of(line, entry, beside, since=_SINCE_STRETCHES_COUNT):
         may_vanish=bool(forms) and bool(vanishing(forms[0], parameters)),
         few_signals=few_signals(line),
         history=line.get("method") in WITH_HISTORY,
-        # the seven runs kept no evidence
-        left=left_over(evidence["gain"], evidence["skill"]) if evidence else None,
+        left=left_over(evidence["gain"], evidence["skill"]) if _is_forecast(line, entry) else None,
     )
+
+
+def _is_forecast(line, entry):
+    """Whether it is known how every forecast did with an effect; the seven runs kept no evidence."""
+    begins = entry.get("onset") or 0.0
+    return "evidence" in entry and begins < ORIGINS[0] * line["truth"]["duration"]
 
 
 def held_by_name(told):

@@ -67,7 +67,7 @@ def assessed(
             may_vanish=bool(evidence["vanishes"]),
             few_signals=few,
             history=problem.history is not None,
-            left=left_over(evidence["gain"], evidence["skill"]),
+            left=_left(entry, evidence, problem.recording),
         )
         sized = "an effect whose size has no interval" if evidence.get("no_interval") else ""
         made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds) or sized))
@@ -82,7 +82,7 @@ def assessed(
 
 def _evidence(entry: dict[str, Any], skills: dict[str, float | None], recording: Recording) -> dict[str, Any]:
     """Evidence of an entry, with its skill on rows ahead and whether it begins too late for one."""
-    late = _is_late(entry, recording)
+    late = _begins_behind(entry, recording, ORIGINS[-2])
     return {
         **entry["evidence"],
         "skill": None if late else _skill(entry, skills),
@@ -127,11 +127,17 @@ def _skill(entry: dict[str, Any], skills: dict[str, float | None]) -> float | No
     return max((skill for skill in known if skill is not None), default=None)
 
 
-def _is_late(entry: dict[str, Any], recording: Recording) -> bool:
-    """Whether a finding begins behind the last origin of the forecasts, which cannot know of it."""
+def _left(entry: dict[str, Any], evidence: dict[str, Any], recording: Recording) -> float | None:
+    """What a finding leaves over; None where it begins behind an origin, whose forecast cannot know of it."""
+    known = not _begins_behind(entry, recording, ORIGINS[0])
+    return left_over(evidence["gain"], evidence["skill"]) if known else None
+
+
+def _begins_behind(entry: dict[str, Any], recording: Recording, origin: float) -> bool:
+    """Whether a finding begins behind an origin of the forecasts."""
     if entry["onset"] is None:
         return False
-    return bool(entry["onset"] >= recording.time[int(ORIGINS[-2] * len(recording))] - recording.time[0])
+    return bool(entry["onset"] >= recording.time[int(origin * len(recording))] - recording.time[0])
 
 
 def _is_at_first(entry: dict[str, Any], recording: Recording) -> bool:

@@ -54,7 +54,8 @@ class Grounds:
     history : bool
         Whether the recording is held against a history of the valve.
     left : float or None
-        What the class leaves of its difference, as `left_over` counts it; None where that is not known.
+        What the class leaves of its difference, as `left_over` counts it; None where that is not known, as
+        of an effect that begins behind an origin of the forecasts.
     """
 
     leading: str

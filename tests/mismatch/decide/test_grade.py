@@ -163,6 +163,14 @@ def _entry(name="dead_time", vanishes=(), onset=None):
 AHEAD = {"flow": 0.8, "opening": None}
 
 
+def test_what_begins_behind_an_origin_is_not_judged_by_what_forecasts_leave():
+    ahead = {"flow": 0.1, "opening": None}
+    (first,), _, _ = assessed([_entry(onset=600.0)], "named", 1e-5, ahead, [], _bench())
+    (later,), _, _ = assessed([_entry(onset=1500.0)], "named", 1e-5, ahead, [], _bench())
+    assert first["probability"] < later["probability"]
+    assert later["probability"] == pytest.approx(probability_of(Grounds("dead_time", 1e-5)), abs=1e-4)
+
+
 def test_entries_of_a_checked_kind():
     (first, second), verdict, reasons = assessed([_entry(), _entry()], "named", 1e-5, AHEAD, [], _bench())
     assert (verdict, reasons) == ("named", [])
