@@ -98,14 +98,14 @@ def grounds_of(line, entry, beside, since=_SINCE_STRETCHES_COUNT):
         may_vanish=bool(forms) and bool(vanishing(forms[0], parameters)),
         few_signals=few_signals(line),
         history=line.get("method") in WITH_HISTORY,
-        left=left_over(evidence["gain"], evidence["skill"]) if _is_forecast(line, entry) else None,
+        left=left_over(evidence["gain"], evidence["skill"]) if _is_forecast(line, entry, beside) else None,
     )
 
 
-def _is_forecast(line, entry):
+def _is_forecast(line, entry, beside):
     """Whether it is known how every forecast did with an effect; the seven runs kept no evidence."""
     begins = entry.get("onset") or 0.0
-    return "evidence" in entry and begins < ORIGINS[0] * line["truth"]["duration"]
+    return "evidence" in entry and not beside and begins < ORIGINS[0] * line["truth"]["duration"]
 
 
 def held_by_name(told):

@@ -55,7 +55,7 @@ class Grounds:
         Whether the recording is held against a history of the valve.
     left : float or None
         What the class leaves of its difference, as `left_over` counts it; None where that is not known, as
-        of an effect that begins behind an origin of the forecasts.
+        of an effect that begins behind an origin of the forecasts, or stands beside a stronger finding.
     """
 
     leading: str
