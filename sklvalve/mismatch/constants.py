@@ -3,10 +3,10 @@
 
 #: No p-value is told below this: no model of noise and no reference is that good.
 LEAST_P_VALUE = 1e-12
-#: Share of an effect that its simulation gets wrong along the difference to another effect [1], the same as
-#: `SHARE_MISTAKEN`, where each explanation is judged by the noise that it leaves. With 0.10, 6 of 100
-#: records of a sealed draw lost the truth (benchmarks/NOTES_OF_TRIALS.md). Larger: classes hold more names.
-#: Smaller: classes leave out true names.
+#: Share of an effect that its simulation gets wrong [1]: along the difference to another effect, where each
+#: is judged by the noise that it leaves, and of the size of most effects. With 0.10, 6 of 100 records of a
+#: sealed draw lost the truth (benchmarks/NOTES_OF_TRIALS.md). Larger: classes hold more names, and what is
+#: found must be larger. Smaller: classes leave out true names.
 SHARE_WRONG = 0.15
 #: The same by a noise that is common to what is compared, as with times at which one effect may begin, or
 #: with tests that are planned [1]. Intervals of onsets hold 95 % with it. Larger: wider intervals, fewer

@@ -6,9 +6,10 @@ of fifty. So no textbook law says how strong evidence gets by chance. Healthy re
 through the whole search, and the p-value is the share of them that looked as far from their simulation
 (quantiles of theirs, and beyond these a fitted tail: `null_reference`).
 
-`mismatch_p_value` is the one that a diagnosis reports. `judging` takes less where a pattern without an effect
-has a law of its own that says less: events, a cycle, slow error that noise does not allow, a straying stem,
-pulses.
+`mismatch_p_value` is the main one. A diagnosis reports the smallest of it and of those that have laws of
+their own: a cycle, slow error that noise does not allow, a straying stem, pulses, events (`judging`), the
+last rows (`late`), a change without a name (`dated`), what lies behind a property (`behind`), a black box
+(`referee`). It reports none where the data may have made the difference (`suppression`).
 """
 
 from __future__ import annotations

@@ -210,6 +210,11 @@ def without(rules: Iterable[Rule], names: Iterable[str]) -> tuple[Rule, ...]:
     return tuple(rule for rule in rules if rule.name not in tuple(names))
 
 
+def without_pattern(rules: Iterable[Rule]) -> tuple[Rule, ...]:
+    """Rules without the outcome of `nameless`, of a pattern that was taken back."""
+    return tuple(rule for rule in rules if rule.name != "residual" or rule.value is not None)
+
+
 def percent(share: float) -> str:
     """A share in percent, as far as it is worth telling."""
     if share == float("inf"):

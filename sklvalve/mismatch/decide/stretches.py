@@ -11,6 +11,7 @@ import numpy as np
 from sklvalve.mismatch.data.gathering import without_settling
 from sklvalve.mismatch.decide.detect import mismatch_p_value
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
+from sklvalve.mismatch.decide.rules import without_pattern
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.residual.pulses import find_pulses
@@ -105,7 +106,9 @@ def _seen_in_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Jud
     judged = replace(judged, strays=strays, pulses=pulses)
     if strays is None and pulses is None and judged.evidence is not None:
         # seen in a few stretches and not in all rows: what else there was decides, as it did before
-        return replace(judged, verdict="no_mismatch", p_value=mismatch_p_value(judged.evidence))
+        asked = without_pattern(judged.rules)
+        p_value = mismatch_p_value(judged.evidence)
+        return replace(judged, verdict="no_mismatch", p_value=p_value, rules=asked)
     return judged
 
 

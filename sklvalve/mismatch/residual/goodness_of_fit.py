@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.constants import LEAST_P_VALUE, TIMES_ALLOWED
-from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN
+from sklvalve.mismatch.constants import LEAST_P_VALUE, SHARE_WRONG, TIMES_ALLOWED
 from sklvalve.mismatch.search.screening import FITTED, screened
 from sklvalve.mismatch.signals.steady import drivers_of, steady_floor
 from sklvalve.recording.dead_bands import step_of
@@ -206,7 +205,7 @@ def left_over(problem: Problem, model: Model, nominal: Model) -> LeftOver | None
     if problem.history is not None:
         # what the healthy valve left over is no mismatch, whatever made it
         noise = max(noise, problem.history.left("flow") / span)
-    parts = noise, _INADEQUACY * problem.least("flow"), SHARE_MISTAKEN * explained
+    parts = noise, _INADEQUACY * problem.least("flow"), SHARE_WRONG * explained
     allowed, size = float(np.sqrt(np.sum(np.square(parts)))), _rms(slow)
     return LeftOver("flow", size, noise, allowed, effective_number(slow))
 

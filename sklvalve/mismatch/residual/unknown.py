@@ -54,18 +54,6 @@ class Unknown:
     period: float | None = None
 
 
-def find_unknown(
-    problem: Problem,
-    model: Model,
-    *,
-    alpha: float,
-    random_state: int = 0,
-    channels: Sequence[str] | None = None,
-) -> Unknown | None:
-    """The predictable rest alone, as `look_for_residual` finds it; None where there is none."""
-    return look_for_residual(problem, model, alpha=alpha, random_state=random_state, channels=channels)[0]
-
-
 def look_for_residual(
     problem: Problem,
     model: Model,

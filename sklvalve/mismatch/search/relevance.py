@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.inference.hypothesis import Model, Term, parameter_values, penalised_likelihood
-from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.search.scatter import gain_in_spreads
 from sklvalve.simulation import Tolerance
 
 if TYPE_CHECKING:
@@ -54,10 +55,10 @@ def is_relevant(problem: Problem, model: Model, without: Model, threshold: float
         return True
     bare = problem.fit((), start=without)
     strongest = problem.change(without, problem.baseline(without, (), bare))
-    fair = any(sizes[c] > SHARE_MISTAKEN * strongest[c] for c in large)
+    fair = any(sizes[c] > SHARE_WRONG * strongest[c] for c in large)
     if large != ["opening"]:
         # or in gain, which counts how long it acts as well; where a stroke is missed, its rest repeats it
-        fair |= gain > SHARE_MISTAKEN**2 * (without.log_likelihood - bare.log_likelihood)
+        fair |= gain > SHARE_WRONG**2 * (without.log_likelihood - bare.log_likelihood)
     return fair and gain_in_spreads(problem, model, without) >= SPREADS
 
 
@@ -114,7 +115,7 @@ def beyond_tolerance(problem: Problem, model: Model, term: Term) -> bool:
     """
     # what is there throughout a recording, and was not in the valve's history, began between them
     late = term.onset is not None or problem.history is not None
-    edge = {f.name: (1.0 + SHARE_MISTAKEN) * getattr(problem.tolerance, f.name) for f in fields(Tolerance)}
+    edge = {f.name: (1.0 + SHARE_WRONG) * getattr(problem.tolerance, f.name) for f in fields(Tolerance)}
     return term.effect.beyond_tolerance(parameter_values(term, model), model.chain, Tolerance(**edge), late)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.search.onset import losses_of, row_losses
 from sklvalve.simulation.robust import robust_weights
@@ -15,8 +16,6 @@ from sklvalve.simulation.robust import robust_weights
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
 
-# what a simulation gets wrong of most effects, share of their size
-SHARE_MISTAKEN = 0.15
 # stretches are longer than whatever a valve remembers, and so many that a few make a scatter
 _STRETCH = 60.0
 _FEWEST, _MOST = 16, 96
@@ -108,7 +107,7 @@ class OverTime:
         gain = model.log_likelihood - without.log_likelihood
         if not np.any(information):
             return cls()
-        expected = information.sum() + SHARE_MISTAKEN**2 * np.sum(information**2)
+        expected = information.sum() + SHARE_WRONG**2 * np.sum(information**2)
         # of the information, as if each held the same
         stretches = information.sum() ** 2 / np.sum(information**2)
         of_rows = np.clip(np.nansum(losses) / gain, 0.0, 1.0) if gain > 0.0 else 1.0

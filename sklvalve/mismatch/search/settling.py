@@ -6,12 +6,13 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.search.intermittent import intermittent
 from sklvalve.mismatch.search.onset import fit_with_onset
 from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, penalised_across_noises
 from sklvalve.mismatch.search.relevance import SPREADS
-from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, gain_in_spreads
+from sklvalve.mismatch.search.scatter import gain_in_spreads
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -56,7 +57,7 @@ def _throughout_if_likelier(problem: Problem, model: Model) -> tuple[Problem, Mo
     if gained < 0.0:
         return by_its_noise, throughout
     bare = problem.fit(others, start=model)
-    little = gained < SHARE_MISTAKEN * (model.log_likelihood - bare.log_likelihood)
+    little = gained < SHARE_WRONG * (model.log_likelihood - bare.log_likelihood)
     if little and gain_in_spreads(problem, model, problem.judged(throughout)) < SPREADS:
         return by_its_noise, throughout
     return problem, model

@@ -9,7 +9,7 @@ import pytest
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.data.preparation import prepared_problem
-from sklvalve.mismatch.decide import stretches
+from sklvalve.mismatch.decide import rules, stretches
 from sklvalve.mismatch.decide.detect import Evidence, covariates_of
 from sklvalve.mismatch.decide.judgement import Judgement
 from sklvalve.mismatch.decide.stretches import STRETCH, over_the_whole, stretches_of
@@ -102,10 +102,12 @@ def test_rows_that_stretches_show_are_asked_for_in_the_whole(leaky, monkeypatch)
         assert (found.verdict, found.p_value) == ("cannot_tell", 0.005)
         assert len(getattr(found, name).rows) == len(leaky)
         assert flagged_rows(whole, found).all()
-    # what the whole does not show, for all its rows, was chance in a few
+    # what the whole does not show, for all its rows, was chance in a few: its rule is taken back with it
     monkeypatch.undo()
+    asked = (rules.rarity(0.005, 0.01), rules.nameless("It hunts."))
     for name, one in SEEN.items():
-        found = over_the_whole(whole, replace(told, **{name: one(few)}), 0.01)
+        found = over_the_whole(whole, replace(told, rules=asked, **{name: one(few)}), 0.01)
+        assert [rule.name for rule in found.rules] == ["rarity"]
         assert (found.verdict, found.strays, found.pulses) == ("no_mismatch", None, None)
         assert found.p_value > 0.5
 

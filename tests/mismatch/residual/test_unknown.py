@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.inference.problem import Problem
-from sklvalve.mismatch.residual.unknown import find_unknown
+from sklvalve.mismatch.residual.unknown import look_for_residual
 from sklvalve.simulation import Tolerance
 from sklvalve.simulation.stages import first_order_lag
 
@@ -16,7 +16,7 @@ def _rest_of(recording):
     bench = Problem.of(recording, Tolerance(), recording.valve.physics)
     model = bench.fit((), max_steps=5)
     bench = bench.with_noise_of(model)
-    return find_unknown(bench, model, alpha=0.01)
+    return look_for_residual(bench, model, alpha=0.01)[0]
 
 
 def _with_flow(recording, rest, **signals):

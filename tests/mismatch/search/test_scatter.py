@@ -9,9 +9,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm, t
 
+from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.search import scatter as of_scatter
 from sklvalve.mismatch.search.onset import losses_of
-from sklvalve.mismatch.search.scatter import SHARE_MISTAKEN, OverTime, gain_in_spreads
+from sklvalve.mismatch.search.scatter import OverTime, gain_in_spreads
 
 GAINS = st.floats(0.0, 1e4)
 SCATTERS = st.builds(OverTime, st.floats(0.0, 50.0), st.floats(1.0, 96.0), st.floats(0.0, 1.0))
@@ -155,7 +156,7 @@ def test_a_large_effect_may_be_wrong_by_the_share_that_equations_are():
     rng = np.random.default_rng(3)
     change = 5.0 * np.ones(ROWS)
     # each stretch asks for another size of it
-    wrong = change * np.repeat(SHARE_MISTAKEN * rng.standard_normal(ROWS // SPAN), SPAN)
+    wrong = change * np.repeat(SHARE_WRONG * rng.standard_normal(ROWS // SPAN), SPAN)
     over_time = _over_time(_fitted(wrong, change), change)
     assert over_time.scatter == pytest.approx(1.0, rel=0.4)
     assert over_time.of_rows == 1.0
