@@ -18,10 +18,11 @@ def verdict_of(
     """Verdict by the evidence alone, and the findings that stand.
 
     `judging` asks rows left out before it. After it these may make another verdict of it, in this order, each
-    with a rule of `rules` and words for `reasons_of`:
+    with words for `reasons_of`, and most with a rule of `rules`:
 
     - `judging`: noise (``cannot_tell`` or ``none_of_these`` in place of names or of nothing), a stem that
       strays (``cannot_tell``), a flow in pulses (``none_of_these``), events (``named``);
+    - `stretches`: what a few stretches showed and all rows do not (``no_mismatch``);
     - `late`, `behind`: the last rows (``named`` or ``cannot_tell``), and what lies behind a property;
     - `suppression`: what the data may have made (``cannot_tell``);
     - `referee`: what a black box forecasts better (``cannot_tell``), and names that make forecasts worse;
