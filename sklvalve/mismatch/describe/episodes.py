@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -79,9 +79,6 @@ class Evidence:
     slopes : ndarray of shape (n_channels * n + n_priors, n_parameters), default=None
         Derivatives of the whitened residuals, and of the distances from the priors, with regard to the
         calibration, which answers where the change acts in other rows.
-    firmness : float, default=1.0
-        How many times what an answer costs by the priors counts. A simulation that is never true raises what
-        differences of the rows must reach to count; the priors are of the valve, and hold as they are.
 
     Attributes
     ----------
@@ -96,7 +93,6 @@ class Evidence:
     after: dict[str, np.ndarray]
     settled: dict[str, np.ndarray]
     slopes: np.ndarray | None = None
-    firmness: float = 1.0
     change: dict[str, np.ndarray] = field(init=False, repr=False)
     without: np.ndarray = field(init=False, repr=False)
     _weights: np.ndarray = field(init=False, repr=False)
@@ -107,7 +103,6 @@ class Evidence:
         weights = np.ones(len(slopes))
         settled = self.whitened(self.settled)
         weights[: len(settled)] = np.sqrt(robust_weights(settled))
-        weights[len(settled) :] = np.sqrt(self.firmness)
         object.__setattr__(self, "_weights", weights)
         object.__setattr__(self, "_basis", np.linalg.qr(slopes * weights[:, None])[0])
         object.__setattr__(self, "change", {c: b - self.after[c] for c, b in self.before.items()})
@@ -137,10 +132,9 @@ class Evidence:
         )
         left = self.without - acting
         size = float(acting @ left) / max(float(acting @ acting), 1e-300)
-        left = left - np.clip(size, -_MOST_CORRECTION, _MOST_CORRECTION) * acting
-        rows = len(self.before) * self.n
-        priors = left[rows:]
-        return robust_cost(left[:rows] / self._weights[:rows]) + 0.5 * float(priors @ priors)
+        return robust_cost(
+            (left - np.clip(size, -_MOST_CORRECTION, _MOST_CORRECTION) * acting) / self._weights
+        )
 
     def quadratic(self, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Curvature and pull of the cost in the strength that the change has in each block of rows."""
@@ -183,7 +177,6 @@ def time_profile_of(evidence: Evidence, acts: np.ndarray, *, late: int = 0) -> T
     starts = np.union1d(even, searched).astype(int)
     gain = max(evidence.cost(np.zeros(n, dtype=bool)) - evidence.cost(acts), 0.0)
     raised = temperature(gain, SHARE_WRONG_BY_ONE_NOISE)
-    evidence = replace(evidence, firmness=raised)
     blocks = acts[starts]
     complexity_penalty = SWITCH_PENALTY * raised
     square, pull = evidence.quadratic(starts)
@@ -305,25 +298,19 @@ def growing_time_profile(
     """
     n, begin = evidence.n, int(np.argmax(acts))
     since = clock - clock[0]
-
-    def grown(row: int) -> dict[str, np.ndarray]:
-        share = np.maximum(since - since[row], 0.0) / np.where(since > 0.0, since, 1.0)
-        return {c: share * gap for c, gap in evidence.change.items()}
-
-    raised = temperature(_gain(evidence, grown(begin))[0], SHARE_WRONG_BY_ONE_NOISE)
-    firm = replace(evidence, firmness=raised)
+    target = evidence.without
+    gains: list[float] = []
+    sizes: list[float] = []
     places = sorted({int(k) for k in candidates} | {begin})
-    gains, sizes = zip(*(_gain(firm, grown(k)) for k in places), strict=True)
+    for k in places:
+        share = np.maximum(since - since[k], 0.0) / np.where(since > 0.0, since, 1.0)
+        grown = {c: share * gap for c, gap in evidence.change.items()}
+        ramp = evidence.free(evidence.whitened(grown))
+        sizes.append(float(ramp @ target) / max(float(ramp @ ramp), 1e-12))
+        gains.append(0.5 * float(ramp @ target) * sizes[-1])
+    raised = temperature(max(gains), SHARE_WRONG_BY_ONE_NOISE)
     reach = [2.0 * (max(gains) - g) <= _SMOOTH_95 * raised for g in gains]
     within = [k for k, near in zip(places, reach, strict=True) if near]
     likely = [size for size, near in zip(sizes, reach, strict=True) if near]
     ends = (min(*within, begin), max(*within, begin))
     return TimeProfile("growing", [(begin, n)], [(ends, None)], (min(likely), max(likely)))
-
-
-def _gain(evidence: Evidence, change: dict[str, np.ndarray]) -> tuple[float, float]:
-    """What a change of some size takes off the cost, by its quadratic, and that size."""
-    moved = evidence.free(evidence.whitened(change))
-    pull = float(moved @ evidence.without)
-    size = pull / max(float(moved @ moved), 1e-12)
-    return 0.5 * pull * size, size

@@ -149,22 +149,3 @@ def test_growth_goes_by_the_clock_and_not_by_rows():
     assert time_profile.sizes == pytest.approx((1.0, 1.0), abs=0.05)
     low, high = time_profile.ranges[0][0]
     assert low <= onset <= high
-
-
-@pytest.mark.parametrize(("pull", "known"), [(1e-9, False), (3.0, True)])
-def test_a_calibration_answers_only_as_far_as_its_priors_let_it(pull, known):
-    """Each parameter could undo the change in ten rows before the onset, `pull` deviations off."""
-    noise = np.random.default_rng(0).standard_normal(ROWS)
-    change = np.full(ROWS, 60.0)
-    left = noise + change * since(700)
-    blocks = [(row, row + 10) for row in range(200, 700, 10)]
-    priors = pull * np.eye(len(blocks))
-    slopes = [np.append(NOISE.whiten(60.0 * rows(b)), p) for b, p in zip(blocks, priors, strict=True)]
-    made = Evidence(
-        {"flow": NOISE}, {"flow": left}, {"flow": left - change}, {"flow": noise}, np.stack(slopes, axis=1)
-    )
-    low, high = time_profile_of(made, since(700)).ranges[0][0]
-    assert 690 <= high <= 710
-    # a simulation is never true, but that makes no prior weaker
-    assert (low > 690) is known
-    assert known or low < 210

@@ -133,7 +133,7 @@ def test_a_rest_that_does_not_hold_out_is_not_told(monkeypatch, kept):
     # what rows ahead in time say of it is asked elsewhere
     monkeypatch.setattr(finder_module, "refereed", _unrefereed)
     # whether it is told at any lower level is no matter here
-    finder = MissingPhysicsFinder(effects=("tight_shutoff",), alpha=0.5).fit(bowed)
+    finder = MissingPhysicsFinder(effects=("clogging",), alpha=0.5).fit(bowed)
     content = finder.diagnosis_.content
     assert (content["verdict"] == "none_of_these") is kept
     assert ("unknown" in content) is kept

@@ -43,7 +43,7 @@ def diagnosed(history, later, **settings):
 def test_what_a_diagnosis_names_is_held_by_the_history():
     history = clogged()
     assert (history.by_itself_.verdict, history.by_itself_.held) == ("named", True)
-    said = "Likely fault: clogging."
+    said = "A fault, or a property that the simulation lacks: clogging or piping reducers or line loss."
     assert history.by_itself_.finding == said
     assert ([e.name for e in history.effects], history.onsets) == (["clogging"], None)
     assert history.values_["clogging.limit"] == pytest.approx(0.7, abs=0.02)
