@@ -3,10 +3,10 @@
 
 import json
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 import pytest
+from scipy.special import expit
 
 from benchmarks.concealed.calibrate import (
     Told,
@@ -17,8 +17,8 @@ from benchmarks.concealed.calibrate import (
     reported_anew,
     told_of,
 )
+from benchmarks.concealed.calibrate_left_over import WITH_IT, odds_of, tried
 from benchmarks.concealed.calibrate_left_over import fitted as fitted_to_what_is_left
-from benchmarks.concealed.calibrate_left_over import tried
 from benchmarks.concealed.report.reliability import by_chance, main, reliability_report
 from sklvalve.mismatch.decide.borne_out import SEALED, Numbers
 from sklvalve.mismatch.decide.probability import Grounds, probability_of
@@ -85,10 +85,24 @@ def test_what_is_left_over_gets_an_offset_and_a_weight():
         grounds = Grounds(str(name), 10.0 ** -rng.uniform(2.0, 6.0), left=float(rng.uniform(0.0, 22.0)))
         told.append(Told("draw", grounds, (bool(rng.random() < probability_of(grounds, drawn)),)))
     assert fitted_to_what_is_left(told) == pytest.approx((0.6, -0.15), abs=0.15)
-    halves = {"first": told[:2000], "second": told[2000:]}
-    said = {with_it: chain(*tried(halves, with_it).values()) for with_it in (False, True)}
-    loss = {w: np.mean([(p - right) ** 2 for p, right in pairs]) for w, pairs in said.items()}
-    assert loss[True] < loss[False]
+    by_odds = expit(odds_of(told))
+    with_it = np.array([probability_of(each.grounds, drawn) for each in told])
+    loss = [np.mean((p - [each.right for each in told]) ** 2) for p in (by_odds, with_it)]
+    assert loss[1] < loss[0]
+
+
+def test_each_draw_is_tried_by_numbers_fitted_without_it():
+    told = [
+        each._replace(grounds=replace(each.grounds, left=1.0, history=k % 2 == 0))
+        for k, each in enumerate(_told(400, seed=7))
+    ]
+    wrong = [each._replace(true=(False, False)) for each in told]
+    draws = {"seed_1": told[:200], "seed_2": wrong[200:]}
+    runs = [{"run": "first", "seed": "9", "lines": [_line(0.9, True)] * 30 + [_line(0.9, False)] * 3}]
+    states = tried(draws, runs)
+    said = {name: np.mean([p for p, _ in states[WITH_IT][name]]) for name in draws}
+    # where the others are all wrong little is believed, and much where they are mostly right
+    assert said["seed_1"] < 0.2 < 0.6 < said["seed_2"]
 
 
 def test_counts_with_a_history_speak_of_recordings_with_one_only():

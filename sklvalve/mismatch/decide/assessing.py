@@ -67,8 +67,8 @@ def assessed(
             may_vanish=bool(evidence["vanishes"]),
             few_signals=few,
             history=problem.history is not None,
-            # beside a stronger finding the skill is that of both
-            left=None if k else _left(entry, evidence, problem.recording),
+            # beside a stronger finding the skill is that of both; where nothing was checked the grade asks it
+            left=None if k or kind else _left(entry, evidence, problem.recording),
         )
         sized = "an effect whose size has no interval" if evidence.get("no_interval") else ""
         made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds) or sized))

@@ -2,7 +2,7 @@
 """Whether a recording is of a kind for which it was checked how often names hold.
 
 That was done on simulated valves with a data sheet, in liquid, driven by air: 2,400 to 4,800 rows, one a
-second, of command, flow, opening and both pressures, or of all but one of the last three.
+second, of command, flow, inlet pressure, opening and outlet pressure, or of all but one of the last two.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 #: change with them; and so with the time between rows [s].
 ROWS = (1_200, 9_600)
 SAMPLE_TIME = (0.5, 2.0)
-_MAY_LACK = ("opening", "p1", "p2")
+_MAY_LACK = ("opening", "p2")
 
 
 def few_signals(recording: Recording) -> bool:
     """Whether the opening or a pressure is not recorded."""
-    return any(role not in recording for role in _MAY_LACK)
+    return any(role not in recording for role in (*_MAY_LACK, "p1"))
 
 
 def unchecked(problem: Problem) -> str:
@@ -46,6 +46,7 @@ def unchecked(problem: Problem) -> str:
         (bool(recording.pieces), "several recordings at once"),
         (GasExpansion().possible(chain), "gas"),
         ("flow" not in recording or "command" not in recording, "recordings without flow or command"),
+        ("p1" not in recording, "recordings without the inlet pressure"),
         (sum(role not in recording for role in _MAY_LACK) > 1, "recordings with so few signals"),
         (
             valve.kv_rated is None or valve.characteristic is None,

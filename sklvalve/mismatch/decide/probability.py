@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.special import expit
 
 from sklvalve.mismatch.decide.borne_out import SEALED, USUAL_P
 from sklvalve.mismatch.effects.base import Effect
@@ -75,9 +76,9 @@ class Grounds:
 
 
 def left_over(gain: float, skill: float | None) -> float | None:
-    r"""What a correction leaves of a difference, in nats as the posterior counts them.
+    r"""What a correction leaves of a difference, in nats of which model error makes T count as one.
 
-    .. math:: \frac{(1 - s) G}{T}, \qquad T = 1 + 2 \kappa^2 G
+    .. math:: \frac{(1 - s) g}{T}, \qquad T = 1 + 2 \kappa^2 g
 
     A true cause leaves its noise, and of a large difference the share that its equation gets wrong. Another
     one leaves what it cannot imitate.
@@ -85,14 +86,16 @@ def left_over(gain: float, skill: float | None) -> float | None:
     Parameters
     ----------
     gain : float
-        G, the log likelihood that the explanation gains on none [nats].
+        g, the log likelihood gained on no explanation, by the noise that the best one leaves [nats].
     skill : float or None
-        s, the share of the squared error beyond noise that the correction removes on forecast rows.
+        s, the share of the squared error beyond noise that the correction removes on forecast rows; below -1
+        it counts as -1.
 
     Returns
     -------
     left : float or None
-        At most 1 / (2 kappa^2) where the correction does no harm; None where no forecast was made.
+        At most 1 / (2 kappa^2) where the correction does no harm; None where no forecast was made, or where
+        nothing is gained, as by events, which are not simulated.
 
     Examples
     --------
@@ -100,7 +103,9 @@ def left_over(gain: float, skill: float | None) -> float | None:
     >>> round(left_over(200.0, 0.95), 2), round(left_over(200.0, 0.3), 2)
     (1.0, 14.0)
     """
-    return None if skill is None else max(1.0 - skill, 0.0) * max(gain, 0.0) / temperature(gain)
+    if skill is None or not np.isfinite(skill) or not np.isfinite(gain) or gain <= 0.0:
+        return None
+    return float(np.clip(1.0 - skill, 0.0, 2.0)) * gain / temperature(gain)
 
 
 def is_coarse(data: list[dict[str, Any]]) -> bool:
@@ -190,4 +195,4 @@ def probability_of(grounds: Grounds, numbers: Numbers = SEALED) -> float:
     if grounds.left is not None:
         offset, of_a_nat = numbers.left_over
         odds += offset + of_a_nat * grounds.left
-    return float(1.0 / (1.0 + np.exp(-odds)))
+    return float(expit(odds))

@@ -129,6 +129,7 @@ def _bench(
         ({}, ""),
         ({"lacks": ("opening",)}, ""),
         ({"lacks": ("p2",)}, ""),
+        ({"lacks": ("p1",)}, "without the inlet pressure"),
         ({"lacks": ("opening", "p2")}, "so few signals"),
         ({"lacks": ("flow",)}, "without flow"),
         ({"known": False}, "data sheet"),

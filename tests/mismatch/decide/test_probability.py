@@ -66,7 +66,10 @@ def test_what_is_left_by_hand():
     assert left_over(200.0, 0.5) == pytest.approx(100.0 / 10.0)
     assert left_over(200.0, 1.2) == 0.0
     assert left_over(200.0, -0.1) == pytest.approx(220.0 / 10.0)
-    assert left_over(200.0, None) is None
+    assert left_over(200.0, -300.0) == pytest.approx(400.0 / 10.0)
+    # no forecast, nothing gained, or no number: it is not known
+    for gain, skill in ((200.0, None), (0.0, 0.0), (np.nan, 0.5), (np.inf, 0.5), (200.0, np.nan)):
+        assert left_over(gain, skill) is None
     # what an equation gets wrong of a large difference is no reason against it
     assert left_over(20_000.0, 0.98) < left_over(200.0, 0.9)
 
