@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 from scipy.special import expit, logit
 
-from benchmarks.concealed.calibrate import FRESH, fitted_to, logistic, of_histories, told_of
+from benchmarks.concealed.calibrate import FRESH, fitted_to, logistic, of_histories, to_fit, told_of
 from benchmarks.concealed.report.history import RESULTS, runs_of
 from benchmarks.concealed.report.markdown import table
 from benchmarks.concealed.report.reliability import EDGES, by_chance
@@ -109,7 +109,7 @@ def main(arguments=None):
     parser.add_argument(
         "scores", type=Path, nargs="*", help="files of scores; those of all draws unless given"
     )
-    files = parser.parse_args(arguments).scores or [SEVENTH, *sorted(FRESH.glob(OF_DRAWS))]
+    files = parser.parse_args(arguments).scores or [SEVENTH, *to_fit(FRESH.glob(OF_DRAWS))]
     draws = draws_of(files)
     every = known(chain(*draws.values()))
     offset, slope = fitted(every)
