@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from sklvalve.mismatch.decide.borne_out import SEALED
@@ -55,23 +56,20 @@ def assessed(
     """
     if not entries:
         return entries, verdict, []
-    kind, few, coarse = unchecked(problem), few_signals(problem.recording), is_coarse(data)
-    made = []
-    for k, entry in enumerate(entries):
-        evidence = _evidence(entry, skills, problem.recording)
-        grounds = Grounds(
-            entry["members"][0]["name"],
-            1.0 if p_value is None else p_value,
-            beside=k > 0,
-            coarse=coarse,
-            may_vanish=bool(evidence["vanishes"]),
-            few_signals=few,
-            history=problem.history is not None,
-            # beside a stronger finding the skill is that of both; where nothing was checked the grade asks it
-            left=None if k or kind else _left(entry, evidence, problem.recording),
+    of_all = Grounds(
+        "",
+        1.0 if p_value is None else p_value,
+        coarse=is_coarse(data),
+        few_signals=few_signals(problem.recording),
+        history=problem.history is not None,
+    )
+    kind = unchecked(problem)
+    made = [
+        _assessed(
+            entry, replace(of_all, beside=k > 0), _evidence(entry, skills, problem.recording), kind, problem
         )
-        sized = "an effect whose size has no interval" if evidence.get("no_interval") else ""
-        made.append(_graded(entry, grounds, evidence, kind or _never_led(grounds) or sized))
+        for k, entry in enumerate(entries)
+    ]
     if verdict != "named":
         return made, verdict, []
     weak = [entry for entry in made if entry["grade"]["level"] == WEAK]
@@ -79,6 +77,22 @@ def assessed(
         return made, "cannot_tell", [_doubt(made[0])]
     # what is too weak for a name is none beside a stronger one either
     return [entry for entry in made if entry not in weak], verdict, [_doubt(entry) for entry in weak]
+
+
+def _assessed(
+    entry: dict[str, Any], of_all: Grounds, evidence: dict[str, Any], kind: str, problem: Problem
+) -> dict[str, Any]:
+    """One entry with its grade and probabilities, by what holds `of_all` and what is its own."""
+    # beside a stronger finding the skill is that of both; where nothing was checked the grade asks for it
+    alone = not (of_all.beside or kind)
+    grounds = replace(
+        of_all,
+        leading=entry["members"][0]["name"],
+        may_vanish=bool(evidence["vanishes"]),
+        left=_left(entry, evidence, problem.recording) if alone else None,
+    )
+    sized = "an effect whose size has no interval" if evidence.get("no_interval") else ""
+    return _graded(entry, grounds, evidence, kind or _never_led(grounds) or sized)
 
 
 def _evidence(entry: dict[str, Any], skills: dict[str, float | None], recording: Recording) -> dict[str, Any]:

@@ -137,11 +137,7 @@ def forecast(
     n = len(problem.recording)
     made = {c: np.full(n, np.nan) for c in problem.channels}
     fits: dict[tuple[Term, ...], Model] = {} if nominal is None else {(): nominal}
-    before = None
-    if problem.history is not None:
-        # plain least squares take every row for news and draw a calibration from what its history knows, and
-        # the noise of the best explanation makes little of a poor one's errors
-        before = problem.with_noise_of(model if nominal is None else nominal, cautious=True)
+    before = _by_history(problem, model if nominal is None else nominal)
     for span in spans:
         past = np.arange(n) < span.start
         known = _known_at(model, span.start)
@@ -157,6 +153,15 @@ def forecast(
         if unknown is not None and part is not None:
             made[unknown.channel][span] += learnt_rest(part, again.chain, again.values)[span]
     return made
+
+
+def _by_history(problem: Problem, model: Model) -> Problem | None:
+    """A problem with a history by the noise that a model leaves; None without a history.
+
+    Plain least squares take every row for news and draw a calibration from what its history knows, and the
+    noise of the best explanation makes little of a poor one's errors.
+    """
+    return None if problem.history is None else problem.with_noise_of(model, cautious=True)
 
 
 def _known_at(model: Model, origin: int) -> Model:
