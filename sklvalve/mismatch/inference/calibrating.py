@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.inference.hypothesis import Model
+from sklvalve.mismatch.inference.sampled import sampled_fit
 from sklvalve.simulation.first_values import first_values
 
 if TYPE_CHECKING:
@@ -37,7 +38,24 @@ def calibrated(problem: Problem) -> tuple[Problem, Model]:
         model = problem.fit((), start=model)
         if other is not None and other.log_likelihood > model.log_likelihood:
             model = other
-    return problem, model
+    return _likelier_from_samples(problem, model)
+
+
+def _likelier_from_samples(problem: Problem, model: Model) -> tuple[Problem, Model]:
+    """The calibration from points sampled over the stem's parameters, if likelier by the noise it leaves."""
+    other = sampled_fit(problem, model)
+    if other is model:
+        return problem, model
+    by_its_noise = problem.with_noise_of(other, cautious=True, anew=True)
+    other = by_its_noise.fit((), start=other)
+    if _likelihood(by_its_noise, other) > _likelihood(problem, model):
+        return by_its_noise, other
+    return problem.with_noise_of(model, cautious=True, anew=True), model
+
+
+def _likelihood(problem: Problem, model: Model) -> float:
+    """Comparable between noises: wide noise costs what it makes likelier."""
+    return model.log_likelihood - sum(problem.noise[c].log_spread for c in problem.channels)
 
 
 def first_guess(problem: Problem) -> tuple[Model, dict[str, float]]:

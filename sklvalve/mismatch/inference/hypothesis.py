@@ -55,9 +55,9 @@ class Term:
 def may_come_and_go(effect: Effect) -> bool:
     """Whether an effect may act in spells.
 
-    What grows has a time profile of its own, and an actuator is simulated with all that has happened to it.
+    What grows has a time profile of its own.
     """
-    return effect.may_begin and not effect.grows and effect.stage != "actuator"
+    return effect.may_begin and not effect.grows
 
 
 def begun(effect: Effect, times: ArrayLike | None) -> Term:

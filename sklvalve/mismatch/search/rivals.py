@@ -12,6 +12,7 @@ import numpy as np
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, Term, begun, complexity_penalty, is_in
 from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class
+from sklvalve.mismatch.inference.sampled import sampled_fit
 from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, likelihood_across_noises
 from sklvalve.mismatch.search.relevance import may_be_instead
@@ -174,7 +175,7 @@ def _others_in_place(
         ]
         near = [m for m, fit in zip(rough, promising, strict=True) if fit]
         far = [m for m, fit in zip(rough, promising, strict=True) if not fit]
-        _keep_the_best(best, (*parallel_map(lambda m: _fitted(problem, m), near), *far))
+        _keep_the_best(best, (*parallel_map(lambda m: _fitted_from_anywhere(problem, m), near), *far))
     met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, term.effect)]
     there = [_where_it_was_met(problem, model, other_terms, begun(e, term.times), seen) for e in met]
     there += _elsewhere(problem, model, other_terms, term, others)
@@ -193,6 +194,10 @@ def _may_lie_elsewhere(effect: Effect, other: Effect) -> bool:
 
 def _fitted(problem: Problem, begin: Model) -> Model:
     return to_the_sample(problem, problem.fit(begin.terms, start=begin))
+
+
+def _fitted_from_anywhere(problem: Problem, begin: Model) -> Model:
+    return to_the_sample(problem, sampled_fit(problem, problem.fit(begin.terms, start=begin)))
 
 
 def _keep_the_best(best: dict[str, Model], models: Iterable[Model]) -> None:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.inference.hypothesis import Model, Term
+from sklvalve.mismatch.inference.sampled import sampled_fit
 from sklvalve.mismatch.search.intermittent import intermittent
 from sklvalve.mismatch.search.onset import fit_with_onset
 from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, penalised_across_noises
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 def settled_fit(problem: Problem, model: Model) -> tuple[Problem, Model]:
     """Noise and hypothesis fitted in turn: what the new effect explains is no longer noise."""
-    problem, model = fitted_with_its_noise(problem, model)
+    problem, model = fitted_with_its_noise(problem, sampled_fit(problem, model))
     last = model.terms[-1]
     if last.onset is not None:
         # begun where the hypothesis stands: without the effect the calibration may lie in another valley

@@ -91,9 +91,10 @@ def test_a_rival_acts_when_the_effect_does():
     by_key = {e.key: e for e in CATALOGUE}
     times = (10.0, 20.0, 30.0)
     assert begun(by_key["flow_meter_gain"], times).times == times
-    assert begun(by_key["stiction"], times).switches == ()
+    assert begun(by_key["supply_pressure_drop"], times).times == times
     assert begun(by_key["flow_meter_gain"], None).onset is None
     assert not may_come_and_go(by_key["sedimentation"])
+    assert may_come_and_go(by_key["stiction"])
 
 
 @pytest.mark.parametrize("state", [True, False])

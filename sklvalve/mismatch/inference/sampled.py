@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Fits of a stem begun at points sampled over all that its parameters may be.
+
+A stem sticks, hunts and stops, so the likelihood of its parameters has many valleys, and a fit ends in the
+one where it began. An effect whose fit ended in a poor one looks less likely than it is, and another gets its
+name. So every explanation of the opening, and nothing, is also begun at points from all over the box of its
+parameters.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from sklvalve.mismatch.inference.hypothesis import Model
+from sklvalve.simulation.robust import robust_cost
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.simulation.fitting import Misfit
+
+# points simulated; of these so many take a few steps, and so many of those are fitted to the end
+_POINTS, _TRIED, _FITTED = 64, 6, 2
+_STEPS = 4
+# how far from what is expected beforehand points lie at most, in its standard deviations
+_SPREADS = 2.0
+
+
+def sampled_fit(problem: Problem, model: Model) -> Model:
+    """A hypothesis of the stem fitted from points sampled over its parameters, if that is likelier.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : Model
+        A fit of the hypothesis.
+
+    Returns
+    -------
+    model : Model
+        The one given where no sample leads to a likelier one; where the air of no actuator is simulated; and
+        where effects act, and none on the opening.
+    """
+    if model.terms and not any("opening" in problem.channels_touched(m.effect) for m in model.terms):
+        return model
+    fits = [model]
+    for misfit in problem.misfits(model, ("opening",)):
+        if not any(name.startswith("actuator_") for name in misfit.vector.names):
+            continue
+        begun = [replace(model, values=misfit.values(z)) for z in _likeliest_points(misfit, model)]
+        rough = [problem.fit(model.terms, start=m, max_steps=_STEPS) for m in begun]
+        best = sorted(rough, key=lambda m: m.log_likelihood, reverse=True)[:_FITTED]
+        fits += [problem.fit(model.terms, start=m) for m in best]
+    return max(fits, key=lambda m: m.log_likelihood)
+
+
+def _likeliest_points(misfit: Misfit, model: Model) -> list[np.ndarray]:
+    """Of points all over the box those that simulate the recording best, the best first.
+
+    A box ends where what is expected beforehand is left far behind. What a history knows of several
+    parameters together stays where the fit has it.
+    """
+    vector = misfit.vector
+    expected = vector.pack({})
+    reach = np.array([np.inf if p.spread is None else _SPREADS * p.spread for p in vector.parameters])
+    low, high = np.maximum(vector.low, expected - reach), np.minimum(vector.high, expected + reach)
+    points = np.random.default_rng(0).uniform(low, high, (_POINTS, len(vector)))
+    known = np.array([p.joint is not None for p in vector.parameters])
+    points = np.where(known, vector.pack(model.values), points)
+    misfit.chain.free_runs_ahead([misfit.values(z) for z in points])
+    costs = [robust_cost(misfit.errors(z)) for z in points]
+    return [points[k] for k in np.argsort(costs, kind="stable")[:_TRIED]]
