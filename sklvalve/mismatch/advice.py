@@ -122,7 +122,7 @@ def reopened(
         return problem, []
     model = problem.simulate(terms, finder.corrected_simulation_.values_)
     for _ in range(2):
-        problem = problem.with_noise_of(model, anew=True)
+        problem = problem.with_noise_of(model, anew=problem.channels)
         model = problem.fit(terms, start=model)
     effects = _effects_to_weigh(finder, problem, data, names)
     return problem, find_rivals(problem, model, effects, None)

@@ -30,8 +30,6 @@ class ActuatorLeak(Effect):
     needs = ("command",)
     hidden_by = REACH
     by_drop = "unseen"
-    # a positioner that integrates makes up for the leak, so that one calibrated to do so leaves no use for it
-    begins_with = (("actuator_reset", 0.003),)
     source = "ISO 6358, critical ratio 0.3"
     requires = "an air supply or a spring range in the data sheet"
     words = "an air leak of the actuator"

@@ -116,9 +116,6 @@ class Effect:
         tested from the first row on only. ``""``: never.
     family : str
         Effects of one family have the same equation: a hypothesis holds one of them at most.
-    begins_with : tuple of (str, float)
-        Values of the actuator's calibration, by name, from which the effect is fitted a second time. Needed
-        where the calibration without the effect absorbs it: a fit that begins there does not find it.
     alike : str
         Effects that look alike, however different their equations: each of them is fitted to the end where
         another one stands.
@@ -152,7 +149,6 @@ class Effect:
     name = key = block = stage = words = clause = phrase = separated_by = damadics = ""
     family = alike = source = declared_as = fluid = by_drop = ""
     kind, kind_late = "fault", "fault"
-    begins_with: tuple = ()
     requires = "a data sheet that gives the characteristic and the fluid"
     hidden_by: Mapping[str, tuple[str, ...]] = MappingProxyType({})
     standstill = False

@@ -33,7 +33,7 @@ def calibrated(problem: Problem) -> tuple[Problem, Model]:
     hold = "actuator_" if guess.values and not problem.coupled else None
     model = problem.fit((), start=guess, hold=hold)
     for _ in range(2):
-        problem = problem.with_noise_of(model, cautious=True, anew=True)
+        problem = problem.with_noise_of(model, cautious=True, anew=problem.channels)
         other = _from_sound(problem, model)
         model = problem.fit((), start=model)
         if other is not None and other.log_likelihood > model.log_likelihood:
@@ -46,11 +46,11 @@ def _likelier_from_samples(problem: Problem, model: Model) -> tuple[Problem, Mod
     other = sampled_fit(problem, model)
     if other is model:
         return problem, model
-    by_its_noise = problem.with_noise_of(other, cautious=True, anew=True)
+    by_its_noise = problem.beside().with_noise_of(other, cautious=True, anew=("opening",))
     other = by_its_noise.fit((), start=other)
     if _likelihood(by_its_noise, other) > _likelihood(problem, model):
         return by_its_noise, other
-    return problem.with_noise_of(model, cautious=True, anew=True), model
+    return problem, model
 
 
 def _likelihood(problem: Problem, model: Model) -> float:

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -179,6 +179,10 @@ class Problem(Sharing, Sizes):
         """The problem judged by this noise."""
         return replace(self, noise=noise)
 
+    def beside(self) -> Problem:
+        """The same problem for a trial: noises that it learns first are not remembered by this one."""
+        return replace(self, _memory=_Memory(self._memory.fits, dict(self._memory.noises)))
+
     def with_sound_values(self, values: dict[str, float]) -> Problem:
         """The problem with the parameters of an actuator that most rows bear out."""
         return replace(self, sound_values=values)
@@ -313,11 +317,13 @@ class Problem(Sharing, Sizes):
         """Recorded minus simulated, by channel."""
         return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
 
-    def with_noise_of(self, model: Model, *, cautious: bool = False, anew: bool = False) -> Problem:
+    def with_noise_of(
+        self, model: Model, *, cautious: bool = False, anew: Collection[str] = ()
+    ) -> Problem:
         """The problem judged by the noise that a model leaves; `cautious` as in `fit_noise`.
 
-        A channel that no effect of the model touches keeps what was learnt there before, unless `anew`: the
-        fits made with it then hold as well.
+        A channel that no effect of the model touches keeps what was learnt there before, unless it is one of
+        `anew`: the fits made with it then hold as well.
         """
         left, noise, learnt = self.residuals(model), {}, self._memory.noises
         for c in self.channels:
@@ -325,7 +331,7 @@ class Problem(Sharing, Sizes):
                 noise[c] = self._noise_before(self.history, c, left[c], model)
                 continue
             untouched = not self._touching(model.terms, (c,))
-            if untouched and not anew and (c, cautious) in learnt:
+            if untouched and c not in anew and (c, cautious) in learnt:
                 noise[c] = learnt[c, cautious]
                 continue
             noise[c] = noise_of(

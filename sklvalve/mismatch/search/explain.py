@@ -125,7 +125,7 @@ def explain(
     problem, model = search.taken_up(problem, nominal)
     for last in (False, False, True):
         problem, model = _what_stands(problem, model, threshold)
-        findings = find_rivals(problem, model, effects, report, search.seen)
+        findings = find_rivals(problem, model, effects, report)
         better = _better_in_place(problem, findings) or _simpler(problem, model, findings, search.seen)
         if better is None or last:
             break
@@ -138,6 +138,9 @@ def explain(
         stood = problem.fit(stood.terms, start=stood)
         problem, model = search.taken_up(problem, stood)
     nominal = problem.fit((), start=search.nominal or nominal)
+    if not model.terms:
+        # one hypothesis, wherever its fit was begun
+        nominal = model = max(nominal, model, key=lambda m: m.log_likelihood)
     findings = [search.with_its_beginning(problem, f, model, f.term) for f in findings]
     return Explanation(problem, nominal, model, findings, search.tried, tuple(effects))
 

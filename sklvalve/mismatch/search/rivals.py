@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.effects.base import Effect
-from sklvalve.mismatch.inference.hypothesis import Model, Term, begun, complexity_penalty, is_in
+from sklvalve.mismatch.inference.hypothesis import Model, Term, complexity_penalty, is_in
 from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class
 from sklvalve.mismatch.inference.sampled import sampled_fit
 from sklvalve.mismatch.search.onset_sample import to_the_sample
@@ -18,7 +18,6 @@ from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, likelihood
 from sklvalve.mismatch.search.relevance import may_be_instead
 from sklvalve.mismatch.search.scatter import OverTime
 from sklvalve.mismatch.search.screening import FITTED, screened
-from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
 
 if TYPE_CHECKING:
@@ -92,7 +91,6 @@ def find_rivals(
     model: Model,
     effects: Sequence[Effect],
     report: Callable[[float], object] | None,
-    seen: dict[str, Model] | None = None,
     of: Sequence[Term] | None = None,
 ) -> list[Finding]:
     """For each effect found, what else could stand in its place.
@@ -103,8 +101,6 @@ def find_rivals(
     model : Model
     effects : sequence of Effect
     report : callable or None
-    seen : dict, default=None
-        Effect key -> the best hypothesis with it that the search met: where else to begin.
     of : sequence of Term, default=None
         Those of the hypothesis that are asked; all unless given.
 
@@ -120,7 +116,7 @@ def find_rivals(
         others = [e for e in effects if e.key != term.effect.key and not is_in(e, other_terms)]
         others = [e for e in others if _touch_the_same(problem, e, term.effect)]
         places = [(term, model)]
-        instead = _others_in_place(problem, model, other_terms, without, others, term, seen or {})
+        instead = _others_in_place(problem, model, other_terms, without, others, term)
         places += [(place, fitted) for place, fitted in instead if may_be_instead(problem, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = weighed(problem, places, without)
@@ -158,7 +154,6 @@ def _others_in_place(
     without: Model,
     others: Sequence[Effect],
     term: Term,
-    seen: dict[str, Model],
 ) -> list[tuple[Term, Model]]:
     """Other effects in the place of one, each from the best of two calibrations, as (Term, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
@@ -175,11 +170,7 @@ def _others_in_place(
         ]
         near = [m for m, fit in zip(rough, promising, strict=True) if fit]
         far = [m for m, fit in zip(rough, promising, strict=True) if not fit]
-        _keep_the_best(best, (*parallel_map(lambda m: _fitted_from_anywhere(problem, m), near), *far))
-    met = [e for e in others if e.key in seen and _may_lie_elsewhere(e, term.effect)]
-    there = [_where_it_was_met(problem, model, other_terms, begun(e, term.times), seen) for e in met]
-    there += _elsewhere(problem, model, other_terms, term, others)
-    _keep_the_best(best, parallel_map(lambda m: _fitted(problem, m), there))
+        _keep_the_best(best, (*parallel_map(lambda m: _fitted(problem, m), near), *far))
     return [(fitted.terms[-1], fitted) for fitted in best.values()]
 
 
@@ -187,16 +178,7 @@ def _alike(effect: Effect, other: Effect) -> bool:
     return bool(effect.alike) and effect.alike == other.alike
 
 
-def _may_lie_elsewhere(effect: Effect, other: Effect) -> bool:
-    """Whether one effect in place of another may ask for a calibration far from the other's."""
-    return _alike(effect, other) or {effect.stage, other.stage} <= set(ACTUATOR_STAGES)
-
-
 def _fitted(problem: Problem, begin: Model) -> Model:
-    return to_the_sample(problem, problem.fit(begin.terms, start=begin))
-
-
-def _fitted_from_anywhere(problem: Problem, begin: Model) -> Model:
     return to_the_sample(problem, sampled_fit(problem, problem.fit(begin.terms, start=begin)))
 
 
@@ -205,29 +187,6 @@ def _keep_the_best(best: dict[str, Model], models: Iterable[Model]) -> None:
         before = best.get(m.terms[-1].effect.key)
         if before is None or m.log_likelihood > before.log_likelihood:
             best[m.terms[-1].effect.key] = m
-
-
-def _where_it_was_met(
-    problem: Problem, model: Model, other_terms: tuple[Term, ...], term: Term, seen: dict[str, Model]
-) -> Model:
-    """A rival to be fitted from where the search met it."""
-    prefixes = (f"{term.effect.key}.", "actuator_")
-    met = {name: value for name, value in seen[term.effect.key].values.items() if name.startswith(prefixes)}
-    return problem.simulate((*other_terms, term), model.values | met)
-
-
-def _elsewhere(
-    problem: Problem, model: Model, other_terms: tuple[Term, ...], term: Term, others: Sequence[Effect]
-) -> list[Model]:
-    """Rivals in the actuator to be fitted from the calibrations that they ask for themselves."""
-    if term.effect.stage not in ACTUATOR_STAGES:
-        return []
-    begun_anew = []
-    for effect in (e for e in others if e.begins_with):
-        largest = {f"{effect.key}.{q.name}": q.starts[-1] for q in effect.quantities(model.chain)}
-        values = model.values | dict(effect.begins_with) | largest
-        begun_anew.append(problem.simulate((*other_terms, begun(effect, term.times)), values))
-    return begun_anew
 
 
 def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Model) -> list[Rival]:
