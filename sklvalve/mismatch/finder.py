@@ -28,8 +28,10 @@ from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.behind import judged_behind
 from sklvalve.mismatch.decide.compare import compared
 from sklvalve.mismatch.decide.dated import dated
+from sklvalve.mismatch.decide.decision import decided
 from sklvalve.mismatch.decide.detect import covariates_of
 from sklvalve.mismatch.decide.judging import Case, blocked, judge
+from sklvalve.mismatch.decide.kinds import with_kinds
 from sklvalve.mismatch.decide.known_before import known_before
 from sklvalve.mismatch.decide.late import before, late_event, with_late_event
 from sklvalve.mismatch.decide.referee import refereed
@@ -42,6 +44,7 @@ from sklvalve.mismatch.next_test.suggestions import plan_of
 from sklvalve.mismatch.result.by_itself import by_itself
 from sklvalve.mismatch.result.contents import content_of, flagged_rows
 from sklvalve.mismatch.result.diagnosis import Diagnosis
+from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.fit_entries import fit_entries
 from sklvalve.mismatch.result.traces import traces_of
 from sklvalve.mismatch.search.events import effects_to_search, evident_events
@@ -389,10 +392,12 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("proving on held-out rows", 0.85)
         flagged = flagged_rows(problem, judged)
         self.next_test_ = None if mend or spoilt else plan_of(problem, judged.findings)
+        entries = [with_kinds(effect_entry(f, whole, problem), f) for f in judged.findings]
         content = content_of(
             whole,
             problem,
             judged,
+            decided(problem, judged, entries, data, float(self.alpha)),
             flagged,
             {} if mend else fit_entries(problem, whole, judged, forward, flagged, seed),
             data=data,

@@ -7,7 +7,7 @@ In the order in which a diagnosis comes by them:
     The table of all hypotheses; their posterior is `mismatch.inference.posterior`.
 `detect`, `null_reference`
     The p-value: how strong a mismatch looks, among healthy recordings. `judging` holds it against alpha.
-`judging`, `verdict`, `rules`, `reasons`
+`judging`, `rules`, `reasons`
     What stands of the findings, rule after rule. Limits are in `mismatch.constants`, a rule's sentence is its
     own, and those of a verdict without a name are in `reasons`.
 `judgement`
@@ -20,5 +20,7 @@ In the order in which a diagnosis comes by them:
 `rehearsing`
     What a valve does by itself, for its null law: a part of a history held against another.
 `assessing`, `probability`, `borne_out`, `grade`, `kinds`, `checked_kind`
-    How sure it is: frequencies from sealed records, and a grade; where all is weak no name is left.
+    How sure it is: frequencies from sealed records, and a grade.
+`decision`
+    Where the verdict comes from, first and last: where all is weak no name is left.
 """

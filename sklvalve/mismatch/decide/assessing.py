@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""How sure each finding is: its probability where that was checked, its grade, whether it may be named."""
+"""How sure each finding is: its probability where that was checked, and its grade."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from sklvalve.mismatch.decide.borne_out import SEALED
 from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
-from sklvalve.mismatch.decide.grade import WEAK, grade_of
+from sklvalve.mismatch.decide.grade import grade_of
 from sklvalve.mismatch.decide.probability import Grounds, is_coarse, left_over, probability_of
 from sklvalve.mismatch.inference.origins import ORIGINS
 
@@ -21,41 +21,32 @@ _AT_FIRST = 0.02
 
 
 def assessed(
+    problem: Problem,
     entries: list[dict[str, Any]],
-    verdict: str,
     p_value: float | None,
     skills: dict[str, float | None],
     data: list[dict[str, Any]],
-    problem: Problem,
-) -> tuple[list[dict[str, Any]], str, list[str]]:
-    """Entries of diagnosis.json with how sure they are, and the verdict that this leaves.
+) -> list[dict[str, Any]]:
+    """Entries of diagnosis.json with how sure they are.
 
     Parameters
     ----------
+    problem : Problem
     entries : list of dict
         As `result.effect_entry` makes them, the strongest first.
-    verdict : str
     p_value : float or None
     skills : dict
         Channel -> share of the squared error beyond noise that the correction removes from rows ahead in
         time; None where not known.
     data : list of dict
         Findings of `screen_recording`.
-    problem : Problem
 
     Returns
     -------
     entries : list of dict
-        Those that may be named, or all candidates where none may.
         With probabilities as they were borne out, None where that was not checked; ``grade``; and in their
         ``evidence`` the skill on rows ahead, and whether they begin too ``late`` for one.
-    verdict : str
-        ``cannot_tell`` in place of ``named`` where every finding is weak.
-    reasons : list of str
-        Why what was found beside them is no name.
     """
-    if not entries:
-        return entries, verdict, []
     of_all = Grounds(
         "",
         1.0 if p_value is None else p_value,
@@ -64,19 +55,20 @@ def assessed(
         history=problem.history is not None,
     )
     kind = unchecked(problem)
-    made = [
+    return [
         _assessed(
             entry, replace(of_all, beside=k > 0), _evidence(entry, skills, problem.recording), kind, problem
         )
         for k, entry in enumerate(entries)
     ]
-    if verdict != "named":
-        return made, verdict, []
-    weak = [entry for entry in made if entry["grade"]["level"] == WEAK]
-    if len(weak) == len(made):
-        return made, "cannot_tell", [_doubt(made[0])]
-    # what is too weak for a name is none beside a stronger one either
-    return [entry for entry in made if entry not in weak], verdict, [_doubt(entry) for entry in weak]
+
+
+def doubt_of(entry: dict[str, Any]) -> str:
+    """Why a finding is no name, in a sentence that says which it is."""
+    name, reason = entry["members"][0]["name"].replace("_", " "), entry["grade"]["reason"]
+    # what was not checked is said once, beside the grade
+    reason = f"{reason.split('; how often')[0].rstrip('.')}."
+    return f"{name.capitalize()} is too uncertain to be named: {reason[:1].lower()}{reason[1:]}"
 
 
 def _assessed(
@@ -126,14 +118,6 @@ def _never_led(grounds: Grounds) -> str:
     """Why it was not checked how often a name holds; empty where classes of blind tests were led by it."""
     led = grounds.leading in SEALED.held_by(grounds.history)
     return "" if led else "an effect that no blind test has named"
-
-
-def _doubt(entry: dict[str, Any]) -> str:
-    """Why the strongest finding is no name, in a sentence that says which it is."""
-    name, reason = entry["members"][0]["name"].replace("_", " "), entry["grade"]["reason"]
-    # what was not checked is said once, beside the grade
-    reason = f"{reason.split('; how often')[0].rstrip('.')}."
-    return f"{name.capitalize()} is too uncertain to be named: {reason[:1].lower()}{reason[1:]}"
 
 
 def _skill(entry: dict[str, Any], skills: dict[str, float | None]) -> float | None:

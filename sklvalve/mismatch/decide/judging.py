@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.decision import by_evidence
 from sklvalve.mismatch.decide.detect import (
     Evidence,
     effect_strengths,
@@ -21,7 +22,6 @@ from sklvalve.mismatch.decide.detect import (
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
 from sklvalve.mismatch.decide.reasons import not_upheld, too_much_left
-from sklvalve.mismatch.decide.verdict import verdict_of
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
@@ -238,7 +238,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
             findings = []
     if unknown is not None and weighed.enough:
         asked.append(rules.residual(unknown.size, explained if findings else 0.0))
-    verdict, findings = verdict_of(findings, unknown, weighed.enough, explained)
+    verdict, findings = by_evidence(findings, unknown, weighed.enough, explained)
     return Judgement(
         case.problem,
         verdict,

@@ -317,9 +317,7 @@ class Problem(Sharing, Sizes):
         """Recorded minus simulated, by channel."""
         return {c: residual_of(model.chain, model.predictions, c, self.rows) for c in self.channels}
 
-    def with_noise_of(
-        self, model: Model, *, cautious: bool = False, anew: Collection[str] = ()
-    ) -> Problem:
+    def with_noise_of(self, model: Model, *, cautious: bool = False, anew: Collection[str] = ()) -> Problem:
         """The problem judged by the noise that a model leaves; `cautious` as in `fit_noise`.
 
         A channel that no effect of the model touches keeps what was learnt there before, unless it is one of

@@ -10,16 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 import sklvalve
-from sklvalve.mismatch.decide import rules
-from sklvalve.mismatch.decide.assessing import assessed
 from sklvalve.mismatch.decide.dated import change_entry
-from sklvalve.mismatch.decide.kinds import kind_of_class, with_kinds
+from sklvalve.mismatch.decide.kinds import kind_of_class
 from sklvalve.mismatch.decide.reasons import reasons_of
 from sklvalve.mismatch.decide.records import plain_records
 from sklvalve.mismatch.describe.describing import described, scales_of
 from sklvalve.mismatch.describe.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test.suggestions import next_test
-from sklvalve.mismatch.proof.comparison import skills_ahead
 from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.referee_entry import referee_entry
 from sklvalve.mismatch.result.since_history import of_history, since_history
@@ -29,6 +26,7 @@ from sklvalve.recording.calendar_time import begins_of
 from sklvalve.simulation.simulation import learnt_rest
 
 if TYPE_CHECKING:
+    from sklvalve.mismatch.decide.decision import Decision
     from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.next_test.plan import TestPlan
@@ -85,6 +83,7 @@ def content_of(
     whole: Recording,
     problem: Problem,
     judgement: Judgement,
+    decision: Decision,
     flagged: np.ndarray,
     fit: dict,
     *,
@@ -99,23 +98,17 @@ def content_of(
 
     `mend` is what to do to the data, and `plan` the next test, where there is one.
     """
-    entries = [with_kinds(effect_entry(f, whole, problem), f) for f in judgement.findings]
-    # forecasts of the rows used: those kept for the final figures must decide nothing
-    seen = () if judgement.referee is None else judgement.referee.compared
-    ahead = skills_ahead(problem, seen)
-    entries, verdict, doubts = assessed(entries, judgement.verdict, judgement.p_value, ahead, data, problem)
-    asked = _asked(judgement, entries, verdict, alpha)
-    judgement = replace(judgement, verdict=verdict)
+    judgement = replace(judgement, verdict=decision.verdict)
     unexplained = _unexplained(judgement)
     classes = [class_of(f) for f in judgement.findings]
     since = since_history(whole, problem, judgement, alpha)
     return {
         "schema": "sklvalve.diagnosis/1",
         "subject": "valve",
-        "verdict": verdict,
+        "verdict": decision.verdict,
         "mismatch": {"detected": judgement.detected, "p_value": judgement.p_value, "alpha": alpha},
-        "location": _location(whole, problem, judgement, entries, alpha, random_state),
-        "effects": entries,
+        "location": _location(whole, problem, judgement, decision.entries, alpha, random_state),
+        "effects": decision.entries,
         "comparison": judgement.comparison.in_order_of(problem, judgement.findings).to_records(),
         "fit": fit,
         "proof": "later_rows" if len(whole) > len(problem.recording) else "forward",
@@ -125,8 +118,8 @@ def content_of(
         "provenance": _provenance(whole, problem, random_state),
         "units": {role: whole.unit(role) for role in whole},
         "spans": _spans(whole, problem),
-        "rules": plain_records(asked),
-        "reasons": [*reasons_of(judgement, mend, problem, doubts), *of_history(since)],
+        "rules": plain_records(decision.rules),
+        "reasons": [*reasons_of(judgement, mend, problem, decision.doubts), *of_history(since)],
         "details": [plan.details] if plan is not None and plan.details and not mend else [],
         **_of_referee(whole, judgement),
         **_of_unknown(whole, problem, judgement),
@@ -236,19 +229,6 @@ def _of_unknown(whole: Recording, problem: Problem, judgement: Judgement) -> dic
     if judgement.pulses is not None:
         entry |= _pulses_entry(judgement.pulses)
     return {"unknown": entry}
-
-
-def _asked(judgement: Judgement, entries: list[dict], verdict: str, alpha: float) -> list[rules.Rule]:
-    """All rules that were asked, the last of them by what the diagnosis ends with."""
-    asked = list(judgement.rules)
-    if judgement.p_value is not None:
-        # what was seen later, such as a change or a black box, counts as well
-        asked.append(rules.rarity(judgement.p_value, alpha))
-    if judgement.verdict == "named":
-        likeliest = max(entries, key=lambda entry: entry["probability"] or 0.0)
-        reason = likeliest["grade"]["reason"]
-        asked.append(rules.probability(likeliest["probability"], verdict == "named", reason))
-    return rules.in_order(asked)
 
 
 def _when_seen(judgement: Judgement, seen: StemResidual | Pulses, blocks: list[str]) -> dict[str, Any]:

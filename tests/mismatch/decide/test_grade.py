@@ -10,6 +10,7 @@ from sklvalve.mismatch.constants import NAMED_FROM
 from sklvalve.mismatch.decide.assessing import assessed
 from sklvalve.mismatch.decide.borne_out import SEALED
 from sklvalve.mismatch.decide.checked_kind import few_signals, unchecked
+from sklvalve.mismatch.decide.decision import strong_enough
 from sklvalve.mismatch.decide.grade import grade_of
 from sklvalve.mismatch.decide.probability import Grounds, left_over, probability_of
 
@@ -62,12 +63,12 @@ def test_a_size_without_an_interval_names_nothing():
 def test_of_a_size_without_an_interval_no_frequency_is_told():
     entry = _entry("flow_meter_bias")
     entry["evidence"]["no_interval"] = ["bias"]
-    (weak,), verdict, reasons = assessed([entry], "named", 1e-5, AHEAD, [], _bench())
+    (weak,), verdict, reasons = _assessed([entry])
     assert verdict == "cannot_tell"
     assert weak["probability"] is None
     assert reasons == ["Flow meter bias is too uncertain to be named: no interval of its bias is known."]
     # a name beside it stays, with its frequency
-    (named,), verdict, _ = assessed([_entry(), entry], "named", 1e-5, AHEAD, [], _bench())
+    (named,), verdict, _ = _assessed([_entry(), entry])
     assert verdict == "named"
     assert named["probability"] is not None
 
@@ -164,16 +165,23 @@ def _entry(name="dead_time", vanishes=(), onset=None):
 AHEAD = {"flow": 0.8, "opening": None}
 
 
+def _assessed(entries, ahead=AHEAD, bench=None):
+    """Entries that may be named, the verdict that they leave, and why others are no names."""
+    made = assessed(bench or _bench(), entries, 1e-5, ahead, [])
+    verdict, left, doubts = strong_enough("named", made)
+    return left, verdict, doubts
+
+
 def test_what_begins_behind_an_origin_is_not_judged_by_what_forecasts_leave():
     ahead = {"flow": 0.1, "opening": None}
-    (first,), _, _ = assessed([_entry(onset=600.0)], "named", 1e-5, ahead, [], _bench())
-    (later,), _, _ = assessed([_entry(onset=1500.0)], "named", 1e-5, ahead, [], _bench())
+    (first,), _, _ = _assessed([_entry(onset=600.0)], ahead)
+    (later,), _, _ = _assessed([_entry(onset=1500.0)], ahead)
     assert first["probability"] < later["probability"]
     assert later["probability"] == pytest.approx(probability_of(Grounds("dead_time", 1e-5)), abs=1e-4)
 
 
 def test_entries_of_a_checked_kind():
-    (first, second), verdict, reasons = assessed([_entry(), _entry()], "named", 1e-5, AHEAD, [], _bench())
+    (first, second), verdict, reasons = _assessed([_entry(), _entry()])
     assert (verdict, reasons) == ("named", [])
     grounds = Grounds("dead_time", 1e-5, left=left_over(100.0, 0.8))
     assert first["probability"] == pytest.approx(probability_of(grounds), abs=1e-4)
@@ -185,13 +193,13 @@ def test_entries_of_a_checked_kind():
 
 
 def test_what_begins_late_has_no_skill():
-    (entry,), _, _ = assessed([_entry(onset=2990.0)], "named", 1e-5, {"flow": 0.0}, [], _bench())
+    (entry,), _, _ = _assessed([_entry(onset=2990.0)], {"flow": 0.0})
     assert entry["evidence"]["late"]
     assert entry["evidence"]["skill"] is None
 
 
 def test_entries_of_another_kind_have_a_grade_alone():
-    (entry,), verdict, _ = assessed([_entry()], "named", 1e-5, AHEAD, [], _bench(known=False))
+    (entry,), verdict, _ = _assessed([_entry()], bench=_bench(known=False))
     assert entry["probability"] is None
     assert [m["probability"] for m in entry["members"]] == [None, None]
     assert (entry["grade"]["level"], verdict) == ("strong", "named")
@@ -200,7 +208,7 @@ def test_entries_of_another_kind_have_a_grade_alone():
 def test_an_effect_that_no_blind_test_has_named_has_no_probability():
     own = _entry()
     own["members"][0]["name"] = "worn_groove"
-    (entry,), _, _ = assessed([own], "named", 1e-5, AHEAD, [], _bench())
+    (entry,), _, _ = _assessed([own])
     assert entry["probability"] is None
     assert [member["probability"] for member in entry["members"]] == [None] * len(entry["members"])
     assert "was not checked for an effect that no blind test has named" in entry["grade"]["reason"]
@@ -208,16 +216,16 @@ def test_an_effect_that_no_blind_test_has_named_has_no_probability():
 
 def test_the_verdict_is_taken_back_where_all_is_weak():
     weak = _entry("flow_meter_bias", ["bias"])
-    _, verdict, reasons = assessed([weak], "named", 1e-5, AHEAD, [], _bench())
+    _, verdict, reasons = _assessed([weak])
     assert verdict == "cannot_tell"
     assert reasons == [
         "Flow meter bias is too uncertain to be named: the interval of its bias includes the value of no "
         "effect."
     ]
-    entries, verdict, reasons = assessed([weak, _entry()], "named", 1e-5, AHEAD, [], _bench())
+    entries, verdict, reasons = _assessed([weak, _entry()])
     assert verdict == "named"
     assert [entry["members"][0]["name"] for entry in entries] == ["dead_time"]
     assert reasons[0].startswith("Flow meter bias is too uncertain")
-    (entry,), _, _ = assessed([_entry() | {"spells": [[0.0, 30.0]]}], "named", 1e-5, AHEAD, [], _bench())
+    (entry,), _, _ = _assessed([_entry() | {"spells": [[0.0, 30.0]]}])
     assert entry["grade"]["level"] == "weak"
-    assert assessed([], "no_mismatch", 0.5, {}, [], _bench()) == ([], "no_mismatch", [])
+    assert strong_enough("no_mismatch", assessed(_bench(), [], 0.5, {}, [])) == ("no_mismatch", [], [])

@@ -90,6 +90,8 @@ def test_a_hypothesis_is_not_settled_for_a_less_likely_one(monkeypatch):
     bench = SimpleNamespace(fit=lambda members, start: settling.Model(members, None, {"a": 9.0}, {}, 0.0, {}))
     monkeypatch.setattr(settling, "fitted_with_its_noise", lambda problem, model: (problem, model))
     monkeypatch.setattr(settling, "_throughout_if_likelier", lambda problem, model: (problem, model))
+    monkeypatch.setattr(settling, "sampled_fit", lambda problem, model: model)
+    monkeypatch.setattr(settling, "intermittent", lambda problem, model: model)
     monkeypatch.setattr(
         settling, "fit_with_onset", lambda bench, rest, *args, **options: begun.append(rest) or worse
     )

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 
 from sklvalve.mismatch.data.gate import effects_switched_off
+from sklvalve.mismatch.decide.decision import by_evidence
 from sklvalve.mismatch.decide.detect import p_value_of_what_counts
-from sklvalve.mismatch.decide.verdict import verdict_of
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.next_test.suggestions import next_test
@@ -80,7 +80,7 @@ def test_what_fits_worse_and_is_probable_all_the_same_leads_the_class():
     rivals = ("seat_leakage", -10.0, 0.06), ("clogging", -30.0, 0.93), ("erosion", -30.0, 0.01)
     found = class_of(_finding(*rivals))
     assert list(found) == ["clogging", "seat_leakage"]
-    assert verdict_of([_finding(*rivals)], None, True, 0.0)[0] == "named"
+    assert by_evidence([_finding(*rivals)], None, True, 0.0)[0] == "named"
 
 
 def test_class_is_the_fewest_that_hold_the_probability():
@@ -102,13 +102,13 @@ def test_class_is_sorted_and_joins_the_forms_of_an_effect():
 def test_verdicts():
     sure = _finding(LEAK, BYPASS)
     big, small = (SimpleNamespace(size=size) for size in (0.03, 0.003))
-    assert verdict_of([sure], None, False, 0.05) == ("no_mismatch", [])
-    assert verdict_of([sure], None, True, 0.05) == ("named", [sure])
-    assert verdict_of([], None, True, 0.0) == ("cannot_tell", [])
-    assert verdict_of([], small, True, 0.0) == ("none_of_these", [])
+    assert by_evidence([sure], None, False, 0.05) == ("no_mismatch", [])
+    assert by_evidence([sure], None, True, 0.05) == ("named", [sure])
+    assert by_evidence([], None, True, 0.0) == ("cannot_tell", [])
+    assert by_evidence([], small, True, 0.0) == ("none_of_these", [])
     # a rest that is large against what the effects explain makes their names doubtful, a small one does not
-    assert verdict_of([sure], big, True, 0.05) == ("none_of_these", [])
-    assert verdict_of([sure], small, True, 0.05) == ("named", [sure])
+    assert by_evidence([sure], big, True, 0.05) == ("none_of_these", [])
+    assert by_evidence([sure], small, True, 0.05) == ("named", [sure])
 
 
 # ---- what the data forbid, where, since when, and what next
