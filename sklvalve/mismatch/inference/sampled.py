@@ -40,14 +40,14 @@ def sampled_fit(problem: Problem, model: Model) -> Model:
     Returns
     -------
     model : Model
-        The one given where no sample leads to a likelier one; where the air of no actuator is simulated; and
-        where effects act, and none on the opening.
+        The one given where no sample leads to a likelier one; where no friction is simulated, such as of a
+        motor, which neither sticks nor hunts; and where effects act, and none on the opening.
     """
     if model.terms and not any("opening" in problem.channels_touched(m.effect) for m in model.terms):
         return model
     fits = [model]
     for misfit in problem.misfits(model, ("opening",)):
-        if not any(name.startswith("actuator_") for name in misfit.vector.names):
+        if "actuator_coulomb" not in misfit.vector.names:
             continue
         begun = [replace(model, values=misfit.values(z)) for z in _likeliest_points(misfit, model)]
         rough = [problem.fit(model.terms, start=m, max_steps=_STEPS) for m in begun]
