@@ -27,7 +27,7 @@ from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.mismatch.describe.bands import simultaneous_bands
 from sklvalve.mismatch.describe.cells import cells_of, cells_of_signals, rate_of_travel
 from sklvalve.mismatch.inference.calibrating import calibrated
-from sklvalve.simulation.noise import fit_noise
+from sklvalve.simulation.noise_fit import fit_noise
 
 IN_NO_CATALOGUE = ("trim_rotation", "thermal_bow", "hydrate_pulses")
 NAMED = tuple(name for name in CONCEALABLE if name not in IN_NO_CATALOGUE)

@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 
 from sklvalve.recording import Recording
-from sklvalve.simulation.noise import NoiseModel, NoiseParts, quick_size
+from sklvalve.simulation.noise import NoiseModel, NoiseParts
+from sklvalve.simulation.noise_fit import quick_size
 from sklvalve.simulation.noise_of_pieces import NoiseOfPieces, of_each
 
 

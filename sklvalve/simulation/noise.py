@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Noise of a channel: white, quickly correlated and slowly wandering parts, fitted by likelihood.
+"""Noise of a channel: white, quickly correlated and slowly wandering parts.
 
 Residuals of a valve are correlated. A test that takes them for independent raises a false alarm in nearly
 every healthy record, and one that whitens them without a slow part in most. So the noise is a state-space
-model, and the time constant of its wander comes from the data.
+model, and the time constant of its wander comes from the data (`sklvalve.simulation.noise_fit`).
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from dataclasses import dataclass, field, replace
 
 import numba as nb
 import numpy as np
-from scipy.optimize import minimize
 
 # a healthy simulation is wrong by about this share of what counts as an effect, and no correlated noise of a
 # sensor is larger than so many times that
@@ -81,109 +80,6 @@ def _innovations(residuals: np.ndarray, gain: np.ndarray, keep: np.ndarray, spre
             s += gain[k, 1] * left
             out[k] = left / spread[k]
     return out
-
-
-@nb.njit(cache=True, nogil=True, fastmath={"contract"})
-def _loss(
-    residuals: np.ndarray,
-    step: np.ndarray,
-    base: float,
-    share: float,
-    level: np.ndarray,
-    timing: float,
-    moving: np.ndarray,
-    fast_time: float,
-    fast_size: float,
-    slow_time: float,
-    slow_size: float,
-) -> float:
-    """Negative robust log likelihood of residuals, in one pass: gains, innovations and their spreads.
-
-    The white variance of a row is ``base + share level + timing moving``. What one row asks of the row before
-    is kept short: that chain, and nothing else, is what a pass takes its time for.
-    """
-    p11, p12, p22 = fast_size, 0.0, slow_size
-    a = b = last = f = s = total = 0.0
-    aa = ab = bb = added_fast = added_slow = 0.0
-    product = 1.0
-    for k in range(len(residuals)):
-        if step[k] != last:
-            last = step[k]
-            a = np.exp(-last / fast_time)
-            b = np.exp(-last / slow_time)
-            aa, ab, bb = a * a, a * b, b * b
-            added_fast, added_slow = (1.0 - aa) * fast_size, (1.0 - bb) * slow_size
-        white = base + share * level[k] + timing * moving[k]
-        v = (aa * p11 + (added_fast + added_slow + white)) + (bb * p22 + 2.0 * (ab * p12))
-        p11 = aa * p11 + added_fast
-        p22 = bb * p22 + added_slow
-        p12 = ab * p12
-        f *= a
-        s *= b
-        e = residuals[k]
-        if e != e:
-            continue
-        of_fast, of_slow, inverse = p11 + p12, p12 + p22, 1.0 / v
-        left = e - f - s
-        f += of_fast * inverse * left
-        s += of_slow * inverse * left
-        total += np.sqrt(1.0 + left * left * inverse * (1.0 / 9.0)) - 1.0
-        # logarithms are dear: of a product of some rows, before it leaves the range of a number
-        product *= v
-        if product < 1e-200 or product > 1e200:
-            total += (0.5 / 9.0) * np.log(product)
-            product = 1.0
-        p11 -= of_fast * of_fast * inverse
-        p12 -= of_fast * of_slow * inverse
-        p22 -= of_slow * of_slow * inverse
-    return 9.0 * total + 0.5 * np.log(product)
-
-
-@nb.njit(cache=True, nogil=True)
-def _parts(
-    shares: np.ndarray,
-    unit: float,
-    finest: float,
-    largest_share: float,
-    cautious: bool,
-    timing_least: float,
-    dt: float,
-    length: float,
-) -> tuple[float, ...]:
-    """Variances and correlation times of the parts, within their bounds, for shares of the quick noise."""
-    base, timing, share = shares[0], shares[1], shares[2]
-    fast, fast_time, slow, slow_time = shares[3], shares[4], shares[5], shares[6]
-    most = 1.0 if cautious else np.inf
-    fast = min(fast, most, largest_share)
-    slow = min(slow, 0.3 * most, largest_share)
-    base = min(base, 3.0 * most)
-    # a sample too early or too late is wrong by the movement itself; more is no matter of timing
-    timing = max(min(timing, 0.1 if cautious else 1.0), timing_least)
-    # no record of this length can tell a slower wander from an offset, nor a quicker one from the rest
-    fast_time = min(max(fast_time, 0.5 * dt), 30.0 * dt)
-    slow_time = min(max(slow_time, 40.0 * dt), max(0.25 * length, 80.0 * dt))
-    sensor = finest + base * unit
-    return sensor, share * unit, timing, fast_time, fast * unit, slow_time, slow * unit
-
-
-@nb.njit(cache=True, nogil=True)
-def _cost(
-    away: np.ndarray,
-    shares: np.ndarray,
-    bounds: tuple,
-    inadequacy: float,
-    residuals: np.ndarray,
-    step: np.ndarray,
-    level: np.ndarray,
-    moving: np.ndarray,
-) -> float:
-    """Negative log likelihood of residuals and priors, `away` from where these stand."""
-    sensor, share, timing, fast_time, fast, slow_time, slow = _parts(shares, *bounds)
-    # weak priors keep parts that are not there from running off
-    prior = np.sum(away**2) / 50.0
-    base = sensor + inadequacy
-    left = _loss(residuals, step, base, share, level, timing, moving, fast_time, fast, slow_time, slow)
-    return prior + left
 
 
 @dataclass(frozen=True, eq=False)
@@ -286,75 +182,6 @@ def _forgotten(values: np.ndarray, keep: np.ndarray) -> np.ndarray:
     return out
 
 
-def fit_noise(
-    residuals: np.ndarray,
-    simulated: np.ndarray,
-    step: np.ndarray,
-    *,
-    quantum: float = 0.0,
-    inadequacy: float = 0.0,
-    largest: float = np.inf,
-    cautious: bool = False,
-    timing: float = 0.0,
-) -> NoiseModel:
-    """Noise model of residuals, by maximum likelihood.
-
-    Parameters
-    ----------
-    residuals : ndarray of shape (n,)
-        Recorded minus simulated; NaN in gaps.
-    simulated : ndarray of shape (n,)
-        The simulated signal: the white part may grow with its movement and with its size.
-    step : ndarray of shape (n,)
-        Time since the sample before [s].
-    quantum : float, default=0.0
-        Resolution of the recorded signal; its variance is a floor of the white part.
-    inadequacy : float, default=0.0
-        Standard deviation of what a healthy simulation gets wrong; it keeps a very quiet sensor from making
-        a giant of every small error.
-    largest : float, default=inf
-        Largest standard deviation of a correlated part: what is larger is no noise of a sensor.
-    cautious : bool, default=False
-        Hold the wander to the size of the quick noise. For residuals that may still hold missing physics,
-        which a free wander would take up.
-    timing : float, default=0.0
-        Least variance of errors of timing, share of the square of the movement from row to row [1].
-
-    Returns
-    -------
-    noise : NoiseModel
-    """
-    residuals = np.asarray(residuals, dtype=float)
-    size = quick_size(residuals, simulated, quantum)
-    largest_share = (largest / size) ** 2
-    moving, level = movement(simulated, step) ** 2, _level(simulated)
-    length = float(np.sum(step))
-    dt = float(np.median(step))
-    bounds = (
-        float(size**2),
-        float(quantum**2 / 12.0),
-        float(largest_share),
-        bool(cautious),
-        float(timing),
-        dt,
-        length,
-    )
-
-    def loss(z: np.ndarray) -> float:
-        return _cost(z - start, np.exp(z), bounds, float(inadequacy**2), residuals, step, level, moving)
-
-    start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
-    solution = minimize(
-        loss,
-        start,
-        method="Nelder-Mead",
-        options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
-    )
-    base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(solution.x), *bounds)
-    parts = NoiseParts(base, share, timing, fast_time, fast, slow_time, slow, size)
-    return parts.model(np.isfinite(residuals), simulated, step, inadequacy=inadequacy)
-
-
 def sizes_of_noise(counts: float) -> dict[str, float]:
     """How large a noise may be beside what counts as an effect: settings of `fit_noise`.
 
@@ -373,23 +200,7 @@ def sizes_of_noise(counts: float) -> dict[str, float]:
     return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
 
-def quick_size(residuals: np.ndarray, simulated: np.ndarray, quantum: float) -> float:
-    """Standard deviation of the quick noise.
-
-    From differences, so that missing physics, which is mostly slow, does not pass for noise.
-
-    Parameters
-    ----------
-    residuals, simulated, quantum
-        As `fit_noise` takes them.
-    """
-    quick = np.diff(residuals)
-    quick = quick[np.isfinite(quick)]
-    size = 1.4826 * float(np.median(np.abs(quick))) / np.sqrt(2.0) if len(quick) else 0.0
-    return max(size, quantum / np.sqrt(12.0), 1e-6 * float(np.nanmax(np.abs(simulated))), 1e-12)
-
-
-def _level(simulated: np.ndarray) -> np.ndarray:
+def level_of(simulated: np.ndarray) -> np.ndarray:
     """Square of a signal, as share of its largest."""
     signal = np.asarray(simulated, dtype=float)
     return np.nan_to_num(signal / max(np.nanmax(np.abs(signal)), 1e-12)) ** 2
@@ -460,7 +271,7 @@ class NoiseParts:
         simulated, step, inadequacy
             As `fit_noise` takes them.
         """
-        sensor = self.base + self.share * _level(simulated)
+        sensor = self.base + self.share * level_of(simulated)
         moving = movement(simulated, step) ** 2
         white = np.where(seen, sensor + inadequacy**2 + self.timing * moving, np.inf)
         known = float(np.mean(sensor[seen])) if seen.any() else 0.0

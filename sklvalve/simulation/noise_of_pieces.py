@@ -12,7 +12,8 @@ import numpy as np
 from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import step_of
 from sklvalve.simulation.calibration import drop_is_unknown
-from sklvalve.simulation.noise import NoiseModel, fit_noise
+from sklvalve.simulation.noise import NoiseModel
+from sklvalve.simulation.noise_fit import fit_noise
 
 
 @dataclass(frozen=True, eq=False)

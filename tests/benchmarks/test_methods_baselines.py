@@ -8,7 +8,7 @@ import pytest
 from benchmarks.concealed.methods import no_noise_model, ours, public, sparse_regression, stepwise_bic
 from benchmarks.concealed.methods.nominal import nominal_of
 from sklvalve.simulation import noise_of_pieces
-from sklvalve.simulation.noise import fit_noise
+from sklvalve.simulation.noise_fit import fit_noise
 from tests.benchmarks.methods_records import made, names, without
 
 BASELINES = (stepwise_bic.diagnose, sparse_regression.diagnose)

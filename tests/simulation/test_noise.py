@@ -5,9 +5,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.optimize import minimize
 from scipy.signal import lfilter
 
-from sklvalve.simulation.noise import TIMING, NoiseModel, NoiseParts, fit_noise, movement
+from sklvalve.simulation import noise_fit
+from sklvalve.simulation.noise import TIMING, NoiseModel, NoiseParts, movement
+from sklvalve.simulation.noise_fit import fit_noise
 from sklvalve.simulation.robust import robust_cost
 
 ROWS = 2000
@@ -187,3 +190,25 @@ def test_the_instant_of_a_row_is_left_open():
     # a tenth of a stroke of 60 % within a row
     assert np.sqrt(open_to_it.white[row]) == pytest.approx(0.06, rel=0.02)
     assert open_to_it.white[row - 100] == pytest.approx(perfect.white[row - 100], rel=0.1)
+
+
+@pytest.mark.parametrize("cautious", [False, True])
+@pytest.mark.parametrize("mixture", MIXTURES)
+def test_the_compiled_simplex_makes_the_steps_of_scipys(mixture, cautious, monkeypatch):
+    residuals, shown = _noise(3, **MIXTURES[mixture]), np.sin(np.arange(ROWS) / 90.0)
+    asked = []
+
+    def watched(problem, _simplex=noise_fit._by_simplex):
+        asked.append((problem, _simplex(problem)))
+        return asked[-1][1]
+
+    monkeypatch.setattr(noise_fit, "_by_simplex", watched)
+    fit_noise(residuals, shown, np.ones(ROWS), cautious=cautious, timing=TIMING)
+    ((problem, found),) = asked
+    expected = minimize(
+        lambda z: noise_fit._cost(z, problem),
+        problem[0],
+        method="Nelder-Mead",
+        options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
+    )
+    np.testing.assert_array_equal(found, expected.x)

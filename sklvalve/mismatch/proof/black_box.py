@@ -15,16 +15,23 @@ from sklvalve.mismatch.proof.one_sign import one_sign_prediction
 from sklvalve.recording import Recording
 
 LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
-_MOST_ROWS = 1500
+# rows learnt from at most, and how many of them span what is learnt: as good on later rows as all of them
+_MOST_ROWS, _LANDMARKS = 6000, 200
 # of fewer rows nothing is learnt but their mean
 _FEWEST = 40
-_TUNED_ON = 600
+_TUNED_ON = 400
 # those first that mostly turn out best: the others are given up early, then
 _GAMMAS, _WEIGHTS = (0.01, 0.05, 0.2), (1000.0, 10.0)
 
 
 def black_box_prediction(
-    recording: Recording, channel: str, train: np.ndarray, *, closed: bool = False, at: slice | None = None
+    recording: Recording,
+    channel: str,
+    train: np.ndarray,
+    *,
+    closed: bool = False,
+    at: slice | None = None,
+    settings: tuple[float, float] | None = None,
 ) -> np.ndarray:
     """Prediction of a channel by a black box that saw the `train` rows only.
 
@@ -38,6 +45,8 @@ def black_box_prediction(
         controller backwards there, so responses of one sign take its place (`one_sign_prediction`).
     at : slice, default=None
         Rows to predict; all unless given.
+    settings : (float, float), default=None
+        Those of `settings_of` for some of the `train` rows; of all of them unless given.
 
     Returns
     -------
@@ -52,9 +61,24 @@ def black_box_prediction(
         y = recording[channel]
         return np.full(len(y), np.nanmean(y[train] if np.isfinite(y[train]).any() else y))[at]
     rows, Z, y, size = learnt
-    gamma, C = _best(rows, Z, y)
-    many = rows[:: max(len(rows) // _MOST_ROWS, 1)]
-    return LSSVMRegressor(gamma=gamma, C=C).fit(Z[many], y[many]).predict(Z[at]) * size
+    gamma, C = settings or _best(rows, Z, y)
+    box = LSSVMRegressor(gamma=gamma, C=C, solver="nystrom", n_landmarks=_LANDMARKS, random_state=0, n_jobs=1)
+    many = _spread(rows, _MOST_ROWS)
+    return box.fit(Z[many], y[many]).predict(Z[at]) * size
+
+
+def settings_of(recording: Recording, channel: str, train: np.ndarray) -> tuple[float, float] | None:
+    """Width of the kernel and weight of the errors that suit the `train` rows; None where these are too few.
+
+    They serve for later origins as well: chosen anew at each they forecast no better.
+
+    Parameters
+    ----------
+    recording, channel, train
+        As `black_box_prediction` takes them.
+    """
+    learnt = _learnt_from(recording, channel, train)
+    return None if learnt is None else _best(*learnt[:3])
 
 
 def _learnt_from(
@@ -73,8 +97,13 @@ def _learnt_from(
 
 def _best(rows: np.ndarray, Z: np.ndarray, y: np.ndarray) -> tuple[float, float]:
     """Width of the kernel and weight of the errors that predict quarters of the rows best."""
-    few = rows[:: max(len(rows) // _TUNED_ON, 1)]
+    few = _spread(rows, _TUNED_ON)
     return least_in_error(Z[few], y[few], gammas=_GAMMAS, Cs=_WEIGHTS, blocks=_quarters(len(few)))
+
+
+def _spread(rows: np.ndarray, most: int) -> np.ndarray:
+    """So many of the rows at most, evenly spread over them."""
+    return rows[np.linspace(0, len(rows) - 1, min(most, len(rows))).astype(int)]
 
 
 def lagged_signals(recording: Recording, channel: str) -> np.ndarray:
