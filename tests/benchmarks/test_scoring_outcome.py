@@ -55,6 +55,18 @@ def test_every_name_is_wrong_where_nothing_with_a_name_is_concealed(a_line):
     assert not wrongly_named(a_line("", "cannot_tell"))
 
 
+def test_what_a_history_held_and_has_gone_since_is_named_rightly(a_line):
+    history = {"holds": "another", "effects": ["clogging"]}
+    line = a_line("erosion", "named", "erosion", "clogging", history=history)
+    assert wrongly_named(line)  # without the history nothing says that a clogging has gone
+    line |= {"method": "sklvalve_history"}
+    assert not wrongly_named(line)
+    assert judge(line) == "right"
+    assert wrongly_named(a_line("erosion", "named", "stiction", history=history) | {"method": line["method"]})
+    same = {"holds": "same", "effects": ["clogging"]}
+    assert wrongly_named(a_line("", "named", "clogging", history=same) | {"method": line["method"]})
+
+
 def test_each_name_needs_a_class_of_its_own(a_line):
     one, both = a_line("a+b", "named", "a/b"), a_line("a+b", "named", "b/a", "a/c")
     assert len(found_names(one)) == 1

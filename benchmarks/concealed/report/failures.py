@@ -5,6 +5,7 @@ from collections import Counter
 
 from benchmarks.concealed.report.markdown import section, table
 from benchmarks.concealed.scoring.lines import (
+    changed_names,
     concealed,
     entries_of,
     excitation_of,
@@ -13,7 +14,6 @@ from benchmarks.concealed.scoring.lines import (
     kind_of,
     names_of,
     size_step,
-    true_names,
     verdict_of,
 )
 from benchmarks.concealed.scoring.outcome import judge, wrongly_named
@@ -29,7 +29,7 @@ def told(line):
 
 def wrong_classes(line):
     """Classes without a true name, as "a/b"."""
-    return ["/".join(names_of(e)) for e in entries_of(line) if not set(names_of(e)) & true_names(line)]
+    return ["/".join(names_of(e)) for e in entries_of(line) if not set(names_of(e)) & changed_names(line)]
 
 
 def by_name(lines):

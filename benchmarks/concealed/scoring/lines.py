@@ -8,6 +8,8 @@ from pathlib import Path
 
 KINDS = ("healthy", "single", "pair", "outside", "defect")
 DEFAULT_METHOD = "sklvalve"
+# the same held against a history of the plant
+WITH_HISTORY = "sklvalve_history"
 # Distance from the truth above which the generator calls another explanation distinguishable.
 DISTINGUISHABLE = 14.0
 
@@ -66,6 +68,16 @@ def grouped(lines, key):
 def true_names(line):
     """Names in the catalogue of what was concealed."""
     return set(line["truth"].get("effects") or ())
+
+
+def changed_names(line):
+    """Names of what is not as it was: those of `true_names`, and of what a history held and has gone since.
+
+    A recording held against a history tells of changes, and the end of a fault is one.
+    """
+    history = line["truth"].get("history") or {}
+    gone = method_of(line) == WITH_HISTORY and history.get("holds") == "another"
+    return true_names(line) | (set(history.get("effects") or ()) if gone else set())
 
 
 def concealed(line):

@@ -3,7 +3,15 @@
 
 from itertools import permutations
 
-from benchmarks.concealed.scoring.lines import classes_of, failed, kind_of, refused, true_names, verdict_of
+from benchmarks.concealed.scoring.lines import (
+    changed_names,
+    classes_of,
+    failed,
+    kind_of,
+    refused,
+    true_names,
+    verdict_of,
+)
 
 HEALTHY = ("right", "alarm", "failed")
 SINGLE = ("right", "wrong name", "cannot tell", "none of these", "missed", "failed")
@@ -18,9 +26,10 @@ TELLING = ("swapped", "unit_suspect")
 def wrongly_named(line):
     """Whether any class holds no true name, also where the verdict is that it cannot tell.
 
-    On a healthy record, and on one whose effect no catalogue holds, every name is a wrong one.
+    On a healthy record, and on one whose effect no catalogue holds, every name is a wrong one. Held against
+    a history that had another effect, the name of that is true of the change.
     """
-    true = true_names(line)
+    true = changed_names(line)
     return any(not names & true for names in classes_of(line))
 
 
