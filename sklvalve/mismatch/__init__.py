@@ -3,6 +3,7 @@
 
 from sklvalve.mismatch.advice import plan_next_test
 from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.files.diagnosis_schema import diagnosis_schema
 from sklvalve.mismatch.files.history_file import load_history, save_history
 from sklvalve.mismatch.files.model_file import load_model, save_model
 from sklvalve.mismatch.finder import MissingPhysicsFinder
@@ -16,6 +17,7 @@ __all__ = [
     "MissingPhysicsFinder",
     "TestLimits",
     "TestPlan",
+    "diagnosis_schema",
     "load_history",
     "load_model",
     "plan_next_test",
