@@ -34,7 +34,7 @@ PARTS = {
     ("stem.py", "positioner_and_actuator"): "stem",
     ("chain.py", "flow"): "flow",
     ("robust.py", "least_within"): "bounded least squares",
-    ("noise.py", "fit_noise"): "noise",
+    ("noise_fit.py", "fit_noise"): "noise",
     ("black_box.py", "black_box_prediction"): "black box",
     ("unknown.py", "look_for_residual"): "rest that no effect explains",
     ("change.py", "find_change"): "dating of a change",
