@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
-from sklvalve.mismatch.constants import DETECTABLE, DISTINGUISHABLE
+from sklvalve.mismatch.constants import DETECTABLE
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in
 from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.mismatch.search.extended import extended
@@ -20,14 +20,13 @@ from sklvalve.mismatch.search.relevance import beyond_tolerance, is_relevant, ma
 from sklvalve.mismatch.search.restart import much_is_left, restarted
 from sklvalve.mismatch.search.rivals import find_rivals, without_rival
 from sklvalve.mismatch.search.scatter import OverTime
-from sklvalve.mismatch.search.screening import FITTED
 from sklvalve.mismatch.search.settling import settled_fit
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.extended import Report
-    from sklvalve.mismatch.search.rivals import Finding, Rival
+    from sklvalve.mismatch.search.rivals import Finding
 
 # of the effects fitted so many are settled under their own noise
 _TRIED = 6
@@ -126,7 +125,7 @@ def explain(
     for last in (False, False, True):
         problem, model = _what_stands(problem, model, threshold)
         findings = find_rivals(problem, model, effects, report)
-        better = _better_in_place(problem, findings) or _simpler(problem, model, findings, search.seen)
+        better = _better_in_place(problem, findings)
         if better is None or last:
             break
         by_its_noise, stood = _what_stands(*settled_fit(problem, better), threshold)
@@ -168,8 +167,6 @@ class _Search:
         The likeliest with one effect, or with none, that acts throughout.
     gain_throughout : float
         Log likelihood that its effect adds.
-    seen : dict
-        Effect key -> the best fit met of the effect.
     nominal : Model or None
         The simulation without effects, with the best calibration met.
     """
@@ -180,7 +177,6 @@ class _Search:
         self.tried: dict[str, Tried] = {}
         self.throughout: Model | None = None
         self.gain_throughout = 0.0
-        self.seen: dict[str, Model] = {}
         self.nominal: Model | None = None
 
     def with_its_beginning(self, problem: Problem, found: _Gained, model: Model, term: Term) -> _Gained:
@@ -222,8 +218,6 @@ class _Search:
                 candidates, throughout = extended(problem, model, self.effects, self.report, done)
             self.nominal, self.throughout = model, throughout
             self.gain_throughout = throughout.log_likelihood - model.log_likelihood
-        for m in candidates[:FITTED]:
-            self.seen.setdefault(m.terms[-1].effect.key, m)
         if first:
             # what a data sheet leaves open is no mismatch, however clear it is
             beyond = [m for m in candidates if beyond_tolerance(problem, m, m.terms[-1])]
@@ -233,7 +227,6 @@ class _Search:
         problem, settled = self._first_that_counts(problem, model, promising)
         if settled is None and much_is_left(problem, model):
             elsewhere = restarted(problem, model, [e for e in self.effects if not is_in(e, model.terms)])
-            self.seen |= {m.terms[-1].effect.key: m for m in elsewhere}
             problem, settled = self._first_that_counts(problem, model, elsewhere)
         return problem, model, settled
 
@@ -305,42 +298,6 @@ def _better_in_place(problem: Problem, findings: Sequence[Finding]) -> Model | N
             if may_explain(problem, rival.model, without):
                 return rival.model
     return None
-
-
-def _simpler(
-    problem: Problem, model: Model, findings: Sequence[Finding], seen: dict[str, Model]
-) -> Model | None:
-    """A hypothesis with a rival in place of one effect that leaves no need for another one; else None.
-
-    What a poor choice among rivals gets wrong may pass for a second effect, and so may what the equation of
-    the right one gets wrong.
-    """
-    if len(findings) < 2:
-        return None
-    of_all = penalised_by_its_noise(problem, model)
-    best: tuple[float, Model] | None = None
-    for rival, other in _needless(findings):
-        without = _fitted_without(problem, rival.model, other, seen)
-        likelihood = penalised_by_its_noise(problem, without)
-        better = best is None or likelihood > best[0]
-        if better and explains_as_much(problem, without, other, likelihood, of_all):
-            best = likelihood, without
-    return None if best is None else best[1]
-
-
-def _needless(findings: Sequence[Finding]) -> Iterator[tuple[Rival, Term]]:
-    """Rivals that cannot be told from an effect found, and of each the other effects beside it."""
-    for finding in findings:
-        for rival in finding.rivals:
-            if rival.distance < DISTINGUISHABLE and rival.term is not finding.term:
-                yield from ((rival, other) for other in rival.model.terms if other is not rival.term)
-
-
-def _fitted_without(problem: Problem, model: Model, term: Term, seen: dict[str, Model]) -> Model:
-    """A hypothesis without one of its effects, from wherever the search met one of the others."""
-    others = tuple(m for m in model.terms if m is not term)
-    starts = [model] + [seen[m.effect.key] for m in others if m.effect.key in seen]
-    return max((problem.fit(others, start=start) for start in starts), key=lambda m: m.log_likelihood)
 
 
 def _drop_what_no_longer_counts(

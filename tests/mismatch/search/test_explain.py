@@ -129,7 +129,6 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
     monkeypatch.setattr(explain._Search, "taken_up", taken_up)
     monkeypatch.setattr(explain, "_what_stands", what_stands)
     monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
-    monkeypatch.setattr(explain, "_simpler", lambda *_: None)
     monkeypatch.setattr(explain, "settled_fit", lambda b, model: (b, model))
     monkeypatch.setattr(explain, "find_rivals", lambda *_: [])
     explain.explain(bench, bench.fit(()), (), threshold=1.0)
