@@ -10,8 +10,8 @@ from sklvalve.simulation.noise import NoiseModel, NoiseParts, level_of, movement
 
 # passes of a fit at most, and within how much of all parts and of the likelihood it ends
 _PASSES, _NEAR, _FLAT = 500, 0.03, 0.2
-# the first simplex, as a share of each logarithm
-_FIRST_STEP = 1.05
+# the first simplex: each logarithm times this, and one of zero
+_FIRST_STEP, _FIRST_OF_ZERO = 1.05, 0.00025
 
 
 @nb.njit(cache=True, nogil=True, fastmath={"contract"})
@@ -122,10 +122,11 @@ def _by_simplex(problem: tuple) -> np.ndarray:
     for k in range(n + 1):
         corners[k] = start
         if k > 0:
-            corners[k, k - 1] *= _FIRST_STEP
+            corners[k, k - 1] = _FIRST_STEP * start[k - 1] if start[k - 1] != 0.0 else _FIRST_OF_ZERO
         costs[k] = _cost(corners[k], problem)
     while True:
-        order = np.argsort(costs)
+        # stable, as that of numpy is for so few
+        order = np.argsort(costs, kind="mergesort")
         corners, costs = corners[order], costs[order]
         near = np.max(np.abs(corners[1:] - corners[0])) <= _NEAR
         if passes >= _PASSES or (near and np.max(np.abs(costs[0] - costs[1:])) <= _FLAT):

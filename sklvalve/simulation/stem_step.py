@@ -19,8 +19,6 @@ _LARGEST_CHANGE, _LONGEST, _STEP_OF_SLIPPING = 0.01, 2.0, 0.04
 _FREED, _SLIP_TIME = 0.3, 0.005
 # longest step while the positioner feels the stem elsewhere [lags], and the distance that hardly counts
 _OFTEN, _HARDLY = 1.0, 0.003
-# play of which this is left lets a stem go nowhere by itself [1]
-_HARDLY_LOOSE = 1e-4
 _STRIBECK, _VISCOUS = 0.03, 0.005
 # whatever happened before the last 40 s has settled
 _SETTLED = 40.0
@@ -194,8 +192,7 @@ def _length(state, seen, busy, filling, remaining, drive, own):
         # until the stem has taken up the play nothing checks it: it must not go far on its own
         gap = drive.play - (state.x - seen.lever if filling else seen.lever - state.x)
         if h * busy > gap:
-            short = min(h, max(0.05, gap / busy))
-            h += (short - h) * gap / (gap + _HARDLY_LOOSE)
+            h = min(h, max(0.05, gap / busy))
         loose = min(gap / (h * busy + 1e-9), 1.0)
     if h * busy > _LARGEST_CHANGE:
         h = _LARGEST_CHANGE / busy

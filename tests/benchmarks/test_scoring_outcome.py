@@ -63,6 +63,8 @@ def test_what_a_history_held_and_has_gone_since_is_named_rightly(a_line):
     assert not wrongly_named(line)
     assert judge(line) == "right"
     assert wrongly_named(a_line("erosion", "named", "stiction", history=history) | {"method": line["method"]})
+    outside = a_line("", "named", "clogging", history=history, **OUTSIDE) | {"method": line["method"]}
+    assert judge(outside) == "missed"
     same = {"holds": "same", "effects": ["clogging"]}
     assert wrongly_named(a_line("", "named", "clogging", history=same) | {"method": line["method"]})
 

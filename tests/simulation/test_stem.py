@@ -139,15 +139,6 @@ def test_sound_columns_are_none_and_zero_columns_change_nothing():
     np.testing.assert_array_equal(_run(command, ORDINARY, faults=zero), _run(command, ORDINARY))
 
 
-@pytest.mark.parametrize("valve", [ORDINARY, QUICK], ids=["ordinary", "quick"])
-def test_play_that_vanishes_leaves_the_stem_as_it_is(valve):
-    command = _program()
-    faults = np.zeros((len(command), len(FAULTS)))
-    faults[:, list(FAULTS).index("feedback_play")] = 2e-6
-    # with steps of their own the two differ by 7e-4
-    assert np.abs(_run(command, valve, faults=faults) - _run(command, valve)).max() < 1e-4
-
-
 def test_fault_acts_from_its_row_on():
     command = np.full(120, 0.8)
     strong = np.where(np.arange(120) >= 60, 1.0, 0.0)

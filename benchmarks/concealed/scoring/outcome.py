@@ -69,7 +69,8 @@ def judge(line):
     true = true_names(line)
     if not true:
         plain = {"none_of_these": "right", "cannot_tell": "cannot tell", "no_mismatch": "missed"}
-        return plain.get(verdict, "wrong name")
+        # a name that is not wrong is that of what a history held
+        return plain.get(verdict, "missed")
     found = found_names(line)
     if len(true) > 1:
         return "both found" if found == true else "one found" if found else "neither"

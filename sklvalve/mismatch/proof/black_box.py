@@ -70,7 +70,8 @@ def black_box_prediction(
 def settings_of(recording: Recording, channel: str, train: np.ndarray) -> tuple[float, float] | None:
     """Width of the kernel and weight of the errors that suit the `train` rows; None where these are too few.
 
-    They serve for later origins as well: chosen anew at each they forecast no better.
+    They serve for later origins as well: chosen anew at each they forecast no better, unless the rows were
+    fewer than a choice is made on.
 
     Parameters
     ----------
@@ -78,7 +79,7 @@ def settings_of(recording: Recording, channel: str, train: np.ndarray) -> tuple[
         As `black_box_prediction` takes them.
     """
     learnt = _learnt_from(recording, channel, train)
-    return None if learnt is None else _best(*learnt[:3])
+    return None if learnt is None or len(learnt[0]) < _TUNED_ON else _best(*learnt[:3])
 
 
 def _learnt_from(
