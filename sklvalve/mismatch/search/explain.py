@@ -179,18 +179,18 @@ class _Search:
         self.gain_throughout = 0.0
         self.nominal: Model | None = None
 
-    def with_its_beginning(self, problem: Problem, found: _Gained, model: Model, term: Term) -> _Gained:
+    def with_its_beginning(self, problem: Problem, gained: _Gained, model: Model, term: Term) -> _Gained:
         """What a term of a hypothesis gains, with what of it is gained by beginning within the recording.
 
         A valve that is not as it was known differs throughout: that it began then is what is gained beyond.
         Where the hypothesis holds more terms, these have taken up what differs throughout.
         """
         if term.onset is None:
-            return found
+            return gained
         if len(model.terms) > 1 or self.throughout is None:
-            return replace(found, by_beginning=found.gain)
+            return replace(gained, by_beginning=gained.gain)
         over_time = OverTime.of(problem, model, problem.judged(self.throughout))
-        return replace(found, by_beginning=max(found.gain - self.gain_throughout, 0.0), over_time=over_time)
+        return replace(gained, by_beginning=max(gained.gain - self.gain_throughout, 0.0), over_time=over_time)
 
     def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
