@@ -19,7 +19,7 @@ LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
 _MOST_ROWS, _LANDMARKS = 6000, 200
 # of fewer rows nothing is learnt but their mean
 _FEWEST = 40
-_TUNED_ON = 400
+_TUNED_ON = 600
 # those first that mostly turn out best: the others are given up early, then
 _GAMMAS, _WEIGHTS = (0.01, 0.05, 0.2), (1000.0, 10.0)
 
