@@ -6,10 +6,10 @@ import json
 from collections import defaultdict
 from pathlib import Path
 
+from benchmarks.concealed.methods import WITH_HISTORY
+
 KINDS = ("healthy", "single", "pair", "outside", "defect")
 DEFAULT_METHOD = "sklvalve"
-# the same held against a history of the plant
-WITH_HISTORY = "sklvalve_history"
 # Distance from the truth above which the generator calls another explanation distinguishable.
 DISTINGUISHABLE = 14.0
 
@@ -76,7 +76,7 @@ def changed_names(line):
     A recording held against a history tells of changes, and the end of a fault is one.
     """
     history = line["truth"].get("history") or {}
-    gone = method_of(line) == WITH_HISTORY and history.get("holds") == "another"
+    gone = method_of(line) in WITH_HISTORY and history.get("holds") == "another"
     return true_names(line) | (set(history.get("effects") or ()) if gone else set())
 
 

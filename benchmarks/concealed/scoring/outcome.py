@@ -70,7 +70,7 @@ def judge(line):
     if not true:
         plain = {"none_of_these": "right", "cannot_tell": "cannot tell", "no_mismatch": "missed"}
         # a name that is not wrong is that of what a history held
-        return plain.get(verdict, "missed")
+        return plain.get(verdict, "missed" if classes_of(line) else "wrong name")
     found = found_names(line)
     if len(true) > 1:
         return "both found" if found == true else "one found" if found else "neither"

@@ -159,7 +159,7 @@ def _others_in_place(
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
     bare = problem.judged(problem.simulate(other_terms, model.values))
     best: dict[str, Model] = {}
-    near: set[str] = set()
+    fitted: set[str] = set()
     for base in (bare, without):
         # no race: a class is to hold all that cannot be told apart, not the best four alone
         rough = screened(problem, base, others, onset=term.times, always=others)
@@ -169,15 +169,14 @@ def _others_in_place(
             or _alike(m.terms[-1].effect, term.effect)
             for k, m in enumerate(rough)
         ]
-        chosen = [m for m, fit in zip(rough, promising, strict=True) if fit]
-        near |= {m.terms[-1].effect.key for m in chosen}
-        fitted = parallel_map(lambda m: problem.fit(m.terms, start=m), chosen)
-        _keep_the_best(best, (*fitted, *(m for m, fit in zip(rough, promising, strict=True) if not fit)))
-    settled = parallel_map(
-        lambda m: to_the_sample(problem, sampled_fit(problem, m)), [best[key] for key in sorted(near)]
-    )
-    _keep_the_best(best, settled)
-    return [(fitted.terms[-1], fitted) for fitted in best.values()]
+        near = [m for m, fit in zip(rough, promising, strict=True) if fit]
+        far = [m for m, fit in zip(rough, promising, strict=True) if not fit]
+        _keep_the_best(best, (*parallel_map(lambda m: problem.fit(m.terms, start=m), near), *far))
+        fitted |= {m.terms[-1].effect.key for m in near}
+    # the samples are the same whatever a fit began from: each effect is sampled once
+    ready = [best[key] for key in sorted(fitted)]
+    _keep_the_best(best, parallel_map(lambda m: to_the_sample(problem, sampled_fit(problem, m)), ready))
+    return [(m.terms[-1], m) for m in best.values()]
 
 
 def _alike(effect: Effect, other: Effect) -> bool:

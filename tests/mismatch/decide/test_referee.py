@@ -9,7 +9,7 @@ import pytest
 
 import sklvalve.mismatch.decide.referee as decision
 from sklvalve.mismatch.decide.judgement import Judgement
-from sklvalve.mismatch.proof.black_box import black_box_prediction
+from sklvalve.mismatch.proof.black_box import black_box_prediction, settings_of
 from sklvalve.mismatch.proof.comparison import Compared, compare, share_explained
 from sklvalve.mismatch.proof.forward import Forward
 
@@ -212,3 +212,20 @@ def test_rows_asked_for_are_those_of_the_whole_prediction(healthy):
     whole = black_box_prediction(healthy, "flow", train)
     made = black_box_prediction(healthy, "flow", train, at=later)
     np.testing.assert_allclose(made, whole[later], rtol=1e-9)
+
+
+def test_settings_are_those_of_the_rows_learnt_from_alone(healthy):
+    train, later = np.arange(len(healthy)) < 700, np.arange(len(healthy)) >= 700
+    disturbed = np.where(later, 3.0 * healthy["flow"] + 1.0, healthy["flow"])
+    other = replace(healthy, signals={**healthy.signals, "flow": disturbed})
+    chosen = settings_of(healthy, "flow", train)
+    assert chosen is not None
+    assert settings_of(other, "flow", train) == chosen
+    made = black_box_prediction(healthy, "flow", train, settings=chosen)
+    np.testing.assert_array_equal(made, black_box_prediction(healthy, "flow", train))
+    # chosen otherwise they are heeded
+    assert not np.allclose(made, black_box_prediction(healthy, "flow", train, settings=(2.0, 0.1)))
+
+
+def test_settings_of_few_rows_serve_no_other_origin(healthy):
+    assert settings_of(healthy, "flow", np.arange(len(healthy)) < 300) is None
