@@ -18,7 +18,6 @@ def as_before(
     simulated: np.ndarray,
     step: np.ndarray,
     role: str,
-    inadequacy: float,
 ) -> NoiseModel | NoiseOfPieces:
     """Noise of a channel as the history has it, louder where the recording is louder from row to row.
 
@@ -30,8 +29,6 @@ def as_before(
         As `fit_noise` takes them.
     role : str
         The channel.
-    inadequacy : float
-        Standard deviation of what a healthy simulation gets wrong [SI].
 
     Returns
     -------
@@ -41,6 +38,6 @@ def as_before(
     def louder(left: np.ndarray, made: np.ndarray, steps: np.ndarray, quantum: float) -> NoiseModel:
         times = max(1.0, quick_size(left, made, quantum) / parts.size)
         noise = parts.louder(times, float(np.median(steps)))
-        return noise.model(np.isfinite(left), made, steps, inadequacy=inadequacy)
+        return noise.model(np.isfinite(left), made, steps)
 
     return of_each(recording, residuals, simulated, step, role, louder)

@@ -200,12 +200,6 @@ def sizes_of_noise(counts: float) -> dict[str, float]:
     return {"inadequacy": _INADEQUACY * counts, "largest": _LARGEST * counts}
 
 
-def level_of(simulated: np.ndarray) -> np.ndarray:
-    """Square of a signal, as share of its largest."""
-    signal = np.asarray(simulated, dtype=float)
-    return np.nan_to_num(signal / max(np.nanmax(np.abs(signal)), 1e-12)) ** 2
-
-
 @dataclass(frozen=True)
 class NoiseParts:
     """What a noise is made of, whichever rows it is in.
@@ -213,7 +207,8 @@ class NoiseParts:
     Parameters
     ----------
     base, share : float
-        Variances of the sensor's white part: everywhere, and in proportion to the square of the signal.
+        The sensor's white part: its variance everywhere, and what it has beside, as share of the square of
+        the signal [1].
     timing : float
         Variance of errors of timing, share of the square of the movement from row to row [1].
     fast_time, fast : float
@@ -222,6 +217,9 @@ class NoiseParts:
         Those of the wander.
     size : float
         Standard deviation of the quick noise, by differences from row to row.
+    inadequacy : float, default=0
+        Standard deviation of what a healthy simulation gets wrong from row to row. White noise below it is
+        not told from it, so it goes with the other parts to other rows.
     """
 
     base: float
@@ -232,6 +230,7 @@ class NoiseParts:
     slow_time: float
     slow: float
     size: float
+    inadequacy: float = 0.0
 
     def louder(self, times: float, step: float) -> NoiseParts:
         """The same noise where differences from row to row are so many times as large.
@@ -252,28 +251,27 @@ class NoiseParts:
         fast, slow = 1.0 + (square - 1.0) * fresh
         return replace(
             self,
-            base=self.base * square,
+            # of what is white nothing tells how much the sensor has
+            base=self.base * square + self.inadequacy**2 * (square - 1.0),
             share=self.share * square,
             fast=self.fast * float(fast),
             slow=self.slow * float(slow),
             size=self.size * times,
         )
 
-    def model(
-        self, seen: np.ndarray, simulated: np.ndarray, step: np.ndarray, *, inadequacy: float = 0.0
-    ) -> NoiseModel:
+    def model(self, seen: np.ndarray, simulated: np.ndarray, step: np.ndarray) -> NoiseModel:
         """Noise of these parts in some rows.
 
         Parameters
         ----------
         seen : ndarray of bool, shape (n,)
             Rows that are no gaps.
-        simulated, step, inadequacy
+        simulated, step
             As `fit_noise` takes them.
         """
-        sensor = self.base + self.share * level_of(simulated)
+        sensor = self.base + self.share * np.nan_to_num(np.asarray(simulated, dtype=float)) ** 2
         moving = movement(simulated, step) ** 2
-        white = np.where(seen, sensor + inadequacy**2 + self.timing * moving, np.inf)
+        white = np.where(seen, sensor + self.inadequacy**2 + self.timing * moving, np.inf)
         known = float(np.mean(sensor[seen])) if seen.any() else 0.0
         return NoiseModel(
             white, step, self.fast_time, self.fast, self.slow_time, self.slow, known, parts=self

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numba as nb
 import numpy as np
 
-from sklvalve.simulation.noise import NoiseModel, NoiseParts, level_of, movement
+from sklvalve.simulation.noise import NoiseModel, NoiseParts, movement
 
 # passes of a fit at most, and within how much of all parts and of the likelihood it ends
 _PASSES, _NEAR, _FLAT = 500, 0.03, 0.2
@@ -225,7 +225,9 @@ def fit_noise(
     residuals = np.asarray(residuals, dtype=float)
     size = quick_size(residuals, simulated, quantum)
     largest_share = (largest / size) ** 2
-    moving, level = movement(simulated, step) ** 2, level_of(simulated)
+    # the square of the signal, as share of its largest
+    peak = max(float(np.nanmax(np.abs(simulated))), 1e-12)
+    moving, level = movement(simulated, step) ** 2, np.nan_to_num(np.asarray(simulated) / peak) ** 2
     length = float(np.sum(step))
     dt = float(np.median(step))
     bounds = (
@@ -241,8 +243,9 @@ def fit_noise(
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
     best = _by_simplex((start, bounds, float(inadequacy**2), residuals, step, level, moving))
     base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(best), *bounds)
-    parts = NoiseParts(base, share, timing, fast_time, fast, slow_time, slow, size)
-    return parts.model(np.isfinite(residuals), simulated, step, inadequacy=inadequacy)
+    share /= peak**2
+    parts = NoiseParts(base, share, timing, fast_time, fast, slow_time, slow, size, float(inadequacy))
+    return parts.model(np.isfinite(residuals), simulated, step)
 
 
 def quick_size(residuals: np.ndarray, simulated: np.ndarray, quantum: float) -> float:

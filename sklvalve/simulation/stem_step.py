@@ -180,7 +180,7 @@ def _busy(state, seen, target, chamber, inlet, filling, drive, own):
 
 @compiled
 def _ahead(seen, target, pressure, own):
-    """Way that the positioner will drive the stem before it may turn: the lesser of errors now and to come."""
+    """Way that the positioner drives the stem before it may turn: the lesser of errors now and to come."""
     now = seen.near + seen.short
     to_come = seen.far + own.feedback * (own.spring + target - pressure)
     return min(abs(now), abs(to_come)) if now * to_come > 0.0 else 0.0

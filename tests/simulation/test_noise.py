@@ -179,6 +179,30 @@ def test_what_is_louder_from_row_to_row_is_white_and_no_wander():
     assert parts.louder(1.0, 1.0) == parts
 
 
+def test_white_noise_below_the_inadequacy_gets_louder_too():
+    # the fit told next to none of it from what the simulation gets wrong
+    parts = NoiseParts(1e-6, 0.0, 0.0, 3.0, 1e-6, 200.0, 1e-6, size=0.1, inadequacy=0.1)
+    rows = np.ones(ROWS, dtype=bool), np.ones(ROWS), np.ones(ROWS)
+    as_loud, thrice = parts.model(*rows), parts.louder(3.0, 1.0).model(*rows)
+    assert np.sqrt(as_loud.white[0]) == pytest.approx(0.1, rel=1e-3)
+    assert np.sqrt(thrice.white[0]) == pytest.approx(0.3, rel=1e-3)
+
+
+@pytest.mark.parametrize("inadequacy", [0.0, 0.5])
+def test_the_parts_of_a_noise_are_the_same_wherever_the_signal_is(inadequacy):
+    # noise that grows with the signal, learnt high up and then found at a third of it
+    signal = 3.0 + np.sin(np.arange(ROWS) / 100.0)
+    noise = 0.1 * signal * np.random.default_rng(6).standard_normal(ROWS)
+    step = np.ones(ROWS)
+    high = fit_noise(noise, signal, step, inadequacy=inadequacy)
+    low = high.parts.model(np.ones(ROWS, dtype=bool), signal / 3.0, step)
+    # where the simulation may be wrong by more than the noise, that goes along
+    assert np.std(low.whiten(noise / 3.0)) < (1.1 if inadequacy == 0.0 else 0.5)
+    assert np.std(high.parts.model(np.ones(ROWS, dtype=bool), signal, step).whiten(noise)) == pytest.approx(
+        np.std(high.whiten(noise)), rel=1e-12
+    )
+
+
 def test_the_instant_of_a_row_is_left_open():
     # strokes that came out perfectly say nothing of the next one
     signal = np.repeat([0.2, 0.8], ROWS // 2)

@@ -354,7 +354,6 @@ class Problem(Sharing, Sizes):
             model.predictions[channel],
             model.chain.step,
             channel,
-            self.noise_settings(channel)["inadequacy"],
         )
 
     def baseline(self, model: Model, terms: Sequence[Term], fitted: Model) -> Model:
