@@ -7,6 +7,8 @@
     python benchmarks/healthy_reference.py check OTHER.jsonl
 
 With ``--history`` each is held against the hour before it; that table is `null_reference_with_history.json`.
+With ``--rest`` as well only what is left over beyond the noise of that hour is drawn, which no search
+changes, and `table` puts it in the place of the one in the file; the other looks stay.
 `draw` writes a line of JSON a recording, and goes on where it was stopped; five to ten seconds each. `table`
 writes the reference that the package ships. `check` holds recordings of other seeds, and with noise that the
 reference has none of, against the table: rates of alarms with exact intervals, and Kolmogorov-Smirnov.
@@ -19,6 +21,7 @@ come from a historian that writes a value when it has left the last one by a ban
 
 import argparse
 import json
+from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -34,6 +37,7 @@ from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
+from sklvalve.mismatch.decide.detect import covariates_of as covariates_of_problem
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
@@ -42,6 +46,8 @@ from sklvalve.mismatch.decide.null_reference import (
     Covariates,
 )
 from sklvalve.mismatch.decide.suppression import suppressed
+from sklvalve.mismatch.inference.calibrating import calibrated
+from sklvalve.mismatch.residual.since_history import left_since
 from sklvalve.recording import Recording, Valve, screen_recording
 from sklvalve.simulation.parallel_map import with_threads
 
@@ -54,8 +60,9 @@ HELD, BANDS = 0.2, (0.001, 0.01)
 ABOVE, KNOTS = 0.15, 18
 # rows of a history
 BEFORE = 3600
-# strengths below are as good as none: of effects standard deviations, of the rest as it is told
-WEAKEST = {"throughout": 2.0, "stem": 2.0, "within": 2.0, "rest": 0.1}
+# strengths below are as good as none: standard deviations, and of what is left over beside a data sheet,
+# which is told otherwise there
+WEAKEST, WEAKEST_REST = 2.0, 0.1
 CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held_opening", "held_flow")
 # what else the typical strength is a line in
 LINE = (*CIRCUMSTANCES, "noise_without_opening", "noise_without_drop")
@@ -123,13 +130,28 @@ def add_noise(frame, kind, span, rng):
             frame[column] += rng.uniform(0.001, 0.004) * frame[column].max() * correlated(rng, rows, 0.9)
 
 
+def rest_of(recording, before):
+    """What the calibrated simulation leaves over beyond the noise of the history; nothing is searched."""
+    recording, data, history = prepared(recording, before)
+    with threadpool_limits(1, user_api="blas"), with_threads(1):
+        problem, nominal = calibrated(prepared_problem(recording, None, None, history=history))
+        left = left_since(problem, problem.least_squares(nominal))
+    told = asdict(covariates_of_problem(problem, data))
+    return told | {"rest": None if left is None else left.strength(problem.least(left.channel))}
+
+
+def prepared(recording, before):
+    """The recording without the rows that its data spoil, what was found of them, and its history."""
+    # learnt as `sklvalve learn` does it: from where a diagnosis of the history ended
+    history = None if before is None else MissingPhysicsFinder(n_jobs=1).history_of([before])
+    data = with_seized_stems(screen_recording(recording), recording)
+    return masked(recording, recording, data)[1], data, history
+
+
 def searched(recording, before=None):
     """Evidence and verdict of a recording, as the finder judges it; what follows the verdict is left out."""
     finder = MissingPhysicsFinder(n_jobs=1)
-    # learnt as `sklvalve learn` does it: from where a diagnosis of the history ended
-    history = None if before is None else finder.history_of([before])
-    data = with_seized_stems(screen_recording(recording), recording)
-    _, recording = masked(recording, recording, data)
+    recording, data, history = prepared(recording, before)
     with threadpool_limits(1, user_api="blas"), with_threads(1):
         problem = prepared_problem(recording, None, None, history=history)
         effects, _ = candidates(problem, "all", data)
@@ -143,11 +165,12 @@ def searched(recording, before=None):
     return told | {"verdict": judged.verdict, "p_value": judged.p_value}
 
 
-def table_of(rows, name):
+def table_of(rows, name, *, history):
     """The table of one strength, as `sklvalve.mismatch.decide.null_reference.Table` takes it."""
+    weakest = WEAKEST_REST if name == "rest" and not history else WEAKEST
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
-    typical, offset, slopes = typical_of(rows, found, WEAKEST[name])
+    typical, offset, slopes = typical_of(rows, found, weakest)
     relative = found / typical
     quantiles = np.quantile(relative, np.linspace(0.0, 1.0 - ABOVE, KNOTS))
     excess = relative[relative > quantiles[-1]] ** 2 - quantiles[-1] ** 2
@@ -213,7 +236,9 @@ def tail_of(excess):
 def recordings_of(rows, history):
     """What the recordings of a reference were, in a sentence."""
     seeds = [row["seed"] for row in rows]
-    told = f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}, through the whole search"
+    told = f"healthy ones of sklvalve.datasets, seeds {min(seeds)} to {max(seeds)}"
+    # what is left over is known without a search
+    told += ", through the whole search" * ("verdict" in rows[0])
     if any(row.get("kind") for row in rows):
         told += ", half of them with noise of other kinds"
     return f"{told}, each held against the hour before it" if history else told
@@ -256,6 +281,19 @@ def read(path):
     )
 
 
+def write_table(rows, options):
+    """The tables of the looks that the rows tell of; with `--rest` those of the others stay as they are."""
+    tables = {name: table_of(rows, name, history=options.history) for name in LOOKS if name in rows[0]}
+    made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table}"
+    made_by += " --history" * options.history + " --rest" * options.rest
+    told = {"made_by": made_by, "recordings": recordings_of(rows, options.history), **tables}
+    if options.rest:
+        before = json.loads(options.table.read_text(encoding="utf-8"))
+        of_rest = {"made_by_of_rest": made_by, "recordings_of_rest": told["recordings"], "rest": told["rest"]}
+        told = before | of_rest
+    options.table.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+
+
 def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("what", choices=("draw", "table", "check"))
@@ -265,23 +303,20 @@ def main(arguments=None):
     parser.add_argument("--records", type=int, default=260)
     parser.add_argument("--history", action="store_true", help="hold each against the hour before it")
     parser.add_argument("--nastier", action="store_true", help="noise that the reference has none of")
+    parser.add_argument("--rest", action="store_true", help="only what is left over since the history")
     options = parser.parse_args(arguments)
     rows = read(options.rows)
     if options.what == "check":
         print("\n".join(check(rows, AGAINST_HISTORY if options.history else AGAINST_SHEET)))
     elif options.what == "table":
-        tables = {name: table_of(rows, name) for name in LOOKS if name in rows[0]}
-        made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table}"
-        made_by += " --history" * options.history
-        told = {"made_by": made_by, "recordings": recordings_of(rows, options.history), **tables}
-        options.table.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
+        write_table(rows, options)
     else:
         done = {row["seed"] for row in rows}
         for seed in range(options.first, options.first + options.records):
             if seed in done:
                 continue
             recording, before, told = draw(seed, nastier=options.nastier, history=options.history)
-            told |= searched(recording, before)
+            told |= rest_of(recording, before) if options.rest else searched(recording, before)
             with options.rows.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(told) + "\n")
             print(told, flush=True)

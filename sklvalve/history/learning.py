@@ -21,7 +21,6 @@ from sklvalve.simulation.noise import TIMING, NoiseParts, sizes_of_noise
 from sklvalve.simulation.noise_of_pieces import noise_of
 from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.robust import normal_equations, robust_weights
-from sklvalve.simulation.slow_residual import slow_size
 from sklvalve.simulation.tolerance import Tolerance
 
 #: A window of a history has about so many rows, and a calibration is made on at most so many.
@@ -44,8 +43,6 @@ class Window:
         Of each group of channels that share parameters.
     left : dict of str to float
         Channel -> rms of what the calibrated simulation leaves over [SI].
-    slow : dict of str to float
-        Channel -> rms of its means over stretches in which it moves little [SI]; NaN where there is none.
     noise : dict of str to NoiseParts
         Channel -> noise of the recording that the window is of.
     """
@@ -55,7 +52,6 @@ class Window:
     seconds: float
     information: tuple[Information, ...]
     left: dict[str, float]
-    slow: dict[str, float]
     noise: dict[str, NoiseParts]
 
 
@@ -185,7 +181,6 @@ def windows_of(
     many = max(1, round(n / WINDOW))
     edges = np.linspace(0, n, many + 1).astype(int)
     left = {c: residual_of(chain, predictions, c, None) for c in predictions}
-    spans = spans_of(chain.recording, predictions)
     for low, high in pairwise(edges):
         rows = slice(low, high)
         yield Window(
@@ -194,7 +189,6 @@ def windows_of(
             seconds=float(chain.time[high - 1] - chain.time[low]),
             information=tuple(_information(*each, rows) for each in linearised),
             left={c: _rms(left[c][rows]) for c in left},
-            slow={c: slow_size(left[c][rows], predictions[c][rows], spans[c]) for c in left},
             noise={c: parts_of(noise[c]) for c in predictions},
         )
 

@@ -315,22 +315,6 @@ class ValveHistory(BaseEstimator):
         """
         return float(np.median([w.left[channel] for w in self.windows_]))
 
-    def slowly_left(self, channel: str) -> float:
-        """Rms of the slow means of that, in the median window that moved little for a while [SI].
-
-        Parameters
-        ----------
-        channel : {"opening", "flow"}
-
-        Returns
-        -------
-        size : float
-            NaN where none did.
-        """
-        sizes = np.array([w.slow[channel] for w in self.windows_])
-        sizes = sizes[np.isfinite(sizes)]
-        return float(np.median(sizes)) if len(sizes) else np.nan
-
     def expected_of(self, values: dict[str, float]) -> dict[str, float]:
         """Values of a calibration, drawn back where no history lets expect them.
 

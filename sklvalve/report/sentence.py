@@ -155,7 +155,10 @@ def beyond_noise(d: dict) -> str:
             f"{_count(pulses['against'])}: noise does not do that"
         )
     if beyond and not inputs:
-        size = in_recorded(d, unknown.get("signal", "flow"), beyond["size"])
+        signal = unknown.get("signal", "flow")
+        size, allowed = (in_recorded(d, signal, beyond[key]) for key in ("size", "allowed"))
+        if since_history(d):
+            return f"follows from nothing recorded, but leaves {size} over, against {allowed} in the history"
         return f"follows from nothing recorded, but its slow part ({size}) is larger than slow noise can be"
     told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
     return f"follows from {told}, so it is not noise"

@@ -50,10 +50,3 @@ def by_stretches(values: np.ndarray) -> np.ndarray:
     """Rows in a table of shape (n // 40, 40); what is over at the end is left out."""
     many = len(values) // LENGTH
     return values[: many * LENGTH].reshape(many, LENGTH)
-
-
-def slow_size(residual: np.ndarray, simulated: np.ndarray, span: float) -> float:
-    """Rms of the slow means of a residual, in its unit; NaN where no stretch is slow."""
-    means = slow_means(residual, moves_little(simulated, span))
-    means = means[np.isfinite(means)]
-    return float(np.sqrt(np.mean(means**2))) if len(means) else np.nan

@@ -41,7 +41,6 @@ def told(history: ValveHistory) -> dict[str, Any]:
             for k in range(len(history._groups_))
         ],
         "left": {c: np.array([w.left[c] for w in windows], dtype=float) for c in channels},
-        "slow": {c: np.array([w.slow[c] for w in windows], dtype=float) for c in channels},
         "noise": {
             c: {name: np.array([getattr(w.noise[c], name) for w in windows], dtype=float) for name in _NOISE}
             for c in channels
@@ -51,7 +50,7 @@ def told(history: ValveHistory) -> dict[str, Any]:
 
 def put_back(history: ValveHistory, part: dict[str, Any]) -> None:
     """Set the windows again."""
-    groups, left, slow, noise = part["information"], part["left"], part["slow"], part["noise"]
+    groups, left, noise = part["information"], part["left"], part["noise"]
     history.windows_ = [
         Window(
             begins=begins,
@@ -59,7 +58,6 @@ def put_back(history: ValveHistory, part: dict[str, Any]) -> None:
             seconds=float(part["seconds"][k]),
             information=tuple(Information(g["hessian"][k], g["pull"][k], g["moves"][k]) for g in groups),
             left={c: float(each[k]) for c, each in left.items()},
-            slow={c: float(each[k]) for c, each in slow.items()},
             noise={
                 c: NoiseParts(**{name: float(each[name][k]) for name in _NOISE}) for c, each in noise.items()
             },
@@ -90,14 +88,7 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
         left = array(mapping(part, "left").get(channel), f"what is left of the {channel}", (w,))
         if not (left >= 0.0).all():
             raise ValueError(f"what is left of the {channel} is below 0")
-        _require_sound_slow(mapping(part, "slow").get(channel), channel, w)
         _require_sound_noise(mapping(mapping(part, "noise"), channel), channel, w)
-
-
-def _require_sound_slow(each: Any, channel: str, w: int) -> None:
-    slow = np.asarray(each)
-    if slow.shape != (w,) or slow.dtype.kind != "f" or (slow < 0.0).any() or np.isinf(slow).any():
-        raise ValueError(f"what is slowly left of the {channel} is no list of sizes")
 
 
 def _require_sound_information(each: Any, w: int, m: int) -> None:

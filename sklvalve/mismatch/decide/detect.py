@@ -61,8 +61,8 @@ class Evidence:
         The same of effects that begin within the recording, by what they gain over those that act throughout.
         A valve is never quite as it was known, so a difference from its beginning on is more usual.
     rest : float or None
-        How predictable the residual is, as a strength; beside a history, how many times the slow residual of
-        the history it is. None where neither is known.
+        How predictable the residual is, as a strength; beside a history, how far it is beyond the noise of
+        the history. None where neither is known.
     covariates : Covariates
         What chance depends on.
     effect_strengths : dict, default={}

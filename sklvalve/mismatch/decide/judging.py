@@ -106,7 +106,7 @@ class Case:
             new = left_since(self.problem, fitted)
             if self.problem.history is not None:
                 # what the healthy valve left over tells chance better than what can be learnt of this one
-                strong = None if new is None else new.times
+                strong = None if new is None else new.strength(self.problem.least(new.channel))
             self._residuals[model] = _Residual(unknown if stands else None, strong, new)
         return self._residuals[model]
 
@@ -304,8 +304,6 @@ def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
     # what chance leaves over as often takes no name away
     unknown = _beside(findings, rest.unknown, rare)
     new = rest.new if rare else None
-    if new is not None and new.size < case.problem.least(new.channel):
-        new = None
     by_chance = None
     # what was found is larger than what counts: where it is rare among healthy recordings that is enough
     if unknown is None and new is None and not any(map(case.is_rare, findings)):
