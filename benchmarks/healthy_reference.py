@@ -60,9 +60,8 @@ HELD, BANDS = 0.2, (0.001, 0.01)
 ABOVE, KNOTS = 0.15, 18
 # rows of a history
 BEFORE = 3600
-# strengths below are as good as none: standard deviations, and of what is left over beside a data sheet,
-# which is told otherwise there
-WEAKEST, WEAKEST_REST = 2.0, 0.1
+# strengths below are as good as none: of effects; of what is left over beside a data sheet, and a history
+WEAKEST, WEAKEST_REST = 2.0, {False: 0.1, True: 1.0}
 CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held_opening", "held_flow")
 # what else the typical strength is a line in
 LINE = (*CIRCUMSTANCES, "noise_without_opening", "noise_without_drop")
@@ -137,7 +136,7 @@ def rest_of(recording, before):
         problem, nominal = calibrated(prepared_problem(recording, None, None, history=history))
         left = left_since(problem, problem.least_squares(nominal))
     told = asdict(covariates_of_problem(problem, data))
-    return told | {"rest": None if left is None else left.strength(problem.least(left.channel))}
+    return told | {"rest": None if left is None else left.strength}
 
 
 def prepared(recording, before):
@@ -167,7 +166,7 @@ def searched(recording, before=None):
 
 def table_of(rows, name, *, history):
     """The table of one strength, as `sklvalve.mismatch.decide.null_reference.Table` takes it."""
-    weakest = WEAKEST_REST if name == "rest" and not history else WEAKEST
+    weakest = WEAKEST_REST[history] if name == "rest" else WEAKEST
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
     typical, offset, slopes = typical_of(rows, found, weakest)

@@ -361,12 +361,15 @@ class ValveHistory(BaseEstimator):
     def noise_parts(self, channel: str) -> NoiseParts:
         """Noise of a channel in the history: that of its median window.
 
+        What the simulation gets wrong is that of the recording which went furthest: of a valve that was shut
+        nothing tells it.
+
         Parameters
         ----------
         channel : {"opening", "flow"}
         """
         each = sorted((w.noise[channel] for w in self.windows_), key=lambda parts: parts.size)
-        return each[len(each) // 2]
+        return replace(each[len(each) // 2], inadequacy=max(parts.inadequacy for parts in each))
 
     def _centred(self) -> list[Window]:
         """The windows that the calibration was fitted to, as they stand where it is the best one."""

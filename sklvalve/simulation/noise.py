@@ -206,9 +206,9 @@ class NoiseParts:
 
     Parameters
     ----------
-    base, share : float
+    base, share, peak : float
         The sensor's white part: its variance everywhere, and what it has beside, as share of the square of
-        the signal [1].
+        the signal [1], up to the largest signal that it was seen at.
     timing : float
         Variance of errors of timing, share of the square of the movement from row to row [1].
     fast_time, fast : float
@@ -217,20 +217,21 @@ class NoiseParts:
         Those of the wander.
     size : float
         Standard deviation of the quick noise, by differences from row to row.
-    inadequacy : float, default=0
+    inadequacy : float
         Standard deviation of what a healthy simulation gets wrong from row to row. White noise below it is
         not told from it, so it goes with the other parts to other rows.
     """
 
     base: float
     share: float
+    peak: float
     timing: float
     fast_time: float
     fast: float
     slow_time: float
     slow: float
     size: float
-    inadequacy: float = 0.0
+    inadequacy: float
 
     def louder(self, times: float, step: float) -> NoiseParts:
         """The same noise where differences from row to row are so many times as large.
@@ -251,8 +252,8 @@ class NoiseParts:
         fast, slow = 1.0 + (square - 1.0) * fresh
         return replace(
             self,
-            # of what is white nothing tells how much the sensor has
-            base=self.base * square + self.inadequacy**2 * (square - 1.0),
+            # nothing tells how much of the white noise the sensor has, but no more than differences show
+            base=self.base * square + min(self.inadequacy, self.size) ** 2 * (square - 1.0),
             share=self.share * square,
             fast=self.fast * float(fast),
             slow=self.slow * float(slow),
@@ -269,7 +270,9 @@ class NoiseParts:
         simulated, step
             As `fit_noise` takes them.
         """
-        sensor = self.base + self.share * np.nan_to_num(np.asarray(simulated, dtype=float)) ** 2
+        # further up than it was seen at, loudness tells
+        signal = np.minimum(np.abs(np.nan_to_num(np.asarray(simulated, dtype=float))), self.peak)
+        sensor = self.base + self.share * signal**2
         moving = movement(simulated, step) ** 2
         white = np.where(seen, sensor + self.inadequacy**2 + self.timing * moving, np.inf)
         known = float(np.mean(sensor[seen])) if seen.any() else 0.0

@@ -226,7 +226,7 @@ def fit_noise(
     size = quick_size(residuals, simulated, quantum)
     largest_share = (largest / size) ** 2
     # the square of the signal, as share of its largest
-    peak = max(float(np.nanmax(np.abs(simulated))), 1e-12)
+    peak = max(float(np.nanmax(np.abs(simulated))), 1e-3 * size)
     moving, level = movement(simulated, step) ** 2, np.nan_to_num(np.asarray(simulated) / peak) ** 2
     length = float(np.sum(step))
     dt = float(np.median(step))
@@ -244,7 +244,7 @@ def fit_noise(
     best = _by_simplex((start, bounds, float(inadequacy**2), residuals, step, level, moving))
     base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(best), *bounds)
     share /= peak**2
-    parts = NoiseParts(base, share, timing, fast_time, fast, slow_time, slow, size, float(inadequacy))
+    parts = NoiseParts(base, share, peak, timing, fast_time, fast, slow_time, slow, size, float(inadequacy))
     return parts.model(np.isfinite(residuals), simulated, step)
 
 

@@ -19,8 +19,8 @@ _LARGEST_CHANGE, _LONGEST, _STEP_OF_SLIPPING = 0.01, 2.0, 0.04
 _FREED, _SLIP_TIME = 0.3, 0.005
 # longest step while the positioner feels the stem elsewhere [lags], and the distance that hardly counts
 _OFTEN, _HARDLY = 1.0, 0.003
-# play that counts as taken up, share of the way ahead of a stem without play left, and shortest step [s]
-_TAKEN_UP, _OF_THE_WAY_AHEAD, _STEP_OF_PLAY = 1e-4, 0.25, 0.05
+# play that counts as taken up, share of the way left that a stem without play goes, and shortest step [s]
+_TAKEN_UP, _OF_THE_WAY_LEFT, _STEP_OF_PLAY = 1e-4, 0.25, 0.05
 _STRIBECK, _VISCOUS = 0.03, 0.005
 # whatever happened before the last 40 s has settled
 _SETTLED = 40.0
@@ -112,8 +112,8 @@ def _after_a_step(state, pace, target, remaining, drive, own):
     filling = own.gain * _beyond(seen.near + seen.short, drive.band) + state.integral >= 0.0
     inlet, slope = _nozzle(filling, chamber.pressure, drive, own)
     busy = _busy(state, seen, target, chamber, inlet, filling, drive, own)
-    ahead = _ahead(seen, target, chamber.pressure, own) if drive.play > 0.0 else 0.0
-    h, speed, loose = _length(state, seen, busy, ahead, filling, remaining, drive, own)
+    way_left = _way_left(seen, target, chamber.pressure, own) if drive.play > 0.0 else 0.0
+    h, speed, loose = _length(state, seen, busy, way_left, filling, remaining, drive, own)
     if h != pace.length:
         pace = _pace(h, own)
 
@@ -179,7 +179,7 @@ def _busy(state, seen, target, chamber, inlet, filling, drive, own):
 
 
 @compiled
-def _ahead(seen, target, pressure, own):
+def _way_left(seen, target, pressure, own):
     """Way that the positioner drives the stem before it may turn: the lesser of errors now and to come."""
     now = seen.near + seen.short
     to_come = seen.far + own.feedback * (own.spring + target - pressure)
@@ -187,7 +187,7 @@ def _ahead(seen, target, pressure, own):
 
 
 @compiled
-def _length(state, seen, busy, ahead, filling, remaining, drive, own):
+def _length(state, seen, busy, way_left, filling, remaining, drive, own):
     """Length of the step, speed of the stem at its beginning, and share of it that play leaves loose.
 
     It is as long as the pressure's rate allows, and follows the state without jumps.
@@ -201,10 +201,10 @@ def _length(state, seen, busy, ahead, filling, remaining, drive, own):
             h = min(h, max(_STEP_OF_SLIPPING, margin / busy))
     if drive.play > 0.0:
         # until the stem has taken up the play nothing checks it: it must not go far on its own. Once it
-        # has, it may turn within a step, and be loose again, so it goes a share of the way still ahead
+        # has, it may turn within a step, and be loose again, so it goes a share of the way that is left
         gap = drive.play - (state.x - seen.lever if filling else seen.lever - state.x)
         untaken = gap / (gap + _TAKEN_UP)
-        free = untaken * gap + (1.0 - untaken) * _OF_THE_WAY_AHEAD * ahead
+        free = untaken * gap + (1.0 - untaken) * _OF_THE_WAY_LEFT * way_left
         if h * busy > free:
             h = min(h, max(_STEP_OF_PLAY, free / busy))
         loose = min(gap / (h * busy + 1e-9), 1.0)

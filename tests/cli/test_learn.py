@@ -270,7 +270,7 @@ def test_one_sentence_and_nothing_written(here, capsys, command, words):
     import skops.io
 
     (here / "notes.history.skops").write_text("mine")
-    skops.io.dump({"format": "sklvalve.history/7"}, here / "new.history.skops")
+    skops.io.dump({"format": "sklvalve.history/8"}, here / "new.history.skops")
     skops.io.dump({"format": "sklvalve.model/1"}, here / "model.skops")
     refused(shlex.split(command), words, capsys)
     assert stand_in.Finder.asked == {}

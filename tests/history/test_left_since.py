@@ -17,7 +17,7 @@ from tests.history.plant import changed
 def _left(recording, history):
     problem, nominal = calibrated(prepared_problem(recording, None, None, history=history))
     left = left_since(problem, problem.least_squares(nominal))
-    return left, left.strength(problem.least(left.channel))
+    return left, left.strength
 
 
 @pytest.fixture(scope="module")

@@ -170,8 +170,9 @@ def test_white_noise_may_be_larger_than_what_is_correlated(largest):
 
 def test_what_is_louder_from_row_to_row_is_white_and_no_wander():
     parts = NoiseParts(
-        base=1.0, share=0.5, timing=0.1, fast_time=3.0, fast=1.0, slow_time=200.0, slow=1.0, size=1.0
-    )
+        base=1.0, share=0.5, peak=1.0, timing=0.1, fast_time=3.0, fast=1.0, slow_time=200.0, slow=1.0,
+        size=1.0, inadequacy=0.0,
+    )  # fmt: skip
     louder = parts.louder(10.0, 1.0)
     assert (louder.base, louder.share, louder.timing, louder.size) == (100.0, 50.0, 0.1, 10.0)
     # of a wander differences from row to row tell as much as it changes from row to row
@@ -179,13 +180,23 @@ def test_what_is_louder_from_row_to_row_is_white_and_no_wander():
     assert parts.louder(1.0, 1.0) == parts
 
 
-def test_white_noise_below_the_inadequacy_gets_louder_too():
+@pytest.mark.parametrize("size", [0.1, 0.001])
+def test_white_noise_below_the_inadequacy_gets_louder_as_far_as_differences_show(size):
     # the fit told next to none of it from what the simulation gets wrong
-    parts = NoiseParts(1e-6, 0.0, 0.0, 3.0, 1e-6, 200.0, 1e-6, size=0.1, inadequacy=0.1)
+    parts = NoiseParts(1e-9, 0.0, 1.0, 0.0, 3.0, 1e-9, 200.0, 1e-9, size=size, inadequacy=0.1)
     rows = np.ones(ROWS, dtype=bool), np.ones(ROWS), np.ones(ROWS)
     as_loud, thrice = parts.model(*rows), parts.louder(3.0, 1.0).model(*rows)
     assert np.sqrt(as_loud.white[0]) == pytest.approx(0.1, rel=1e-3)
-    assert np.sqrt(thrice.white[0]) == pytest.approx(0.3, rel=1e-3)
+    assert np.sqrt(thrice.white[0]) == pytest.approx(np.hypot(0.1, np.sqrt(8.0) * size), rel=1e-3)
+
+
+def test_noise_learnt_far_down_is_not_told_further_up():
+    # of a valve that is shut nothing tells whether noise grows with the flow
+    noise = 0.1 * np.random.default_rng(8).standard_normal(ROWS)
+    shut = fit_noise(noise, np.full(ROWS, 1e-3), np.ones(ROWS))
+    up = shut.parts.model(np.ones(ROWS, dtype=bool), np.ones(ROWS), np.ones(ROWS))
+    assert np.std(up.whiten(noise)) == pytest.approx(np.std(shut.whiten(noise)), rel=1e-6)
+    assert fit_noise(noise, np.zeros(ROWS), np.ones(ROWS)).parts.share < 1e9
 
 
 @pytest.mark.parametrize("inadequacy", [0.0, 0.5])

@@ -106,7 +106,7 @@ class Case:
             new = left_since(self.problem, fitted)
             if self.problem.history is not None:
                 # what the healthy valve left over tells chance better than what can be learnt of this one
-                strong = None if new is None else new.strength(self.problem.least(new.channel))
+                strong = None if new is None else new.strength
             self._residuals[model] = _Residual(unknown if stands else None, strong, new)
         return self._residuals[model]
 

@@ -19,7 +19,7 @@ from sklvalve.recording import InputError
 from sklvalve.recording.errors import shown
 from sklvalve.recording.files import read_plain_file
 
-MODEL, ESTIMATOR, HISTORY = "sklvalve.model/1", "sklvalve.estimator/1", "sklvalve.history/6"
+MODEL, ESTIMATOR, HISTORY = "sklvalve.model/1", "sklvalve.estimator/1", "sklvalve.history/7"
 _LARGEST = 256 << 20  # bytes
 # of a reason that a file's own content gives
 _LONGEST = 100

@@ -36,40 +36,34 @@ class LeftSince(LeftOver):
     ----------
     channel : str
     size : float
-        Rms of the residual's means over the blocks, share of span [1].
+        What is left over, as a signal that comes and goes in blocks of `rows` rows, share of span [1].
     noise, allowed : float
-        What the history lets expect of it, share of span [1].
+        What the history's noise alone comes to, looked at in the same way, share of span [1].
     many : float
         Number of blocks.
-    deviations : float
-        How far it stands out, in standard deviations of what two recordings of one noise differ by.
+    rows : int
+        Rows of a block.
+    strength : float
+        How far it stands out, with its size beyond the noise, as `effect_strength` has it of an effect.
     """
 
-    deviations: float
-
-    def strength(self, counts: float) -> float:
-        """How strong it is, as `effect_strength` has it of an effect.
-
-        Parameters
-        ----------
-        counts : float
-            What counts in the channel, share of span [1].
-        """
-        beyond = np.sqrt(max(self.size**2 - self.allowed**2, 0.0))
-        # without a kink where nothing stands out, so that no two recordings are alike
-        return effect_strength(float(np.logaddexp(0.0, self.deviations)), float(beyond) / counts)
+    rows: int
+    strength: float
 
 
 def left_since(problem: Problem, model: Model) -> LeftSince | None:
     r"""What a hypothesis leaves over beyond the history's noise, where it stands out most.
 
     The residual passes the filter that makes white noise of the history's. Then the mean of any L rows has a
-    variance of one L-th; what comes back within about L rows makes it larger. Of blocks of one to 256 rows
+    variance of one L-th; what comes back within about L rows makes it R times as large. Of blocks of one to
+    256 rows
 
-    .. math:: z = \frac{\ln R_L}{\sqrt{2 / n + 2 / h + 0.15^2}}
+    .. math:: z = \frac{\ln R}{\sqrt{2 / n + 2 / h + 0.15^2}}, \qquad s = \frac{\sqrt{R - 1}}{g}
 
-    is largest where it stands out most, with R the variance over its expectation, and n and h the numbers of
-    blocks now and in the history. Now only rows count that are where the history has been.
+    are the standard deviations by which that is more than chance, n and h being the numbers of blocks now and
+    in the history, and the size that a signal has which comes and goes in such blocks; of one of size 1 the
+    filter makes means with a variance of :math:`g^2 / L`. What is left over stands out most where z and s
+    together do, as those of an effect. Only rows count that are where the history has been.
 
     Parameters
     ----------
@@ -86,36 +80,48 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
     """
     if problem.history is None:
         return None
+    # a search may have learnt the noise from this very residual
+    problem = problem.with_noise_of(model, cautious=True)
     by_channel = [_in_channel(problem, problem.history, model, c) for c in problem.channels]
     seen = [each for each in by_channel if each is not None]
-    return max(seen, key=lambda left: left.deviations, default=None)
+    return max(seen, key=lambda left: left.strength, default=None)
 
 
 def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: str) -> LeftSince | None:
     if channel == "flow" and drop_is_unknown(problem.recording):
         return None
-    left = problem.residuals(model)[channel]
-    known = history.range_.met(problem.recording, _DRIVERS[channel]) & np.isfinite(left)
-    white = np.clip(problem.noise[channel].whiten(left), -_FURTHEST, _FURTHEST)
+    left, noise = problem.residuals(model)[channel], problem.noise[channel]
+    seen = np.isfinite(left)
+    known = history.range_.met(problem.recording, _DRIVERS[channel]) & seen
+    white = np.clip(noise.whiten(left), -_FURTHEST, _FURTHEST)
     before = sum(window.rows for window in history.windows_)
-    seen = []
-    for length in _LENGTHS:
-        means, counts = _means(white, known, length)
-        if len(means) < FEWEST:
+    span, counts = problem.spans[channel], problem.least(channel)
+    each = []
+    for rows in _LENGTHS:
+        many, ratio = _ratio(white, known, rows)
+        if many < FEWEST:
             break
-        # a signal that stands still leaves nothing over
-        ratio = max(float(np.mean(counts * means**2)), _STILL)
-        spread = np.sqrt(2.0 / len(means) + 2.0 * length / before + _MODEL_ERROR**2)
-        size = float(np.sqrt(np.mean(_means(left, known, length)[0] ** 2))) / problem.spans[channel]
-        usual = size / np.sqrt(ratio)
-        seen.append(LeftSince(channel, size, usual, usual, len(means), float(np.log(ratio) / spread)))
-    return max(seen, key=lambda each: each.deviations, default=None)
+        wave = np.where(np.arange(len(left)) // rows % 2 == 0, 1.0, -1.0)
+        answer = np.sqrt(_ratio(noise.whiten(np.where(seen, wave, np.nan)), known, rows)[1])
+        usual = 1.0 / (answer * span)
+        deviations = np.log(ratio) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
+        beyond = usual * np.sqrt(max(ratio - 1.0, 0.0))
+        # without a kink where nothing stands out, so that no two recordings are alike
+        strength = effect_strength(float(np.logaddexp(0.0, deviations)), float(beyond / counts))
+        size = usual * np.sqrt(ratio)
+        each.append(LeftSince(channel, float(size), float(usual), float(usual), many, rows, strength))
+    return max(each, key=lambda left: left.strength, default=None)
 
 
-def _means(values: np.ndarray, known: np.ndarray, length: int) -> tuple[np.ndarray, np.ndarray]:
-    """Means over blocks of so many rows of which more than half are known, and how many are."""
-    many = len(values) // length
-    rows, kept = (each[: many * length].reshape(many, length) for each in (values, known))
+def _ratio(white: np.ndarray, known: np.ndarray, length: int) -> tuple[int, float]:
+    """Number of blocks of so many rows of which more than half are known, and how far their means vary.
+
+    In multiples of what they would by white noise of variance 1.
+    """
+    many = len(white) // length
+    rows, kept = (each[: many * length].reshape(many, length) for each in (white, known))
     counts = kept.sum(axis=1)
     enough = counts > 0.5 * length
-    return np.where(kept, rows, 0.0).sum(axis=1)[enough] / counts[enough], counts[enough]
+    sums = np.where(kept, rows, 0.0).sum(axis=1)[enough]
+    # a signal that stands still leaves nothing over
+    return int(enough.sum()), max(float(np.mean(sums**2 / counts[enough])), _STILL) if enough.any() else 1.0

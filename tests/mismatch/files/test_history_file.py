@@ -110,7 +110,7 @@ def test_other_files(tmp_path):
     for content in ({"format": "other/1"}, {"format": 3}, [1, 2], {}):
         skops_io.dump(content, path)
         assert "this is no history file of sklvalve" in refusal(path)
-    skops_io.dump({"format": "sklvalve.history/6"}, path)
+    skops_io.dump({"format": "sklvalve.history/7"}, path)
     assert "a part of it is damaged: history is missing" in refusal(path)
 
 
@@ -124,7 +124,7 @@ def test_a_file_that_may_not_be_read(saved, tmp_path):
 
 def test_another_version(tmp_path):
     path = tmp_path / "new.history.skops"
-    skops_io.dump({"format": "sklvalve.history/7"}, path)
+    skops_io.dump({"format": "sklvalve.history/8"}, path)
     words = refusal(path)
     assert "written by another version of sklvalve" in words
     assert "learn it again from its recordings" in words
