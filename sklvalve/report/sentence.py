@@ -157,8 +157,11 @@ def beyond_noise(d: dict) -> str:
     if beyond and not inputs:
         signal = unknown.get("signal", "flow")
         size, allowed = (in_recorded(d, signal, beyond[key]) for key in ("size", "allowed"))
-        if since_history(d):
-            return f"follows from nothing recorded, but leaves {size} over, against {allowed} in the history"
+        if "rows" in beyond:
+            return (
+                f"follows from nothing recorded, but comes and goes within about {beyond['rows']} rows by "
+                f"{size}, where the history's noise comes to {allowed}"
+            )
         return f"follows from nothing recorded, but its slow part ({size}) is larger than slow noise can be"
     told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
     return f"follows from {told}, so it is not noise"

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.residual.change import Change
     from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
     from sklvalve.mismatch.residual.pulses import Pulses
+    from sklvalve.mismatch.residual.since_history import LeftSince
     from sklvalve.mismatch.residual.stem_residual import StemResidual
     from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.rivals import Finding
@@ -47,7 +48,7 @@ class Judgement:
         Rms of the unknown's channel on such rows, without and with the learnt rest [SI].
     evidence : Evidence or None
         What the p-value was made of.
-    left : LeftOver or None
+    left : LeftOver, LeftSince or None
         What the simulation without any effect leaves over of the flow, where that is missing physics, and no
         effect explains it well enough to be named.
     closest : list of Finding
@@ -87,7 +88,7 @@ class Judgement:
     kept: bool = False
     errors: tuple | None = None
     evidence: Evidence | None = None
-    left: LeftOver | None = None
+    left: LeftOver | LeftSince | None = None
     closest: list[Finding] = field(default_factory=list)
     closest_leaves: LeftOver | None = None
     strays: StemResidual | None = None

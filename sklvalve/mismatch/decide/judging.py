@@ -26,7 +26,7 @@ from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
 from sklvalve.mismatch.residual.pulses import find_pulses
-from sklvalve.mismatch.residual.since_history import left_since
+from sklvalve.mismatch.residual.since_history import LeftSince, left_since
 from sklvalve.mismatch.residual.stem_residual import P_VALUE as STRAYS_BY_CHANCE
 from sklvalve.mismatch.residual.stem_residual import stem_residual
 from sklvalve.mismatch.residual.unknown import Unknown, look_for_residual
@@ -56,7 +56,7 @@ class _Residual:
 
     unknown: Unknown | None
     strong: float | None
-    new: LeftOver | None
+    new: LeftSince | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +129,7 @@ class _Weighed:
     p_value: float
     by_chance: float | None
     enough: bool
-    new: LeftOver | None
+    new: LeftSince | None
 
 
 def judge(case: Case, events: Events | None = None) -> Judgement:
@@ -255,7 +255,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
     )
 
 
-def _of_none(case: Case, weighed: _Weighed) -> LeftOver | None:
+def _of_none(case: Case, weighed: _Weighed) -> LeftSince | None:
     """What is new and follows from no effect: one that is rare itself comes near to explaining it."""
     return weighed.new if p_value_of_effects(weighed.evidence) > case.alpha else None
 

@@ -10,6 +10,7 @@ from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.next_test.planning import planned
 from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
+from sklvalve.mismatch.residual.since_history import LeftSince
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 def next_test(
     classes: Sequence[dict[str, tuple[float, Term, Model]]],
     verdict: str,
-    unknown: Unknown | LeftOver | Pulses | None,
+    unknown: Unknown | LeftOver | LeftSince | Pulses | None,
     problem: Problem,
     plan: TestPlan | None = None,
 ) -> str | None:
@@ -32,7 +33,7 @@ def next_test(
     classes : list of dict
         Classes as `class_of` gives them.
     verdict : str
-    unknown : Unknown, LeftOver, Pulses or None
+    unknown : Unknown, LeftOver, LeftSince, Pulses or None
     problem : Problem
     plan : TestPlan or None, default=None
         The one that simulations have shown to tell most (`plan_of`); its words go before the catalogue's.
@@ -47,10 +48,13 @@ def next_test(
     for explanations in open_ones or classes:
         term = next(iter(explanations.values()))[1]
         return term.effect.separated_by
-    if isinstance(unknown, LeftOver | Pulses):
+    if isinstance(unknown, LeftOver | LeftSince | Pulses):
+        causes = "pumps, gas, deposits or the meter"
+        if unknown.channel == "opening":
+            causes = "the air supply, the positioner or what shakes the valve"
         return (
             "Hold the command for half an hour and keep recording: what still varies depends on something "
-            "not recorded. Record what may cause it, such as pumps, gas, deposits or the meter."
+            f"not recorded. Record what may cause it, such as {causes}."
         )
     if unknown is not None and unknown.period is not None:
         return (

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from sklvalve.mismatch.residual.goodness_of_fit import FEWEST, LeftOver
+from sklvalve.mismatch.residual.goodness_of_fit import FEWEST
 from sklvalve.mismatch.search.relevance import effect_strength
 from sklvalve.simulation.calibration import drop_is_unknown
 
@@ -29,7 +29,7 @@ _STILL = 1e-12
 
 
 @dataclass(frozen=True)
-class LeftSince(LeftOver):
+class LeftSince:
     """What is left over beyond the history's noise, in the channel and in blocks where it stands out most.
 
     Attributes
@@ -37,18 +37,25 @@ class LeftSince(LeftOver):
     channel : str
     size : float
         What is left over, as a signal that comes and goes in blocks of `rows` rows, share of span [1].
-    noise, allowed : float
+    allowed : float
         What the history's noise alone comes to, looked at in the same way, share of span [1].
-    many : float
-        Number of blocks.
-    rows : int
-        Rows of a block.
+    many, rows : int
+        Number of blocks, and of the rows of one.
     strength : float
         How far it stands out, with its size beyond the noise, as `effect_strength` has it of an effect.
     """
 
+    channel: str
+    size: float
+    allowed: float
+    many: int
     rows: int
     strength: float
+
+    @property
+    def times(self) -> float:
+        """How many times the history's noise."""
+        return self.size / self.allowed
 
 
 def left_since(problem: Problem, model: Model) -> LeftSince | None:
@@ -78,11 +85,12 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
         None without a history, where too few rows are known, or where nothing tells the pressure drop that a
         flow comes of.
     """
-    if problem.history is None:
+    history = problem.history
+    if history is None:
         return None
     # a search may have learnt the noise from this very residual
     problem = problem.with_noise_of(model, cautious=True)
-    by_channel = [_in_channel(problem, problem.history, model, c) for c in problem.channels]
+    by_channel = [_in_channel(problem, history, model, c) for c in problem.channels]
     seen = [each for each in by_channel if each is not None]
     return max(seen, key=lambda left: left.strength, default=None)
 
@@ -109,7 +117,7 @@ def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: 
         # without a kink where nothing stands out, so that no two recordings are alike
         strength = effect_strength(float(np.logaddexp(0.0, deviations)), float(beyond / counts))
         size = usual * np.sqrt(ratio)
-        each.append(LeftSince(channel, float(size), float(usual), float(usual), many, rows, strength))
+        each.append(LeftSince(channel, float(size), float(usual), many, rows, strength))
     return max(each, key=lambda left: left.strength, default=None)
 
 

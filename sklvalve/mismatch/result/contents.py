@@ -11,12 +11,14 @@ import numpy as np
 
 import sklvalve
 from sklvalve.mismatch.decide.dated import change_entry
+from sklvalve.mismatch.decide.detect import p_value_of_rest
 from sklvalve.mismatch.decide.kinds import kind_of_class
 from sklvalve.mismatch.decide.reasons import reasons_of
 from sklvalve.mismatch.decide.records import plain_records
 from sklvalve.mismatch.describe.describing import described, scales_of
 from sklvalve.mismatch.describe.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test.suggestions import next_test
+from sklvalve.mismatch.residual.since_history import LeftSince
 from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.referee_entry import referee_entry
 from sklvalve.mismatch.result.since_history import of_history, since_history
@@ -132,7 +134,7 @@ def _spans(whole: Recording, problem: Problem) -> dict[str, float]:
     return {c: float(f"{problem.spans[c] * abs(whole.per_si(c)):.4g}") for c in problem.channels}
 
 
-def _unexplained(judgement: Judgement) -> Unknown | LeftOver | Pulses | None:
+def _unexplained(judgement: Judgement) -> Unknown | LeftOver | LeftSince | Pulses | None:
     """What no effect explains, of whatever kind; None where nothing is."""
     kinds = judgement.unknown, judgement.left, judgement.pulses
     return next((kind for kind in kinds if kind is not None), None)
@@ -223,7 +225,9 @@ def _of_unknown(whole: Recording, problem: Problem, judgement: Judgement) -> dic
     if unexplained is None:
         return {}
     unknown = judgement.unknown
-    entry = _unlearnt(unexplained) if unknown is None else _unknown_entry(whole, unknown, judgement)
+    entry = (
+        _unlearnt(unexplained, judgement) if unknown is None else _unknown_entry(whole, unknown, judgement)
+    )
     if judgement.left is not None:
         entry |= _beyond_noise(whole, problem, judgement, judgement.left)
     if judgement.pulses is not None:
@@ -255,19 +259,26 @@ def _recordings(whole: Recording) -> list[dict[str, Any]]:
     ]
 
 
-def _unlearnt(left: Unknown | LeftOver | Pulses) -> dict[str, Any]:
+def _unlearnt(left: Unknown | LeftOver | LeftSince | Pulses, judgement: Judgement) -> dict[str, Any]:
     """The entry of a rest that follows from nothing recorded, as far as can be told."""
+    if isinstance(left, LeftSince):
+        # how often chance leaves as much is asked of healthy valves and their histories
+        p_value = None if judgement.evidence is None else p_value_of_rest(judgement.evidence)
+    else:
+        p_value = left.p_value
     return {
         "signal": left.channel,
         "inputs": [],
         "size": left.size,
         "skill": None,
-        "p_value": left.p_value,
+        "p_value": p_value,
         "correction": {"added": False, "rmse_without": None, "rmse_with": None},
     }
 
 
-def _beyond_noise(whole: Recording, problem: Problem, judgement: Judgement, left: LeftOver) -> dict[str, Any]:
+def _beyond_noise(
+    whole: Recording, problem: Problem, judgement: Judgement, left: LeftOver | LeftSince
+) -> dict[str, Any]:
     """How far a rest is beyond noise, and what comes closest of the known effects and is not named for it."""
     leaves = judgement.closest_leaves
     closest = [effect_entry(f, whole, problem) for f in judgement.closest]
@@ -275,8 +286,12 @@ def _beyond_noise(whole: Recording, problem: Problem, judgement: Judgement, left
         # they are refuted: none of their names has a probability
         entry["members"] = [candidate | {"probability": None} for candidate in entry["members"]]
     keys = ("members", "size", "sentence")
+    if isinstance(left, LeftSince):
+        of_noise = {"noise": left.allowed, "allowed": left.allowed, "rows": left.rows}
+    else:
+        of_noise = {"noise": left.noise, "allowed": left.allowed}
     return {
-        "beyond_noise": {"size": left.size, "noise": left.noise, "allowed": left.allowed},
+        "beyond_noise": {"size": left.size, **of_noise},
         "closest": [{key: entry[key] for key in keys} for entry in closest],
         "closest_leaves": leaves.size if closest and leaves is not None and leaves.too_much else None,
     }
