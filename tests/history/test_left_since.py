@@ -123,3 +123,15 @@ def test_pulses_without_an_equation_are_new_and_none_of_the_known_effects(learnt
     # it is the chance of what is left over, of which the whole evidence is a part
     assert told["unknown"]["p_value"] < told["mismatch"]["p_value"] < 0.01
     assert "comes and goes within about" in summary_sentence(told)
+
+
+@pytest.mark.slow
+def test_an_imitation_that_leaves_more_than_the_noise_is_no_name(learnt, after):
+    # ports of a cage that turn past: a smaller capacity on the whole, and a little to and fro
+    turn = np.sin(np.arange(len(after)) / 12.0)
+    finder = MissingPhysicsFinder(history=learnt, random_state=0, n_jobs=1)
+    told = finder.fit(changed(after, flow=after["flow"] * (0.9 - 0.02 * turn))).diagnosis_.content
+    rule = next(each for each in told["rules"] if each["name"] == "history_noise")
+    assert rule["value"] < rule["limit"] == 0.01 and not rule["passed"]
+    assert told["verdict"] != "named"
+    assert "capacity error" in told["reasons"][0]

@@ -21,7 +21,7 @@ from sklvalve.mismatch.decide.detect import (
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.reasons import not_upheld, too_much_left
+from sklvalve.mismatch.decide.reasons import more_than_noise, not_upheld, too_much_left
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
@@ -220,22 +220,18 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
     """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
     nominal = case.explanation.nominal
     findings, unknown, weighed = _by_evidence(case, findings, model)
-    why: list[str] = []
-    explained = 0.0
     asked = [rules.rarity(weighed.p_value, case.alpha)]
     if weighed.by_chance is not None:
         asked.append(rules.relevance(weighed.by_chance, case.alpha))
+    explained, why = 0.0, ""
     if findings:
-        held_out = rules.held_out(case.held_out_gain(findings[0]))
-        asked.append(held_out)
         if unknown is not None:
             # of all recordings together, as the unknown is
             bare = case.problem.baseline(model, (), nominal)
             explained = case.problem.change_in_all(unknown.channel, model, bare)
-        if not held_out.passed:
-            # blocks that the fit had not seen speak against it: no name is better than a wrong one
-            why.append(not_upheld(findings))
-            findings = []
+        of_fit, why = _of_fit(case, findings, model, weighed.evidence)
+        asked += of_fit
+        findings = [] if why else findings
     if unknown is not None and weighed.enough:
         asked.append(rules.residual(unknown.size, explained if findings else 0.0))
     verdict, findings = by_evidence(findings, unknown, weighed.enough, explained)
@@ -249,10 +245,26 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
         model,
         evidence=weighed.evidence,
         suspects=_suspects(case.explanation),
-        why=tuple(why),
+        why=(why,) if why else (),
         rules=tuple(asked),
         left=None if findings else _of_none(case, weighed),
     )
+
+
+def _of_fit(
+    case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence
+) -> tuple[list[rules.Rule], str]:
+    """Rules on the fit of findings, and why none of them may be named; empty where they may."""
+    asked = [rules.held_out(case.held_out_gain(findings[0]))]
+    if not asked[-1].passed:
+        # blocks that the fit had not seen speak against it: no name is better than a wrong one
+        return asked, not_upheld(findings)
+    new = case.residual_of(model).new
+    if new is None:
+        return asked, ""
+    # an imitation leaves over what healthy valves do not
+    asked.append(rules.history_noise(p_value_of_rest(replace(evidence, rest=new.strength)), case.alpha))
+    return asked, "" if asked[-1].passed else more_than_noise(new, findings, case.problem)
 
 
 def _of_none(case: Case, weighed: _Weighed) -> LeftSince | None:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
+    from sklvalve.mismatch.residual.since_history import LeftSince
     from sklvalve.mismatch.search.rivals import Finding
 
 # of a larger class the likeliest are named
@@ -35,6 +36,16 @@ def too_much_left(left: LeftOver, findings: Sequence[Finding], problem: Problem)
         f"{what} is off by {size} where the {left.channel} is steady, {left.times:.2g} times the {allowed} "
         "that noise and tolerances allow. A fuller data sheet, or a signal that is not recorded, may "
         "show why."
+    )
+
+
+def more_than_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem) -> str:
+    """The reason where findings leave over what the noise of the history cannot be."""
+    size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
+    return (
+        f"With {_names(findings)} the simulation's {left.channel} is still off by {size} within about "
+        f"{left.rows} rows, where the history's noise comes to {allowed}. Something else has changed, or "
+        "more than that."
     )
 
 

@@ -14,7 +14,8 @@ from sklvalve.mismatch import constants
 
 #: Names of the rules, in their order.
 ORDER = (
-    "data", "rarity", "relevance", "held_out", "residual", "noise", "forecast", "black_box", "probability",
+    "data", "rarity", "relevance", "held_out", "history_noise", "residual", "noise", "forecast", "black_box",
+    "probability",
 )  # fmt: skip
 
 
@@ -88,6 +89,18 @@ def held_out(errors: float) -> Rule:
         errors >= limit,
         f"Its gain on rows left out of the fit is {errors:.2g} times its scatter from block to block; "
         f"{limit:g} is the least.",
+    )
+
+
+def history_noise(p_value: float, alpha: float) -> Rule:
+    """What is named must explain a recording down to the noise of the valve's history."""
+    return Rule(
+        "history_noise",
+        p_value,
+        alpha,
+        p_value > alpha,
+        f"With the finding, {percent(p_value)} of healthy valves leave as much over beyond the noise of "
+        f"their history; more than {percent(alpha)} must, for a name.",
     )
 
 

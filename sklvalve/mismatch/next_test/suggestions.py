@@ -18,6 +18,12 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.rivals import Finding
 
+# of what comes and goes in a channel and follows from nothing recorded
+_CAUSES = {
+    "opening": "the air supply, the positioner or what shakes the valve",
+    "flow": "pumps, gas, deposits or the meter",
+}
+
 
 def next_test(
     classes: Sequence[dict[str, tuple[float, Term, Model]]],
@@ -49,13 +55,7 @@ def next_test(
         term = next(iter(explanations.values()))[1]
         return term.effect.separated_by
     if isinstance(unknown, LeftOver | LeftSince | Pulses):
-        causes = "pumps, gas, deposits or the meter"
-        if unknown.channel == "opening":
-            causes = "the air supply, the positioner or what shakes the valve"
-        return (
-            "Hold the command for half an hour and keep recording: what still varies depends on something "
-            f"not recorded. Record what may cause it, such as {causes}."
-        )
+        return _held(_CAUSES[unknown.channel])
     if unknown is not None and unknown.period is not None:
         return (
             f"Look for something that repeats every {unknown.period:.3g} s, such as a pump, another loop or "
@@ -89,3 +89,10 @@ def plan_of(problem: Problem, findings: Sequence[Finding]) -> TestPlan | None:
         return planned(problem, findings)
     except Exception:  # advice on the next recording must not cost the diagnosis of this one
         return None
+
+
+def _held(causes: str) -> str:
+    return (
+        "Hold the command for half an hour and keep recording: what still varies depends on something "
+        f"not recorded. Record what may cause it, such as {causes}."
+    )

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.decide.judgement import Judgement
-from sklvalve.mismatch.decide.reasons import not_upheld, reasons_of, too_much_left
+from sklvalve.mismatch.decide.reasons import more_than_noise, not_upheld, reasons_of, too_much_left
 from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
+from sklvalve.mismatch.residual.since_history import LeftSince
 
 # 50 m3/h of span, recorded in m3/h
 BENCH = SimpleNamespace(
@@ -57,6 +58,15 @@ def test_checks_say_what_they_stopped_and_by_how_much():
     assert too_much_left(LeftOver("flow", 0.03, 0.005, 0.01, 4.0), [], BENCH).startswith(
         "The simulation is off"
     )
+
+
+def test_what_findings_leave_over_is_said_in_the_signals_own_unit():
+    left = LeftSince("flow", 0.03, 0.01, many=60, rows=16, strength=5.0)
+    words = more_than_noise(left, [_finding(("backlash", 0.9))], BENCH)
+    assert words.startswith(
+        "With backlash the simulation's flow is still off by 1.5 m3/h within about 16 rows"
+    )
+    assert "noise comes to 0.5 m3/h" in words
 
 
 def test_moments_a_rest_and_a_change_are_reasons():

@@ -15,6 +15,7 @@ EVERY = [
     rules.forecast(-3.0, 0.5, 1.0),
     rules.noise(0.8, True),
     rules.residual(0.01, 0.05),
+    rules.history_noise(0.4, 0.01),
     rules.held_out(4.0),
     rules.relevance(1e-6, 0.01),
     rules.rarity(1e-6, 0.01),
@@ -22,8 +23,8 @@ EVERY = [
 ]
 
 
-def test_there_are_nine_and_they_come_in_their_order():
-    assert len(rules.ORDER) == 9
+def test_there_are_ten_and_they_come_in_their_order():
+    assert len(rules.ORDER) == 10
     told = rules.in_order(EVERY)
     assert [rule.name for rule in told] == list(rules.ORDER)
     assert all(rule.passed for rule in told)
@@ -41,6 +42,7 @@ def test_of_a_rule_asked_twice_the_last_outcome_counts():
         rules.rarity(0.02, 0.01),
         rules.relevance(0.02, 0.01),
         rules.held_out(constants.HELD_OUT_ERRORS - 0.1),
+        rules.history_noise(0.004, 0.01),
         rules.residual(0.05, 0.05),
         rules.residual(0.05, 0.0),
         rules.noise(1.4, False),
