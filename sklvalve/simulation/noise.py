@@ -206,9 +206,11 @@ class NoiseParts:
 
     Parameters
     ----------
-    base, share, peak : float
-        The sensor's white part: its variance everywhere, and what it has beside, as share of the square of
-        the signal [1], up to the largest signal that it was seen at.
+    base, share : float
+        Variances of the sensor's white part: everywhere, and in proportion to the square of the signal, where
+        that is at its peak or beyond.
+    peak : float
+        Largest size of the signal that the noise was seen at.
     timing : float
         Variance of errors of timing, share of the square of the movement from row to row [1].
     fast_time, fast : float
@@ -271,8 +273,8 @@ class NoiseParts:
             As `fit_noise` takes them.
         """
         # further up than it was seen at, loudness tells
-        signal = np.minimum(np.abs(np.nan_to_num(np.asarray(simulated, dtype=float))), self.peak)
-        sensor = self.base + self.share * signal**2
+        height = np.minimum(np.abs(np.nan_to_num(np.asarray(simulated, dtype=float) / self.peak)), 1.0)
+        sensor = self.base + self.share * height**2
         moving = movement(simulated, step) ** 2
         white = np.where(seen, sensor + self.inadequacy**2 + self.timing * moving, np.inf)
         known = float(np.mean(sensor[seen])) if seen.any() else 0.0

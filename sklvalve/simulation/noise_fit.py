@@ -243,7 +243,6 @@ def fit_noise(
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
     best = _by_simplex((start, bounds, float(inadequacy**2), residuals, step, level, moving))
     base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(best), *bounds)
-    share /= peak**2
     parts = NoiseParts(base, share, peak, timing, fast_time, fast, slow_time, slow, size, float(inadequacy))
     return parts.model(np.isfinite(residuals), simulated, step)
 

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _NOISE = tuple(each.name for each in fields(NoiseParts))
 # of these nothing can be divided by where they are zero
-_ABOVE_ZERO = ("fast_time", "slow_time", "size")
+_ABOVE_ZERO = ("fast_time", "slow_time", "size", "peak")
 # of the largest curvature: rounding makes a vanishing one a little negative
 _ROUNDING = 1e-6
 
