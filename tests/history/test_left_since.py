@@ -132,6 +132,7 @@ def test_an_imitation_that_leaves_more_than_the_noise_is_no_name(learnt, after):
     finder = MissingPhysicsFinder(history=learnt, random_state=0, n_jobs=1)
     told = finder.fit(changed(after, flow=after["flow"] * (0.9 - 0.02 * turn))).diagnosis_.content
     rule = next(each for each in told["rules"] if each["name"] == "history_noise")
-    assert rule["value"] < rule["limit"] == 0.01 and not rule["passed"]
+    assert rule["value"] < rule["limit"] == 0.01
+    assert not rule["passed"]
     assert told["verdict"] != "named"
     assert "capacity error" in told["reasons"][0]
