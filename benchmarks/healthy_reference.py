@@ -136,7 +136,7 @@ def rest_of(recording, before):
         problem, nominal = calibrated(prepared_problem(recording, None, None, history=history))
         left = left_since(problem, problem.least_squares(nominal))
     told = asdict(covariates_of_problem(problem, data))
-    return told | {"rest": None if left is None else left.strength}
+    return told | {"rest": None if left is None else left.effect_size}
 
 
 def prepared(recording, before):
@@ -304,6 +304,8 @@ def main(arguments=None):
     parser.add_argument("--nastier", action="store_true", help="noise that the reference has none of")
     parser.add_argument("--rest", action="store_true", help="only what is left over since the history")
     options = parser.parse_args(arguments)
+    if options.rest and not options.history:
+        parser.error("--rest is what is left over since a history: give --history as well")
     rows = read(options.rows)
     if options.what == "check":
         print("\n".join(check(rows, AGAINST_HISTORY if options.history else AGAINST_SHEET)))

@@ -157,9 +157,14 @@ def _seen(state, target, pressure, drive, own):
         lever = min(max(lever, state.x - drive.play), state.x + drive.play)
         seen = lever
     felt = state.felt if own.lag > 0.0 else seen
-    # the air that the positioner's aim asks for, less the air that its gauge shows
-    short = own.feedback * (own.spring + state.wanted - pressure)
+    short = _short(state.wanted, pressure, own)
     return _Seen(lever, felt, seen - felt, target - felt, state.wanted - felt, short)
+
+
+@compiled
+def _short(aim, pressure, own):
+    """The air that a positioner's aim asks for, less the air that its gauge shows."""
+    return own.feedback * (own.spring + aim - pressure)
 
 
 @compiled
@@ -170,8 +175,8 @@ def _busy(state, seen, target, chamber, inlet, filling, drive, own):
     busy = abs(flow - chamber.lost) * chamber.per_volume
     if target != state.wanted:
         # it will not outrun the filter, which carries pressure and spring along
-        aim = own.feedback * (own.spring + target - chamber.pressure)
-        wish = own.gain * _beyond(seen.far + aim, drive.band) + state.integral
+        wish = seen.far + _short(target, chamber.pressure, own)
+        wish = own.gain * _beyond(wish, drive.band) + state.integral
         wide = drive.capacity * min(abs(wish), 1.0) * (inlet if (wish >= 0.0) == filling else drive.supply)
         eases = 2.0 * abs(target - state.wanted) * own.per_filter_time
         busy = max(busy, min(wide * chamber.per_volume, eases))
@@ -182,7 +187,7 @@ def _busy(state, seen, target, chamber, inlet, filling, drive, own):
 def _way_left(seen, target, pressure, own):
     """Way that the positioner drives the stem before it may turn: the lesser of errors now and to come."""
     now = seen.near + seen.short
-    to_come = seen.far + own.feedback * (own.spring + target - pressure)
+    to_come = seen.far + _short(target, pressure, own)
     return min(abs(now), abs(to_come)) if now * to_come > 0.0 else 0.0
 
 

@@ -43,7 +43,7 @@ def _wander(rows):
 
 
 def test_little_of_a_healthy_valve(healthy):
-    assert healthy.strength < 2.0
+    assert healthy.effect_size < 2.0
     assert healthy.times < 1.5
 
 
@@ -57,7 +57,7 @@ def test_what_has_no_equation_stands_out_in_blocks_of_its_own_length(
     added = size * np.nanmax(after["flow"]) * shape(len(after))
     left = _left(changed(after, flow=after["flow"] + added), learnt)
     assert left.channel == "flow"
-    assert left.strength > 4.0 > 2.0 * healthy.strength
+    assert left.effect_size > 4.0 > 2.0 * healthy.effect_size
     assert blocks[0] <= left.rows <= blocks[1]
     # about as large as what was added, which no calibration takes up
     beyond = np.sqrt(left.size**2 - left.allowed**2)
@@ -96,7 +96,7 @@ def test_a_trifle_is_not_strong_however_clear(learnt, after, size):
     same = quiet.simulate((), nominal.values)
     left = _in_channel(quiet.with_noise_of(same, cautious=True), still, same, "flow")
     assert left.times > 2.0
-    assert left.strength < 15.0 * size
+    assert left.effect_size < 15.0 * size
 
 
 def test_nothing_is_said_of_rows_where_the_history_has_not_been(learnt, after):

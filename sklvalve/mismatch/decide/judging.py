@@ -21,7 +21,7 @@ from sklvalve.mismatch.decide.detect import (
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.reasons import more_than_noise, not_upheld, too_much_left
+from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, too_much_left
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
@@ -106,7 +106,7 @@ class Case:
             new = left_since(self.problem, fitted)
             if self.problem.history is not None:
                 # what the healthy valve left over tells chance better than what can be learnt of this one
-                strong = None if new is None else new.strength
+                strong = None if new is None else new.effect_size
             self._residuals[model] = _Residual(unknown if stands else None, strong, new)
         return self._residuals[model]
 
@@ -263,8 +263,8 @@ def _of_fit(
     if new is None:
         return asked, ""
     # an imitation leaves over what healthy valves do not
-    asked.append(rules.history_noise(p_value_of_rest(replace(evidence, rest=new.strength)), case.alpha))
-    return asked, "" if asked[-1].passed else more_than_noise(new, findings, case.problem)
+    asked.append(rules.history_noise(p_value_of_rest(replace(evidence, rest=new.effect_size)), case.alpha))
+    return asked, "" if asked[-1].passed else exceeds_noise(new, findings, case.problem)
 
 
 def _of_none(case: Case, weighed: _Weighed) -> LeftSince | None:

@@ -39,7 +39,7 @@ def too_much_left(left: LeftOver, findings: Sequence[Finding], problem: Problem)
     )
 
 
-def more_than_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem) -> str:
+def exceeds_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem) -> str:
     """The reason where findings leave over what the noise of the history cannot be."""
     size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
     return (

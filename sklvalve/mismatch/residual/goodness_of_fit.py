@@ -74,6 +74,11 @@ class LeftOver:
         return self.size / self.allowed
 
     @property
+    def beyond_noise(self) -> dict[str, float]:
+        """Size, noise and what may be left over, shares of span [1]."""
+        return {"size": self.size, "noise": self.noise, "allowed": self.allowed}
+
+    @property
     def p_value(self) -> float:
         """Chance of a residual of this size or more where the true one is as large as is allowed."""
         return max(self._chance_of(self.times), LEAST_P_VALUE)

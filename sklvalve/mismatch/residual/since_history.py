@@ -41,7 +41,7 @@ class LeftSince:
         What the history's noise alone comes to, looked at in the same way, share of span [1].
     many, rows : int
         Number of blocks, and of the rows of one.
-    strength : float
+    effect_size : float
         How far it stands out, with its size beyond the noise, as `effect_strength` has it of an effect.
     """
 
@@ -50,12 +50,17 @@ class LeftSince:
     allowed: float
     many: int
     rows: int
-    strength: float
+    effect_size: float
 
     @property
     def times(self) -> float:
         """How many times the history's noise."""
         return self.size / self.allowed
+
+    @property
+    def beyond_noise(self) -> dict[str, float]:
+        """Size, and what noise comes to, shares of span [1], and the rows of a block."""
+        return {"size": self.size, "noise": self.allowed, "allowed": self.allowed, "rows": self.rows}
 
 
 def left_since(problem: Problem, model: Model) -> LeftSince | None:
@@ -92,7 +97,7 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
     problem = problem.with_noise_of(model, cautious=True)
     by_channel = [_in_channel(problem, history, model, c) for c in problem.channels]
     seen = [each for each in by_channel if each is not None]
-    return max(seen, key=lambda left: left.strength, default=None)
+    return max(seen, key=lambda left: left.effect_size, default=None)
 
 
 def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: str) -> LeftSince | None:
@@ -115,10 +120,10 @@ def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: 
         deviations = np.log(ratio) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
         beyond = usual * np.sqrt(max(ratio - 1.0, 0.0))
         # without a kink where nothing stands out, so that no two recordings are alike
-        strength = effect_strength(float(np.logaddexp(0.0, deviations)), float(beyond / counts))
+        effect_size = effect_strength(float(np.logaddexp(0.0, deviations)), float(beyond / counts))
         size = usual * np.sqrt(ratio)
-        each.append(LeftSince(channel, float(size), float(usual), many, rows, strength))
-    return max(each, key=lambda left: left.strength, default=None)
+        each.append(LeftSince(channel, float(size), float(usual), many, rows, effect_size))
+    return max(each, key=lambda left: left.effect_size, default=None)
 
 
 def _ratio(white: np.ndarray, known: np.ndarray, length: int) -> tuple[int, float]:

@@ -286,12 +286,8 @@ def _beyond_noise(
         # they are refuted: none of their names has a probability
         entry["members"] = [candidate | {"probability": None} for candidate in entry["members"]]
     keys = ("members", "size", "sentence")
-    if isinstance(left, LeftSince):
-        of_noise = {"noise": left.allowed, "allowed": left.allowed, "rows": left.rows}
-    else:
-        of_noise = {"noise": left.noise, "allowed": left.allowed}
     return {
-        "beyond_noise": {"size": left.size, **of_noise},
+        "beyond_noise": left.beyond_noise,
         "closest": [{key: entry[key] for key in keys} for entry in closest],
         "closest_leaves": leaves.size if closest and leaves is not None and leaves.too_much else None,
     }

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.decide.judgement import Judgement
-from sklvalve.mismatch.decide.reasons import more_than_noise, not_upheld, reasons_of, too_much_left
+from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, reasons_of, too_much_left
 from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
 from sklvalve.mismatch.residual.since_history import LeftSince
@@ -61,8 +61,8 @@ def test_checks_say_what_they_stopped_and_by_how_much():
 
 
 def test_what_findings_leave_over_is_said_in_the_signals_own_unit():
-    left = LeftSince("flow", 0.03, 0.01, many=60, rows=16, strength=5.0)
-    words = more_than_noise(left, [_finding(("backlash", 0.9))], BENCH)
+    left = LeftSince("flow", 0.03, 0.01, many=60, rows=16, effect_size=5.0)
+    words = exceeds_noise(left, [_finding(("backlash", 0.9))], BENCH)
     assert words.startswith(
         "With backlash the simulation's flow is still off by 1.5 m3/h within about 16 rows"
     )
