@@ -44,8 +44,8 @@ def exceeds_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem
     size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
     return (
         f"With {_names(findings)} the simulation's {left.channel} is still off by {size} within about "
-        f"{left.rows} rows, where the history's noise comes to {allowed}. Something else has changed, or "
-        "more than that."
+        f"{left.rows} rows, where the history's noise and the errors of such a simulation come to {allowed}. "
+        "Something else has changed, or more than that."
     )
 
 

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What a hypothesis leaves over beyond the noise that its history has: slowly, in pulses, or to and fro."""
+"""What a hypothesis leaves over beyond the noise that its history has: slowly, in pulses, or to and fro.
+
+An effect is never simulated just as it is: a share of what it explains may be left over as well.
+"""
 
 from __future__ import annotations
 
@@ -8,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.residual.goodness_of_fit import FEWEST
 from sklvalve.mismatch.search.relevance import effect_strength
 from sklvalve.simulation.calibration import drop_is_unknown
@@ -37,8 +41,10 @@ class LeftSince:
     channel : str
     size : float
         What is left over, as a signal that comes and goes in blocks of `rows` rows, share of span [1].
-    allowed : float
+    noise : float
         What the history's noise alone comes to, looked at in the same way, share of span [1].
+    allowed : float
+        The same with what the simulation of the effects may get wrong, share of span [1].
     many, rows : int
         Number of blocks, and of the rows of one.
     effect_size : float
@@ -47,6 +53,7 @@ class LeftSince:
 
     channel: str
     size: float
+    noise: float
     allowed: float
     many: int
     rows: int
@@ -54,13 +61,13 @@ class LeftSince:
 
     @property
     def times(self) -> float:
-        """How many times the history's noise."""
+        """How many times what is allowed."""
         return self.size / self.allowed
 
     @property
     def beyond_noise(self) -> dict[str, float]:
         """Size, and what noise comes to, shares of span [1], and the rows of a block."""
-        return {"size": self.size, "noise": self.allowed, "allowed": self.allowed, "rows": self.rows}
+        return {"size": self.size, "noise": self.noise, "allowed": self.allowed, "rows": self.rows}
 
 
 def left_since(problem: Problem, model: Model) -> LeftSince | None:
@@ -70,12 +77,17 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
     variance of one L-th; what comes back within about L rows makes it R times as large. Of blocks of one to
     256 rows
 
-    .. math:: z = \frac{\ln R}{\sqrt{2 / n + 2 / h + 0.15^2}}, \qquad s = \frac{\sqrt{R - 1}}{g}
+    .. math::
+
+        z = \frac{\ln (R / A)}{\sqrt{2 / n + 2 / h + 0.15^2}}, \qquad s = \frac{\sqrt{R - A}}{g},
+        \qquad A = 1 + E
 
     are the standard deviations by which that is more than chance, n and h being the numbers of blocks now and
     in the history, and the size that a signal has which comes and goes in such blocks; of one of size 1 the
-    filter makes means with a variance of :math:`g^2 / L`. What is left over stands out most where z and s
-    together do, as those of an effect. Only rows count that are where the history has been.
+    filter makes means with a variance of :math:`g^2 / L`. Of what the effects of the hypothesis
+    change a share (`SHARE_WRONG`) may be wrong: through the same filter and in the same blocks it comes to E,
+    without any to nothing. What is left over stands out most where z and s together do, as those of an
+    effect. Only rows count that are where the history has been.
 
     Parameters
     ----------
@@ -95,12 +107,15 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
         return None
     # a search may have learnt the noise from this very residual
     problem = problem.with_noise_of(model, cautious=True)
-    by_channel = [_in_channel(problem, history, model, c) for c in problem.channels]
+    bare = problem.baseline(model, (), model) if model.terms else model
+    by_channel = [_in_channel(problem, history, model, bare, c) for c in problem.channels]
     seen = [each for each in by_channel if each is not None]
     return max(seen, key=lambda left: left.effect_size, default=None)
 
 
-def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: str) -> LeftSince | None:
+def _in_channel(
+    problem: Problem, history: ValveHistory, model: Model, bare: Model, channel: str
+) -> LeftSince | None:
     if channel == "flow" and drop_is_unknown(problem.recording):
         return None
     left, noise = problem.residuals(model)[channel], problem.noise[channel]
@@ -109,6 +124,8 @@ def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: 
     white = np.clip(noise.whiten(left), -_FURTHEST, _FURTHEST)
     before = sum(window.rows for window in history.windows_)
     span, counts = problem.spans[channel], problem.least(channel)
+    changed = np.where(seen, model.predictions[channel] - bare.predictions[channel], np.nan)
+    wrong = np.clip(noise.whiten(SHARE_WRONG * changed), -_FURTHEST, _FURTHEST)
     each = []
     for rows in _LENGTHS:
         many, ratio = _ratio(white, known, rows)
@@ -117,12 +134,13 @@ def _in_channel(problem: Problem, history: ValveHistory, model: Model, channel: 
         wave = np.where(np.arange(len(left)) // rows % 2 == 0, 1.0, -1.0)
         answer = np.sqrt(_ratio(noise.whiten(np.where(seen, wave, np.nan)), known, rows)[1])
         usual = 1.0 / (answer * span)
-        deviations = np.log(ratio) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
-        beyond = usual * np.sqrt(max(ratio - 1.0, 0.0))
+        free = 1.0 + _ratio(wrong, known, rows)[1]
+        deviations = np.log(ratio / free) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
+        beyond = usual * np.sqrt(max(ratio - free, 0.0))
         # without a kink where nothing stands out, so that no two recordings are alike
         effect_size = effect_strength(float(np.logaddexp(0.0, deviations)), float(beyond / counts))
-        size = usual * np.sqrt(ratio)
-        each.append(LeftSince(channel, float(size), float(usual), many, rows, effect_size))
+        size, allowed = usual * np.sqrt(ratio), usual * np.sqrt(free)
+        each.append(LeftSince(channel, float(size), float(usual), float(allowed), many, rows, effect_size))
     return max(each, key=lambda left: left.effect_size, default=None)
 
 

@@ -7,11 +7,20 @@ from types import SimpleNamespace
 import pytest
 
 from sklvalve.history import ByItself
+from sklvalve.mismatch.decide import known_before as module
 from sklvalve.mismatch.decide.judgement import Judgement
 from sklvalve.mismatch.decide.known_before import known_before
 
 UNSURE, SOUND = ByItself("cannot_tell", "Nobody knows."), ByItself("no_mismatch", "Nothing is missing.")
 LEAKS = ByItself("named", "It leaks.", held=True)
+
+
+@pytest.fixture(autouse=True)
+def kind(monkeypatch):
+    """What `known_before` asks of the kind of recording: how often names hold is known, unless set."""
+    asked = {"unchecked": ""}
+    monkeypatch.setattr(module, "unchecked", lambda problem: asked["unchecked"])
+    return asked
 
 
 def judged(onset=None, verdict="named"):
@@ -45,3 +54,20 @@ def test_nothing_else_is_touched():
     given = judged(verdict="none_of_these")
     assert known_before(problem(UNSURE), given) is given
     assert known_before(SimpleNamespace(history=None), replace(given, verdict="named")).verdict == "named"
+
+
+NOT_CHECKED = "actuators that are not driven by air"
+
+
+def test_a_name_is_taken_back_where_names_of_such_histories_were_not_checked(kind):
+    kind["unchecked"] = NOT_CHECKED
+    found = known_before(problem(LEAKS), judged())
+    assert (found.verdict, found.findings) == ("cannot_tell", [])
+    assert NOT_CHECKED in found.why[-1]
+
+
+@pytest.mark.parametrize("before", [SOUND, None])
+def test_a_sound_history_lets_names_stand_on_any_kind(kind, before):
+    kind["unchecked"] = NOT_CHECKED
+    given = judged()
+    assert known_before(problem(before), given) is given

@@ -61,12 +61,12 @@ def test_checks_say_what_they_stopped_and_by_how_much():
 
 
 def test_what_findings_leave_over_is_said_in_the_signals_own_unit():
-    left = LeftSince("flow", 0.03, 0.01, many=60, rows=16, effect_size=5.0)
+    left = LeftSince("flow", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)
     words = exceeds_noise(left, [_finding(("backlash", 0.9))], BENCH)
     assert words.startswith(
         "With backlash the simulation's flow is still off by 1.5 m3/h within about 16 rows"
     )
-    assert "noise comes to 0.5 m3/h" in words
+    assert "noise and the errors of such a simulation come to 0.5 m3/h" in words
 
 
 def test_moments_a_rest_and_a_change_are_reasons():
