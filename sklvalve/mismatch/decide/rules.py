@@ -208,6 +208,11 @@ def probability(value: float | None, passed: bool, reason: str = "") -> Rule:
     return Rule("probability", value, limit, passed, sentence)
 
 
+def known_before(sentence: str) -> Rule:
+    """The history must tell what is new, or nothing says how probable a change is."""
+    return Rule("probability", None, constants.NAMED_FROM, False, sentence)
+
+
 def in_order(rules: Iterable[Rule]) -> list[Rule]:
     """The last outcome of every rule that was asked, in the order of the list."""
     last = {rule.name: rule for rule in rules}

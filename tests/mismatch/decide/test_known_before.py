@@ -37,6 +37,7 @@ def test_a_name_is_taken_back_where_the_history_could_not_tell():
     assert (found.verdict, found.findings, found.kept) == ("cannot_tell", [], False)
     assert (found.model, found.suspected) == ("nominal", "model")
     assert "may have been there in the history already" in found.why[-1]
+    assert (found.rules[-1].passed, found.rules[-1].sentence) == (False, found.why[-1])
 
 
 @pytest.mark.parametrize("before", [SOUND, LEAKS, None])
@@ -64,6 +65,18 @@ def test_a_name_is_taken_back_where_names_of_such_histories_were_not_checked(kin
     found = known_before(problem(LEAKS), judged())
     assert (found.verdict, found.findings) == ("cannot_tell", [])
     assert NOT_CHECKED in found.why[-1]
+
+
+def test_what_no_effect_explains_is_taken_back_there_too(kind):
+    kind["unchecked"] = NOT_CHECKED
+    found = known_before(problem(LEAKS), replace(judged(verdict="none_of_these"), findings=[], left="left"))
+    assert (found.verdict, found.left) == ("cannot_tell", None)
+
+
+def test_what_begins_within_the_recording_is_new_there_too(kind):
+    kind["unchecked"] = NOT_CHECKED
+    given = judged(onset=100.0)
+    assert known_before(problem(LEAKS), given) is given
 
 
 @pytest.mark.parametrize("before", [SOUND, None])
