@@ -62,7 +62,7 @@ def rarity(p_value: float, alpha: float) -> Rule:
         p_value,
         alpha,
         p_value <= alpha,
-        f"A difference this large occurs in {percent(p_value)} of healthy recordings; at most "
+        f"A difference this large occurs in {percent(p_value)} of healthy simulated recordings; at most "
         f"{percent(alpha)} may, for something to be missing.",
     )
 
@@ -99,8 +99,8 @@ def history_noise(p_value: float, alpha: float) -> Rule:
         p_value,
         alpha,
         p_value > alpha,
-        f"With the finding, {percent(p_value)} of healthy valves leave as much over beyond the noise of "
-        f"their history; more than {percent(alpha)} must, for a name.",
+        f"With the finding, {percent(p_value)} of healthy simulated valves leave as much over beyond the "
+        f"noise of their history; more than {percent(alpha)} must, for a name.",
     )
 
 

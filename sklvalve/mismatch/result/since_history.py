@@ -118,9 +118,9 @@ def _rehearsed(judgement: Judgement, alpha: float) -> str | None:
     if by_reference > alpha or mismatch_p_value(evidence) <= alpha:
         return None
     return (
-        f"A difference this large occurs in {percent(by_reference)} of healthy recordings, but the second "
-        "half of this valve's history differs from the first as well, by more than in other valves. So it is "
-        "not told as a change."
+        f"A difference this large occurs in {percent(by_reference)} of healthy simulated recordings, but the "
+        "second half of this valve's history differs from the first as well, by more than in other valves. "
+        "So it is not told as a change."
     )
 
 
