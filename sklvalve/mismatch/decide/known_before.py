@@ -49,7 +49,8 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
     if before.verdict == "cannot_tell" and judged.verdict == "named":
         return _taken_back(judged, _WHY)
     kind = unchecked(problem) if before.verdict == "named" else ""
-    if not kind or judged.verdict not in ("named", "none_of_these"):
+    new = judged.verdict == "named" or (judged.verdict == "none_of_these" and judged.change is None)
+    if not kind or not new:
         return judged
     nameless = replace(judged, unknown=None, left=None, pulses=None, closest=[], closest_leaves=None)
     return _taken_back(nameless, _WHY_OF_KIND.format(kind=kind))

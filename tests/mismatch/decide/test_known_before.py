@@ -73,9 +73,11 @@ def test_what_no_effect_explains_is_taken_back_there_too(kind):
     assert (found.verdict, found.left) == ("cannot_tell", None)
 
 
-def test_what_begins_within_the_recording_is_new_there_too(kind):
+@pytest.mark.parametrize(
+    "given", [judged(onset=100.0), replace(judged(verdict="none_of_these"), findings=[], change="change")]
+)
+def test_what_begins_within_the_recording_is_new_there_too(kind, given):
     kind["unchecked"] = NOT_CHECKED
-    given = judged(onset=100.0)
     assert known_before(problem(LEAKS), given) is given
 
 
