@@ -2,15 +2,19 @@
 """Records of a motor valve, simulated by itself: nothing here is shared with the package's simulation.
 
     python benchmarks/motor_plant.py [MANY]
+    python benchmarks/motor_plant.py [MANY] --history
 
 The motor is a state machine on steps of 50 ms: it waits a dead time, runs at one speed, stops within a dead
 band. Behind its gear there may be play, and the plug follows its far side. Water flows from a head that
 wanders through the plug's capacity. Half of the records know only command, pressures and flow; of each sound
-motor there is one with play of the same draw. Printed are what is found, and sums over all.
+motor there is one with play of the same draw. Printed is what is found.
+
+With ``--history`` the first half of a record is the history of the second. Of each motor there are three: one
+sound, one with play in both halves, which is no change, and one that has play in the second half alone.
 """
 
+import argparse
 import os
-import sys
 import time
 
 import numpy as np
@@ -120,33 +124,54 @@ def _wander(rng, rows):
     return np.interp(np.arange(rows), 100.0 * np.arange(len(knots)), knots)
 
 
-def main(many):
+def main(arguments=None):
     """Print one line a record, and what was found of play and of slowness."""
-    from sklvalve import MissingPhysicsFinder, Recording, Valve
-
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("many", type=int, nargs="?", default=10)
+    parser.add_argument("--history", action="store_true")
+    asked = parser.parse_args(arguments)
     print(f"load {os.getloadavg()[0]:.1f}")
-    print("| seed | play | opening | declared | stroke, dead [s] | verdict | found | s |")
-    print("|---|---|---|---|---|---|---|---|")
-    for seed in range(many):
-        for play in (0.0, float(np.random.default_rng(seed + 9000).uniform(0.015, 0.06))):
-            opening, declared = bool(seed % 2), seed % 4 >= 2
-            frame, sheet, truth = motor_record(seed, play=play, with_opening=opening, declared=declared)
-            recording = Recording.from_frame(frame, Valve.from_dict(sheet))
-            began = time.perf_counter()
-            found = MissingPhysicsFinder(n_jobs=1).fit(recording).diagnosis_.to_dict()
-            classes = "; ".join(
-                f"{'/'.join(m['name'] for m in e['members'])} ({e['kind']}, {e['sentence']})"
-                for e in found["effects"]
-            )
-            print(
-                f"| {seed} | {100.0 * play:.1f} % | {opening} | {declared} | {truth['stroke']:.0f}, "
-                f"{truth['dead']:g} | {found['verdict']} | {classes or '-'} | "
-                f"{time.perf_counter() - began:.0f} |",
-                flush=True,
-            )
+    print("| seed | play | opening | declared | stroke, dead [s] | verdict | found | p | s |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for seed in range(asked.many):
+        play = float(np.random.default_rng(seed + 9000).uniform(0.015, 0.06))
+        plays = ((0.0, 0.0), (play, play), (0.0, play)) if asked.history else ((None, 0.0), (None, play))
+        for before, now in plays:
+            print(_line(seed, before, now), flush=True)
+
+
+def _line(seed, before, now):
+    """Row of the table of a motor with play `now`; its history has play `before`, None without a history."""
+    from sklvalve import MissingPhysicsFinder
+
+    opening, declared = bool(seed % 2), seed % 4 >= 2
+    draw = {"with_opening": opening, "declared": declared}
+    recording, truth = _recording(seed, play=now, rows=2000 if before is None else 4000, **draw)
+    began, history = time.perf_counter(), None
+    if before is not None:
+        first, _ = _recording(seed, play=before, rows=4000, **draw)
+        history = MissingPhysicsFinder(n_jobs=1).history_of(first.slice(0, 2000))
+        recording = recording.slice(2000, 4000)
+    found = MissingPhysicsFinder(history=history, n_jobs=1).fit(recording).diagnosis_.to_dict()
+    classes = "; ".join(
+        f"{'/'.join(m['name'] for m in e['members'])} ({e['kind']}, {e['sentence']})"
+        for e in found["effects"]
+    )
+    play = f"{100.0 * now:.1f} %" if before is None else f"{100.0 * before:.1f} to {100.0 * now:.1f} %"
+    p_value = found["mismatch"]["p_value"]
+    return (
+        f"| {seed} | {play} | {opening} | {declared} | {truth['stroke']:.0f}, {truth['dead']:g} | "
+        f"{found['verdict']} | {classes or '-'} | {'-' if p_value is None else f'{p_value:.2g}'} | "
+        f"{time.perf_counter() - began:.0f} |"
+    )
+
+
+def _recording(seed, **draw):
+    from sklvalve import Recording, Valve
+
+    frame, sheet, truth = motor_record(seed, **draw)
+    return Recording.from_frame(frame, Valve.from_dict(sheet)), truth
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 2:
-        sys.exit(__doc__)
-    main(int(sys.argv[1]) if len(sys.argv) == 2 else 10)
+    main()
