@@ -10,6 +10,7 @@ from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.checked_kind import unchecked
 
 if TYPE_CHECKING:
+    from sklvalve.history import ByItself
     from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.inference.problem import Problem
 
@@ -19,9 +20,9 @@ _WHY = (
 )
 
 _WHY_OF_KIND = (
-    "What is found may be what the explanation of the history left out: the history was not sound, and how "
-    "often a name holds was not checked for {kind}. Declare in valve.toml what the valve has had all along, "
-    "or give a history in which nothing is missing."
+    "What is found may be what the explanation of the history left out: the history had a fault of its own, "
+    "and how often a name holds was not checked for {kind}. Learn a history without a fault, or give a "
+    "fuller data sheet."
 )
 
 
@@ -29,9 +30,10 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
     """A judgement without what the history may have had as well.
 
     A history whose own diagnosis could not tell holds nothing, so that nothing says of what is there
-    throughout the recording that it is new. One that was explained by a name says it only as far as such
-    names hold, and on some kinds of recordings that was not checked: what looks new, with a name or without,
-    may be what the name left out. What begins within the recording is new in any case.
+    throughout the recording that it is new. One with a fault of its own says it only as far as the name of
+    that holds, and on some kinds of recordings it was not checked how often names do: what looks new, with a
+    name or without, may be what that name left out. A property, such as a slow motor, is part of a sound
+    valve. What begins within the recording is new in any case.
 
     Parameters
     ----------
@@ -48,12 +50,18 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
         return judged
     if before.verdict == "cannot_tell" and judged.verdict == "named":
         return _taken_back(judged, _WHY)
-    kind = unchecked(problem) if before.verdict == "named" else ""
+    kind = unchecked(problem) if before.verdict == "named" and _had_a_fault(problem, before) else ""
     new = judged.verdict == "named" or (judged.verdict == "none_of_these" and judged.change is None)
     if not kind or not new:
         return judged
     nameless = replace(judged, unknown=None, left=None, pulses=None, closest=[], closest_leaves=None)
     return _taken_back(nameless, _WHY_OF_KIND.format(kind=kind))
+
+
+def _had_a_fault(problem: Problem, before: ByItself) -> bool:
+    """Whether more than properties explains the history, as far as it holds what was named."""
+    effects = () if problem.history is None else problem.history.effects
+    return not before.held or any(e.kind_of(problem.plain, late=False) != "property" for e in effects)
 
 
 def _taken_back(judged: Judgement, why: str) -> Judgement:

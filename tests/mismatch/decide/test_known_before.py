@@ -28,8 +28,9 @@ def judged(onset=None, verdict="named"):
     return Judgement(None, verdict, 1e-5, [finding], None, "nominal", "model", kept=True)
 
 
-def problem(by_itself):
-    return SimpleNamespace(history=SimpleNamespace(by_itself_=by_itself))
+def problem(by_itself, kind="fault"):
+    effect = SimpleNamespace(kind_of=lambda chain, late: kind)
+    return SimpleNamespace(history=SimpleNamespace(by_itself_=by_itself, effects=[effect]), plain="chain")
 
 
 def test_a_name_is_taken_back_where_the_history_could_not_tell():
@@ -79,6 +80,15 @@ def test_what_no_effect_explains_is_taken_back_there_too(kind):
 def test_what_begins_within_the_recording_is_new_there_too(kind, given):
     kind["unchecked"] = NOT_CHECKED
     assert known_before(problem(LEAKS), given) is given
+
+
+def test_a_property_of_the_history_is_part_of_a_sound_valve(kind):
+    kind["unchecked"] = NOT_CHECKED
+    given = judged()
+    assert known_before(problem(LEAKS, "property"), given) is given
+    # what the history does not hold may pass for a change
+    found = known_before(problem(replace(LEAKS, held=False), "property"), given)
+    assert found.verdict == "cannot_tell"
 
 
 @pytest.mark.parametrize("before", [SOUND, None])
