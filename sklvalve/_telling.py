@@ -74,7 +74,15 @@ def lacking(content: dict) -> str:
     >>> lacking({}), lacking({"since_history": {"rows": 3600}})
     ('is missing', 'has changed since the history')
     """
-    return "has changed since the history" if since_history(content) else "is missing"
+    if not since_history(content):
+        return "is missing"
+    return "differs from the history" if _may_be_old(content) else "has changed since the history"
+
+
+def _may_be_old(content: dict) -> bool:
+    """Whether names were taken back because the history may have had as much: no rule gave them a number."""
+    refused = [r for r in content.get("rules") or [] if r["name"] == "probability" and not r["passed"]]
+    return bool(refused) and refused[-1]["value"] is None and not content.get("effects")
 
 
 def untested(content: dict) -> list[dict]:

@@ -381,10 +381,10 @@ class MissingPhysicsFinder(BaseEstimator):
         problem = judged.problem
         judged, spoilt = suppressed(judged, data, problem.recording)
         judged = replace(judged, rules=(*judged.rules, rules.data(mend or spoilt)))
+        judged = judged if mend or spoilt else known_before(problem, judged)
         self._say("forecasting rows ahead", 0.82)
         judged, forward = (judged, None) if mend or spoilt else refereed(problem, judged)
         judged = judged if mend else dated(problem, judged, float(self.alpha))
-        judged = known_before(problem, judged)
         self.evidence_ = judged.evidence
         self._leading = [leading_term(finding) for finding in judged.findings]
         self.nominal_simulation_ = _simulation_of(problem, judged.nominal, None, external)

@@ -5,6 +5,7 @@ import re
 
 import pytest
 
+from sklvalve._telling import lacking
 from sklvalve.report import summary_sentence, to_markdown, to_text
 from sklvalve.report.headline import headline
 from sklvalve.report.html import render
@@ -274,3 +275,19 @@ def test_many_effects_of_one_need_are_one_sentence_and_what_cannot_be_is_not_lis
         assert "effect 3" not in words
         assert "expansion of the gas" not in words
     assert "Not testable" not in to_text(made | {"not_testable": lacking[-1:]})
+
+
+@pytest.mark.parametrize(
+    ("effects", "value", "passed", "words"),
+    [
+        ([], None, False, "differs from the history"),
+        # weak candidates, and names, are of a change
+        ([{"members": []}], None, False, "has changed since the history"),
+        ([], None, True, "has changed since the history"),
+        ([], 0.4, False, "has changed since the history"),
+    ],
+)
+def test_what_the_history_may_have_had_is_not_said_to_have_changed(effects, value, passed, words):
+    rule = {"name": "probability", "value": value, "passed": passed}
+    assert lacking({"since_history": {"rows": 3600}, "effects": effects, "rules": [rule]}) == words
+    assert lacking({"effects": effects, "rules": [rule]}) == "is missing"

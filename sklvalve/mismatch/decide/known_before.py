@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What is found is a change only if the history was free of it."""
+"""A name is a change only if the history was free of it."""
 
 from __future__ import annotations
 
@@ -27,13 +27,13 @@ _WHY_OF_KIND = (
 
 
 def known_before(problem: Problem, judged: Judgement) -> Judgement:
-    """A judgement without what the history may have had as well.
+    """A judgement without names that the history may have had as well.
 
     A history whose own diagnosis could not tell holds nothing, so that nothing says of what is there
     throughout the recording that it is new. One with a fault of its own says it only as far as the name of
-    that holds, and on some kinds of recordings it was not checked how often names do: what looks new, with a
-    name or without, may be what that name left out. A property, such as a slow motor, is part of a sound
-    valve. What begins within the recording is new in any case.
+    that holds, and on kinds of recordings such as this one it may not have been checked how often names do:
+    what looks new may be what that name left out. A property, such as a slow motor, is part of a sound
+    valve. Where anything named begins within the recording, names stand.
 
     Parameters
     ----------
@@ -43,19 +43,16 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
     Returns
     -------
     judged : Judgement
-        ``cannot_tell`` where something is taken back.
+        ``cannot_tell`` where the names are taken back.
     """
     before = None if problem.history is None else problem.history.by_itself_
-    if before is None or any(f.term.onset is not None for f in judged.findings):
+    begun = any(f.term.onset is not None for f in judged.findings)
+    if before is None or begun or judged.verdict != "named":
         return judged
-    if before.verdict == "cannot_tell" and judged.verdict == "named":
+    if before.verdict == "cannot_tell":
         return _taken_back(judged, _WHY)
     kind = unchecked(problem) if before.verdict == "named" and _had_a_fault(problem, before) else ""
-    new = judged.verdict == "named" or (judged.verdict == "none_of_these" and judged.change is None)
-    if not kind or not new:
-        return judged
-    nameless = replace(judged, unknown=None, left=None, pulses=None, closest=[], closest_leaves=None)
-    return _taken_back(nameless, _WHY_OF_KIND.format(kind=kind))
+    return _taken_back(judged, _WHY_OF_KIND.format(kind=kind)) if kind else judged
 
 
 def _had_a_fault(problem: Problem, before: ByItself) -> bool:
@@ -66,4 +63,6 @@ def _had_a_fault(problem: Problem, before: ByItself) -> bool:
 
 def _taken_back(judged: Judgement, why: str) -> Judgement:
     asked = (*judged.rules, rules.known_before(why))
-    return replace(judged.without_names("cannot_tell"), why=(*judged.why, why), rules=asked)
+    # what was proven on rows left out is of the names that go
+    nameless = replace(judged.without_names("cannot_tell"), tried=None, errors=None)
+    return replace(nameless, why=(*judged.why, why), rules=asked)

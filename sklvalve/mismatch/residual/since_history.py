@@ -134,7 +134,7 @@ def _in_channel(
         wave = np.where(np.arange(len(left)) // rows % 2 == 0, 1.0, -1.0)
         answer = np.sqrt(_ratio(noise.whiten(np.where(seen, wave, np.nan)), known, rows)[1])
         usual = 1.0 / (answer * span)
-        free = 1.0 + _ratio(wrong, known, rows)[1]
+        free = 1.0 + (_ratio(wrong, known, rows)[1] if model.terms else 0.0)
         deviations = np.log(ratio / free) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
         beyond = usual * np.sqrt(max(ratio - free, 0.0))
         # without a kink where nothing stands out, so that no two recordings are alike

@@ -68,18 +68,22 @@ def test_a_name_is_taken_back_where_names_of_such_histories_were_not_checked(kin
     assert NOT_CHECKED in found.why[-1]
 
 
-def test_what_no_effect_explains_is_taken_back_there_too(kind):
+def test_what_begins_within_the_recording_is_new_there_too(kind):
     kind["unchecked"] = NOT_CHECKED
-    found = known_before(problem(LEAKS), replace(judged(verdict="none_of_these"), findings=[], left="left"))
-    assert (found.verdict, found.left) == ("cannot_tell", None)
-
-
-@pytest.mark.parametrize(
-    "given", [judged(onset=100.0), replace(judged(verdict="none_of_these"), findings=[], change="change")]
-)
-def test_what_begins_within_the_recording_is_new_there_too(kind, given):
-    kind["unchecked"] = NOT_CHECKED
+    given = judged(onset=100.0)
     assert known_before(problem(LEAKS), given) is given
+
+
+def test_what_no_effect_explains_has_no_name_to_lose(kind):
+    kind["unchecked"] = NOT_CHECKED
+    given = judged(verdict="none_of_these")
+    assert known_before(problem(LEAKS), given) is given
+
+
+def test_nothing_is_kept_of_the_proof_of_names_that_go():
+    given = replace(judged(), tried="cross-validated", errors=(1.0, 0.5))
+    found = known_before(problem(UNSURE), given)
+    assert (found.tried, found.errors, found.kept) == (None, None, False)
 
 
 def test_a_property_of_the_history_is_part_of_a_sound_valve(kind):
