@@ -28,8 +28,8 @@ finder = MissingPhysicsFinder(random_state=0).fit(recording, until=900)
 print(to_text(finder.diagnosis_.to_dict()))
 
 # %%
-# The p-value is the share of healthy recordings that lie as far from their simulation as this one, or
-# further. It is made of ranks among healthy recordings that went through the whole search. On the 50
+# The p-value is the share of healthy simulated recordings that lie as far from their simulation as this
+# one, or further. It is made of ranks among healthy recordings that went through the whole search. On the 50
 # healthy valves of the newest sealed draw it was uniform (Kolmogorov-Smirnov p 0.19), and none raised an
 # alarm.
 #

@@ -381,9 +381,10 @@ class MissingPhysicsFinder(BaseEstimator):
         problem = judged.problem
         judged, spoilt = suppressed(judged, data, problem.recording)
         judged = replace(judged, rules=(*judged.rules, rules.data(mend or spoilt)))
-        judged = judged if mend or spoilt else known_before(problem, judged)
         self._say("forecasting rows ahead", 0.82)
-        judged, forward = (judged, None) if mend or spoilt else refereed(problem, judged)
+        judged, forward = (
+            (judged, None) if mend or spoilt else refereed(problem, known_before(problem, judged))
+        )
         judged = judged if mend else dated(problem, judged, float(self.alpha))
         self.evidence_ = judged.evidence
         self._leading = [leading_term(finding) for finding in judged.findings]

@@ -19,6 +19,7 @@ _RULES = {
     "rarity": "rare among healthy valves",
     "relevance": "larger than what counts",
     "held_out": "predicts rows left out of the fit, in more than one event",
+    "history_noise": "explained down to the noise of the history",
     "residual": "little is left unexplained",
     "noise": "explained down to the noise",
     "forecast": "makes no forecast worse by more than chance",

@@ -96,7 +96,7 @@ def test_a_trifle_is_not_strong_however_clear(learnt, after, size):
         changed(after, flow=nominal.predictions["flow"] + noise + added), None, None, history=still
     )
     same = quiet.simulate((), nominal.values)
-    left = _in_channel(quiet.with_noise_of(same, cautious=True), still, same, same, "flow")
+    left = _in_channel(quiet.with_noise_of(same, cautious=True), still, same, None, "flow")
     assert left.times > 2.0
     assert left.effect_size < 15.0 * size
 
@@ -128,8 +128,8 @@ def test_an_effect_may_be_wrong_by_a_share_of_what_it_explains(learnt, after, sh
     assert (left.effect_size > 4.0) is strong
     assert left.allowed > 1.05 * left.noise
     # without its allowance what it leaves over stands out in both
-    assert _in_channel(noted, learnt, model, model, "flow").effect_size > 4.0
-    alone = _in_channel(problem, learnt, nominal, nominal, "flow")
+    assert _in_channel(noted, learnt, model, None, "flow").effect_size > 4.0
+    alone = _in_channel(problem, learnt, nominal, None, "flow")
     assert alone.allowed == alone.noise
 
 

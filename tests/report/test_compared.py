@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The table of explanations and the checks, as a reader sees them."""
 
+from sklvalve.mismatch.decide.rules import ORDER
 from sklvalve.report import to_markdown, to_text
 from sklvalve.report.compared import HEAD, RULES_HEAD, comparisons, rules
 
@@ -107,3 +108,9 @@ def test_what_was_tried_and_not_named_says_so_and_no_check_stopped_it_where_noth
 def test_an_explanation_told_by_events_has_no_gain():
     [place] = comparisons({"comparison": [_row(1, "stiction", log_likelihood=None, stands=True)]})
     assert place.rows[0][3] == ""
+
+
+def test_every_rule_has_a_name_of_its_own_for_readers():
+    asked = [{"name": name, "passed": True, "sentence": ""} for name in ORDER]
+    shown = [check for check, *_ in rules({"rules": asked})]
+    assert not {name.replace("_", " ") for name in ORDER} & set(shown)

@@ -14,9 +14,9 @@ In the order in which a diagnosis comes by them:
     The frozen result, which the steps below replace by another.
 `behind`, `late`, `stretches`
     The same for what lies behind a property, in the last rows, and in long recordings.
-`suppression`, `referee`, `dated`, `known_before`
-    What the data may have made, what a black box predicts better, when something changed, and what a history
-    may have had already.
+`suppression`, `known_before`, `referee`, `dated`
+    What the data may have made, what a history may have had already, what a black box predicts better, and
+    when something changed.
 `rehearsing`
     What a valve does by itself, for its null law: a part of a history held against another.
 `assessing`, `probability`, `borne_out`, `grade`, `kinds`, `checked_kind`

@@ -9,9 +9,9 @@ most with a rule of `rules`:
 - `stretches`: what a few stretches showed and all rows do not (``no_mismatch``);
 - `late`, `behind`: the last rows (``named`` or ``cannot_tell``), and what lies behind a property;
 - `suppression`: what the data may have made (``cannot_tell``);
+- `known_before`: what a history may have had already (``cannot_tell``);
 - `referee`: what a black box forecasts better (``cannot_tell``), and names that make forecasts worse;
-- `dated`: a change that nothing found explains (``cannot_tell`` in place of ``no_mismatch``);
-- `known_before`: what a history may have had already (``cannot_tell``).
+- `dated`: a change that nothing found explains (``cannot_tell`` in place of ``no_mismatch``).
 """
 
 from __future__ import annotations

@@ -10,9 +10,10 @@ from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.checked_kind import unchecked
 
 if TYPE_CHECKING:
-    from sklvalve.history import ByItself
+    from sklvalve.history import ValveHistory
     from sklvalve.mismatch.decide.judgement import Judgement
     from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.simulation.chain import Chain
 
 _WHY = (
     "What fits may have been there in the history already: a diagnosis of that by itself could not tell "
@@ -45,20 +46,21 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
     judged : Judgement
         ``cannot_tell`` where the names are taken back.
     """
-    before = None if problem.history is None else problem.history.by_itself_
+    history = problem.history
     begun = any(f.term.onset is not None for f in judged.findings)
-    if before is None or begun or judged.verdict != "named":
+    if history is None or history.by_itself_ is None or begun or judged.verdict != "named":
         return judged
+    before = history.by_itself_
     if before.verdict == "cannot_tell":
         return _taken_back(judged, _WHY)
-    kind = unchecked(problem) if before.verdict == "named" and _had_a_fault(problem, before) else ""
+    faulty = before.verdict == "named" and not (before.held and _is_of_properties(history, problem.plain))
+    kind = unchecked(problem) if faulty else ""
     return _taken_back(judged, _WHY_OF_KIND.format(kind=kind)) if kind else judged
 
 
-def _had_a_fault(problem: Problem, before: ByItself) -> bool:
-    """Whether more than properties explains the history, as far as it holds what was named."""
-    effects = () if problem.history is None else problem.history.effects
-    return not before.held or any(e.kind_of(problem.plain, late=False) != "property" for e in effects)
+def _is_of_properties(history: ValveHistory, chain: Chain) -> bool:
+    """Whether all that a history holds are properties, which a sound valve may have."""
+    return all(effect.kind_of(chain, late=False) == "property" for effect in history.effects)
 
 
 def _taken_back(judged: Judgement, why: str) -> Judgement:

@@ -107,15 +107,16 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
         return None
     # a search may have learnt the noise from this very residual
     problem = problem.with_noise_of(model, cautious=True)
-    bare = problem.baseline(model, (), model) if model.terms else model
+    bare = problem.baseline(model, (), model) if model.terms else None
     by_channel = [_in_channel(problem, history, model, bare, c) for c in problem.channels]
     seen = [each for each in by_channel if each is not None]
     return max(seen, key=lambda left: left.effect_size, default=None)
 
 
 def _in_channel(
-    problem: Problem, history: ValveHistory, model: Model, bare: Model, channel: str
+    problem: Problem, history: ValveHistory, model: Model, bare: Model | None, channel: str
 ) -> LeftSince | None:
+    """What is left over in one channel; `bare` is the hypothesis without its effects, None of one without."""
     if channel == "flow" and drop_is_unknown(problem.recording):
         return None
     left, noise = problem.residuals(model)[channel], problem.noise[channel]
@@ -124,8 +125,10 @@ def _in_channel(
     white = np.clip(noise.whiten(left), -_FURTHEST, _FURTHEST)
     before = sum(window.rows for window in history.windows_)
     span, counts = problem.spans[channel], problem.least(channel)
-    changed = np.where(seen, model.predictions[channel] - bare.predictions[channel], np.nan)
-    wrong = np.clip(noise.whiten(SHARE_WRONG * changed), -_FURTHEST, _FURTHEST)
+    wrong = None
+    if bare is not None:
+        changed = np.where(seen, model.predictions[channel] - bare.predictions[channel], np.nan)
+        wrong = np.clip(noise.whiten(SHARE_WRONG * changed), -_FURTHEST, _FURTHEST)
     each = []
     for rows in _LENGTHS:
         many, ratio = _ratio(white, known, rows)
@@ -134,7 +137,7 @@ def _in_channel(
         wave = np.where(np.arange(len(left)) // rows % 2 == 0, 1.0, -1.0)
         answer = np.sqrt(_ratio(noise.whiten(np.where(seen, wave, np.nan)), known, rows)[1])
         usual = 1.0 / (answer * span)
-        free = 1.0 + (_ratio(wrong, known, rows)[1] if model.terms else 0.0)
+        free = 1.0 if wrong is None else 1.0 + _ratio(wrong, known, rows)[1]
         deviations = np.log(ratio / free) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
         beyond = usual * np.sqrt(max(ratio - free, 0.0))
         # without a kink where nothing stands out, so that no two recordings are alike
