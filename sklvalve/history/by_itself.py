@@ -23,12 +23,22 @@ class ByItself:
         Why nothing was named.
     held : bool, default=False
         Whether all that was named is among the effects that the history holds.
+    checked : bool, default=True
+        Whether it was checked how often such names are right, for all that was named.
     """
 
     verdict: str
     finding: str
     reason: str = ""
     held: bool = False
+    checked: bool = True
+
+    @property
+    def doubt(self) -> int:
+        """How little is known of the valve by these recordings: 0 where they were sound."""
+        if self.verdict == "named":
+            return 1 if self.held and self.checked else 2
+        return {"no_mismatch": 0, "none_of_these": 3, "cannot_tell": 4}[self.verdict]
 
     @property
     def clean(self) -> bool:

@@ -227,8 +227,8 @@ class ValveHistory(BaseEstimator):
         self.rehearsals_ = [*self.rehearsals_, *other.rehearsals_]
         self.range_ = self.range_.merged(other.range_)
         asked = [each.by_itself_ for each in (self, other) if each.by_itself_ is not None]
-        # one that was not sound goes before one that was
-        self.by_itself_ = min(asked, key=lambda each: each.clean, default=None)
+        # of both the one that leaves more open is told
+        self.by_itself_ = max(asked, key=lambda each: each.doubt, default=None)
         self.prior_ = self._expected()
         return self
 

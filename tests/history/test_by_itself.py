@@ -2,6 +2,7 @@
 """What a history keeps of the diagnosis of its own recordings."""
 
 import copy
+from dataclasses import replace
 
 import pytest
 
@@ -10,6 +11,8 @@ from sklvalve.history.state import require_sound_history
 
 SOUND = ByItself("no_mismatch", "Nothing relevant is missing.")
 LEAKS = ByItself("named", "Likely fault: seat leakage.", held=True)
+NEVER_CHECKED = ByItself("named", "Likely fault: a worn gear.", held=True, checked=False)
+UNEXPLAINED = ByItself("none_of_these", "Something is missing.")
 OPEN = ByItself("cannot_tell", "Something is missing.", "It is short.")
 
 
@@ -37,7 +40,7 @@ def test_it_is_not_known_unless_it_was_asked(learnt):
     assert learnt.to_state()["clean"] == {}
 
 
-@pytest.mark.parametrize("found", [SOUND, OPEN])
+@pytest.mark.parametrize("found", [SOUND, replace(NEVER_CHECKED, held=False), OPEN])
 def test_it_comes_back(learnt, found):
     history = copy.deepcopy(learnt)
     history.by_itself_ = found
@@ -48,12 +51,32 @@ def test_it_comes_back(learnt, found):
 
 @pytest.mark.parametrize(
     ("one", "other", "both"),
-    [(None, None, None), (SOUND, None, SOUND), (None, OPEN, OPEN), (SOUND, OPEN, OPEN), (OPEN, SOUND, OPEN)],
+    [
+        (None, None, None),
+        (SOUND, None, SOUND),
+        (None, OPEN, OPEN),
+        (SOUND, OPEN, OPEN),
+        (OPEN, SOUND, OPEN),
+        (LEAKS, OPEN, OPEN),
+        (LEAKS, NEVER_CHECKED, NEVER_CHECKED),
+        (NEVER_CHECKED, SOUND, NEVER_CHECKED),
+        (UNEXPLAINED, LEAKS, UNEXPLAINED),
+        (UNEXPLAINED, OPEN, OPEN),
+    ],
 )
-def test_of_two_histories_the_one_that_was_not_sound_is_told(learnt, learnt_after, one, other, both):
+def test_of_two_histories_the_one_that_leaves_more_open_is_told(learnt, learnt_after, one, other, both):
     first, second = copy.deepcopy(learnt), copy.deepcopy(learnt_after)
     first.by_itself_, second.by_itself_ = one, other
     assert first.merge(second).by_itself_ == both
+
+
+def test_a_file_that_does_not_say_whether_names_were_checked_is_read(learnt):
+    history = copy.deepcopy(learnt)
+    history.by_itself_ = replace(LEAKS, held=False)
+    state = history.to_state()
+    del state["clean"]["checked"]
+    require_sound_history(state, ())
+    assert not ValveHistory.from_state(history.valve_, state).by_itself_.checked
 
 
 LIES = {
@@ -61,6 +84,7 @@ LIES = {
     "a key more": {"more": 1},
     "held by nothing": {"verdict": "named", "held": True},
     "held, and no truth value": {"held": 1},
+    "checked, and no truth value": {"checked": "yes"},
     "no words": {"finding": 3},
     "words of control": {"finding": "\x1b[2J"},
     "a book": {"reason": "x" * 3_000},

@@ -12,7 +12,9 @@ from sklvalve.history.by_itself import LONGEST, VERDICTS, ByItself
 if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
 
-_KEYS = {"verdict", "finding", "reason", "held"}
+_KEYS = {"verdict", "finding", "reason", "held", "checked"}
+# of a history learnt before this was kept nobody knows whether its names were checked
+_BEFORE = {"checked": False}
 
 
 def told(history: ValveHistory) -> dict[str, Any]:
@@ -22,14 +24,17 @@ def told(history: ValveHistory) -> dict[str, Any]:
 
 def put_back(history: ValveHistory, part: dict[str, Any]) -> None:
     """Set it again."""
-    history.by_itself_ = ByItself(**part) if part else None
+    history.by_itself_ = ByItself(**_BEFORE | part) if part else None
 
 
 def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence[Any]) -> None:
     """Refuse a finding that no diagnosis has; ``ValueError``."""
     if not part:
         return
-    if set(part) != _KEYS or part["verdict"] not in VERDICTS or not isinstance(part["held"], bool):
+    part = _BEFORE | part
+    if set(part) != _KEYS or part["verdict"] not in VERDICTS:
+        raise ValueError("what it holds by itself is no diagnosis")
+    if not all(isinstance(part[key], bool) for key in ("held", "checked")):
         raise ValueError("what it holds by itself is no diagnosis")
     for words in (part["finding"], part["reason"]):
         if not isinstance(words, str) or len(words) > LONGEST or not words.isprintable():

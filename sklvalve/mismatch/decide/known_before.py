@@ -7,7 +7,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.decide import rules
-from sklvalve.mismatch.decide.checked_kind import unchecked
 
 if TYPE_CHECKING:
     from sklvalve.history import ValveHistory
@@ -20,10 +19,10 @@ _WHY = (
     "whether it was sound. A history that can, or a longer one, would settle it."
 )
 
-_WHY_OF_KIND = (
+_WHY_OF_A_NAME = (
     "What is found may be what the explanation of the history left out: the history had a fault of its own, "
-    "and how often a name holds was not checked for {kind}. Learn a history without a fault, or give a "
-    "fuller data sheet."
+    "and how often such a name holds was not checked. Learn a history without a fault, or give a fuller data "
+    "sheet."
 )
 
 
@@ -32,9 +31,9 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
 
     A history whose own diagnosis could not tell holds nothing, so that nothing says of what is there
     throughout the recording that it is new. One with a fault of its own says it only as far as the name of
-    that holds, and on kinds of recordings such as this one it may not have been checked how often names do:
-    what looks new may be what that name left out. A property, such as a slow motor, is part of a sound
-    valve. Where anything named begins within the recording, names stand.
+    that holds. Where that name has no probability, as nobody has checked how often such names hold, what
+    looks new may be what it left out. A property, such as a slow motor, is part of a sound valve. Where
+    anything named begins within the recording, names stand.
 
     Parameters
     ----------
@@ -53,9 +52,10 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
     before = history.by_itself_
     if before.verdict == "cannot_tell":
         return _taken_back(judged, _WHY)
-    faulty = before.verdict == "named" and not (before.held and _is_of_properties(history, problem.plain))
-    kind = unchecked(problem) if faulty else ""
-    return _taken_back(judged, _WHY_OF_KIND.format(kind=kind)) if kind else judged
+    if before.checked or before.verdict != "named":
+        return judged
+    sound = before.held and _is_of_properties(history, problem.plain)
+    return judged if sound else _taken_back(judged, _WHY_OF_A_NAME)
 
 
 def _is_of_properties(history: ValveHistory, chain: Chain) -> bool:

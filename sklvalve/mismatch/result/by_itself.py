@@ -26,4 +26,5 @@ def by_itself(diagnosis: Diagnosis, held: bool) -> ByItself:
     texts = (diagnosis.finding, " ".join(content.get("reasons") or []) if nameless else "")
     # a line each, whatever a caller's own effect is called
     finding, reason = (" ".join(words.split())[:LONGEST] for words in texts)
-    return ByItself(diagnosis.verdict, finding, reason, held)
+    checked = all(entry["probability"] is not None for entry in content["effects"])
+    return ByItself(diagnosis.verdict, finding, reason, held, checked)

@@ -7,20 +7,12 @@ from types import SimpleNamespace
 import pytest
 
 from sklvalve.history import ByItself
-from sklvalve.mismatch.decide import known_before as module
 from sklvalve.mismatch.decide.judgement import Judgement
 from sklvalve.mismatch.decide.known_before import known_before
 
 UNSURE, SOUND = ByItself("cannot_tell", "Nobody knows."), ByItself("no_mismatch", "Nothing is missing.")
 LEAKS = ByItself("named", "It leaks.", held=True)
-
-
-@pytest.fixture(autouse=True)
-def kind(monkeypatch):
-    """What `known_before` asks of the kind of recording: how often names hold is known, unless set."""
-    asked = {"unchecked": ""}
-    monkeypatch.setattr(module, "unchecked", lambda problem: asked["unchecked"])
-    return asked
+NEVER_CHECKED = replace(LEAKS, checked=False)
 
 
 def judged(onset=None, verdict="named"):
@@ -58,26 +50,20 @@ def test_nothing_else_is_touched():
     assert known_before(SimpleNamespace(history=None), replace(given, verdict="named")).verdict == "named"
 
 
-NOT_CHECKED = "actuators that are not driven by air"
-
-
-def test_a_name_is_taken_back_where_names_of_such_histories_were_not_checked(kind):
-    kind["unchecked"] = NOT_CHECKED
-    found = known_before(problem(LEAKS), judged())
+def test_a_name_is_taken_back_where_the_name_of_the_history_has_no_probability():
+    found = known_before(problem(NEVER_CHECKED), judged())
     assert (found.verdict, found.findings) == ("cannot_tell", [])
-    assert NOT_CHECKED in found.why[-1]
+    assert "how often such a name holds was not checked" in found.why[-1]
 
 
-def test_what_begins_within_the_recording_is_new_there_too(kind):
-    kind["unchecked"] = NOT_CHECKED
+def test_what_begins_within_the_recording_is_new_there_too():
     given = judged(onset=100.0)
-    assert known_before(problem(LEAKS), given) is given
+    assert known_before(problem(NEVER_CHECKED), given) is given
 
 
-def test_what_no_effect_explains_has_no_name_to_lose(kind):
-    kind["unchecked"] = NOT_CHECKED
+def test_what_no_effect_explains_has_no_name_to_lose():
     given = judged(verdict="none_of_these")
-    assert known_before(problem(LEAKS), given) is given
+    assert known_before(problem(NEVER_CHECKED), given) is given
 
 
 def test_nothing_is_kept_of_the_proof_of_names_that_go():
@@ -86,17 +72,9 @@ def test_nothing_is_kept_of_the_proof_of_names_that_go():
     assert (found.tried, found.errors, found.kept) == (None, None, False)
 
 
-def test_a_property_of_the_history_is_part_of_a_sound_valve(kind):
-    kind["unchecked"] = NOT_CHECKED
+def test_a_property_of_the_history_is_part_of_a_sound_valve():
     given = judged()
-    assert known_before(problem(LEAKS, "property"), given) is given
+    assert known_before(problem(NEVER_CHECKED, "property"), given) is given
     # what the history does not hold may pass for a change
-    found = known_before(problem(replace(LEAKS, held=False), "property"), given)
+    found = known_before(problem(replace(NEVER_CHECKED, held=False), "property"), given)
     assert found.verdict == "cannot_tell"
-
-
-@pytest.mark.parametrize("before", [SOUND, None])
-def test_a_sound_history_lets_names_stand_on_any_kind(kind, before):
-    kind["unchecked"] = NOT_CHECKED
-    given = judged()
-    assert known_before(problem(before), given) is given
