@@ -7,7 +7,7 @@
     python benchmarks/healthy_reference.py check OTHER.jsonl
 
 With ``--history`` each is held against the hour before it; that table is `null_reference_with_history.json`.
-With ``--rest`` as well only what is left over beyond the noise of that hour is drawn, which no search
+With ``--residual`` as well only what is left over beyond the noise of that hour is drawn, which no search
 changes, and `table` puts it in the place of the one in the file; the other looks stay.
 `draw` writes a line of JSON a recording, and goes on where it was stopped; five to ten seconds each. `table`
 writes the reference that the package ships. `check` holds recordings of other seeds, and with noise that the
@@ -61,7 +61,7 @@ ABOVE, KNOTS = 0.15, 18
 # rows of a history
 BEFORE = 3600
 # strengths below are as good as none: of effects; of what is left over beside a data sheet, and a history
-WEAKEST, WEAKEST_REST = 2.0, {False: 0.1, True: 1.0}
+WEAKEST, WEAKEST_RESIDUAL = 2.0, {False: 0.1, True: 1.0}
 CIRCUMSTANCES = ("noise", "travel", "no_opening", "no_drop", "one_pressure", "held_opening", "held_flow")
 # what else the typical strength is a line in
 LINE = (*CIRCUMSTANCES, "noise_without_opening", "noise_without_drop")
@@ -129,14 +129,14 @@ def add_noise(frame, kind, span, rng):
             frame[column] += rng.uniform(0.001, 0.004) * frame[column].max() * correlated(rng, rows, 0.9)
 
 
-def rest_of(recording, before):
+def residual_of(recording, before):
     """What the calibrated simulation leaves over beyond the noise of the history; nothing is searched."""
     recording, data, history = prepared(recording, before)
     with threadpool_limits(1, user_api="blas"), with_threads(1):
         problem, nominal = calibrated(prepared_problem(recording, None, None, history=history))
         left = left_since(problem, problem.least_squares(nominal))
     told = asdict(covariates_of_problem(problem, data))
-    return told | {"rest": None if left is None else left.effect_size}
+    return told | {"residual": None if left is None else left.effect_size}
 
 
 def prepared(recording, before):
@@ -159,14 +159,14 @@ def searched(recording, before=None):
     told |= {name: getattr(judged.evidence.covariates, name) for name in CIRCUMSTANCES}
     told["strengths"] = {
         look: {key: round(found, 3) for key, found in strengths.items()}
-        for look, strengths in judged.evidence.effect_strengths.items()
+        for look, strengths in judged.evidence.effect_sizes.items()
     }
     return told | {"verdict": judged.verdict, "p_value": judged.p_value}
 
 
 def table_of(rows, name, *, history):
     """The table of one strength, as `sklvalve.mismatch.decide.null_reference.Table` takes it."""
-    weakest = WEAKEST_REST[history] if name == "rest" else WEAKEST
+    weakest = WEAKEST_RESIDUAL[history] if name == "residual" else WEAKEST
     rows = [row for row in rows if row[name] is not None]
     found = np.array([row[name] for row in rows])
     typical, offset, slopes = typical_of(rows, found, weakest)
@@ -254,7 +254,7 @@ def check(rows, law):
     """Lines that say whether the p-values of the law in place are uniform, and what was alarmed."""
 
     def again(row):
-        return mismatch_p_value(Evidence.of(row["strengths"], row["rest"], covariates_of(row), law))
+        return mismatch_p_value(Evidence.of(row["strengths"], row["residual"], covariates_of(row), law))
 
     p_values = np.array([again(row) for row in rows])
     uniform = kstest(p_values, "uniform").pvalue
@@ -281,15 +281,19 @@ def read(path):
 
 
 def write_table(rows, options):
-    """The tables of the looks that the rows tell of; with `--rest` those of the others stay as they are."""
+    """The tables of the looks that the rows tell of; with `--residual` the others stay as they are."""
     tables = {name: table_of(rows, name, history=options.history) for name in LOOKS if name in rows[0]}
     made_by = f"python benchmarks/healthy_reference.py table {options.rows.name} {options.table}"
-    made_by += " --history" * options.history + " --rest" * options.rest
+    made_by += " --history" * options.history + " --residual" * options.residual
     told = {"made_by": made_by, "recordings": recordings_of(rows, options.history), **tables}
-    if options.rest:
+    if options.residual:
         before = json.loads(options.table.read_text(encoding="utf-8"))
-        of_rest = {"made_by_of_rest": made_by, "recordings_of_rest": told["recordings"], "rest": told["rest"]}
-        told = before | of_rest
+        of_residual = {
+            "made_by_of_residual": made_by,
+            "recordings_of_residual": told["recordings"],
+            "residual": told["residual"],
+        }
+        told = before | of_residual
     options.table.write_text(json.dumps(told, indent=1) + "\n", encoding="utf-8")
 
 
@@ -302,10 +306,10 @@ def main(arguments=None):
     parser.add_argument("--records", type=int, default=260)
     parser.add_argument("--history", action="store_true", help="hold each against the hour before it")
     parser.add_argument("--nastier", action="store_true", help="noise that the reference has none of")
-    parser.add_argument("--rest", action="store_true", help="only what is left over since the history")
+    parser.add_argument("--residual", action="store_true", help="only what is left over since the history")
     options = parser.parse_args(arguments)
-    if options.rest and not options.history:
-        parser.error("--rest is what is left over since a history: give --history as well")
+    if options.residual and not options.history:
+        parser.error("--residual is what is left over since a history: give --history as well")
     rows = read(options.rows)
     if options.what == "check":
         print("\n".join(check(rows, AGAINST_HISTORY if options.history else AGAINST_SHEET)))
@@ -317,7 +321,7 @@ def main(arguments=None):
             if seed in done:
                 continue
             recording, before, told = draw(seed, nastier=options.nastier, history=options.history)
-            told |= rest_of(recording, before) if options.rest else searched(recording, before)
+            told |= residual_of(recording, before) if options.residual else searched(recording, before)
             with options.rows.open("a", encoding="utf-8") as file:
                 file.write(json.dumps(told) + "\n")
             print(told, flush=True)

@@ -3,7 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
+
+# what older files call one of the looks
+_ONCE = {"rest": "residual"}
 
 
 @dataclass(frozen=True)
@@ -17,7 +22,7 @@ class Rehearsal:
         is typical of healthy valves [1].
     within : float
         The same of one that begins within it.
-    rest : float or None
+    residual : float or None
         The same of what is left over; None where that is not known.
     stem : float, default=0
         The strongest of one that acts throughout on positioner and actuator.
@@ -25,5 +30,10 @@ class Rehearsal:
 
     throughout: float
     within: float
-    rest: float | None = None
+    residual: float | None = None
     stem: float = 0.0
+
+    @classmethod
+    def from_dict(cls, looks: Mapping[str, Any]) -> Rehearsal:
+        """Put back what `dataclasses.asdict` made of one, under older names too; ``TypeError`` for others."""
+        return cls(**{_ONCE.get(look, look): value for look, value in looks.items()})

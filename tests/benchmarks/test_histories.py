@@ -218,7 +218,7 @@ def test_the_method_is_given_the_history_and_the_others_are_not(folders, monkeyp
     assert line["found"]["verdict"] == "no_mismatch"
     assert [len(recording) for recording in given["history"]] == [ROWS]
     assert line["truth"]["history"]["clean"] in (True, False)
-    assert line["rehearsals"] == [{"throughout": 1.5, "within": 0.5, "rest": None, "stem": 0.2}]
+    assert line["rehearsals"] == [{"throughout": 1.5, "within": 0.5, "residual": None, "stem": 0.2}]
     # learning is a command of its own, and its time is told apart
     assert min(line[key] for key in ("seconds", "cpu_seconds", "learn_seconds", "learn_cpu_seconds")) >= 0.0
     assert "learn_seconds" not in judging.line_of(place, "sklvalve")

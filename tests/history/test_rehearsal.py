@@ -29,6 +29,14 @@ def test_they_come_back(rehearsed):
     assert ValveHistory.from_state(rehearsed.valve_, state).rehearsals_ == MANY
 
 
+def test_those_of_an_older_file_come_back(rehearsed):
+    state = rehearsed.to_state()
+    for looks in state["rehearsals"]["each"]:
+        looks["rest"] = looks.pop("residual")
+    require_sound_history(state, ())
+    assert ValveHistory.from_state(rehearsed.valve_, state).rehearsals_ == MANY
+
+
 def test_both_histories_keep_theirs(rehearsed, learnt_after):
     other = copy.deepcopy(learnt_after)
     other.rehearsals_ = [Rehearsal(2.0, 0.5, 1.0)]
@@ -40,11 +48,11 @@ def test_both_histories_keep_theirs(rehearsed, learnt_after):
     [
         None,
         [{"throughout": 1.0, "within": 1.0}],
-        [{"effects": 1.0, "rest": None}],
-        [{"throughout": -1.0, "within": 1.0, "rest": None}],
-        [{"throughout": 1.0, "within": -1.0, "rest": None}],
-        [{"throughout": float("nan"), "within": 1.0, "rest": None}],
-        [{"throughout": 1.0, "within": 1.0, "rest": "much"}],
+        [{"effects": 1.0, "residual": None}],
+        [{"throughout": -1.0, "within": 1.0, "residual": None}],
+        [{"throughout": 1.0, "within": -1.0, "residual": None}],
+        [{"throughout": float("nan"), "within": 1.0, "residual": None}],
+        [{"throughout": 1.0, "within": 1.0, "residual": "much"}],
         ["far"],
     ],
 )

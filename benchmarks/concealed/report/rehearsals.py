@@ -26,7 +26,11 @@ LEVELS = (0.01, 0.05, 0.1)
 def p_values_of(lines):
     """Sorted p-values of halves of sound histories."""
     sound = [line for line in lines if line["truth"].get("history", {}).get("clean")]
-    found = [p_value_of_rehearsal(Rehearsal(**each)) for line in sound for each in line.get("rehearsals", ())]
+    found = [
+        p_value_of_rehearsal(Rehearsal.from_dict(each))
+        for line in sound
+        for each in line.get("rehearsals", ())
+    ]
     return np.sort(found)
 
 

@@ -23,7 +23,7 @@ def told(history: ValveHistory) -> dict[str, Any]:
 
 def put_back(history: ValveHistory, part: dict[str, Any]) -> None:
     """Set them again."""
-    history.rehearsals_ = [Rehearsal(**each) for each in part["each"]]
+    history.rehearsals_ = [Rehearsal.from_dict(each) for each in part["each"]]
 
 
 def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence[Any]) -> None:
@@ -32,9 +32,13 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
     if not isinstance(several, list | tuple):
         raise ValueError("its rehearsals are none")
     for each in several:
-        if not isinstance(each, dict) or set(each) != {*_STRENGTHS, "rest"}:
-            raise ValueError("a rehearsal of it is none")
+        try:
+            looks = asdict(Rehearsal.from_dict(each))
+        except (AttributeError, TypeError):
+            raise ValueError("a rehearsal of it is none") from None
+        if len(each) < len(looks):
+            raise ValueError("a rehearsal of it lacks looks")
         for look in _STRENGTHS:
-            number(each[look], "the strength of a rehearsal", 0.0)
-        if each["rest"] is not None:
-            number(each["rest"], "what a rehearsal left over", 0.0)
+            number(looks[look], "the strength of a rehearsal", 0.0)
+        if looks["residual"] is not None:
+            number(looks["residual"], "what a rehearsal left over", 0.0)

@@ -31,7 +31,7 @@ from sklvalve.mismatch.decide.null_reference import (
     NullLaw,
     survival,
 )
-from sklvalve.mismatch.search.relevance import effect_strength
+from sklvalve.mismatch.search.relevance import standardized_effect_size
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.given import ACTUATOR_STAGES
@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.search.explain import Explanation, Tried
     from sklvalve.mismatch.search.rivals import Finding
 
-# shares of the level that each look at a recording gets; the rest seldom sees what the effects do not
-_SHARES = {"throughout": 0.45, "within": 0.3, "rest": 0.25}
+# shares of the level that each look at a recording gets; the residual seldom sees what the effects do not
+_SHARES = {"throughout": 0.45, "within": 0.3, "residual": 0.25}
 # where what drives the stem is looked at by itself, both have half of that
 _SHARES_APART = _SHARES | {"throughout": 0.225, "stem": 0.225}
 
@@ -55,18 +55,18 @@ class Evidence:
     Parameters
     ----------
     throughout : float
-        The strongest of the effects that act throughout, in standard deviations as `effect_strength` has
-        them; zero where none was tried.
+        The strongest of the effects that act throughout, as `standardized_effect_size` has them;
+        zero where none was tried.
     within : float
         The same of effects that begin within the recording, by what they gain over those that act throughout.
         A valve is never quite as it was known, so a difference from its beginning on is more usual.
-    rest : float or None
-        How predictable the residual is, as a strength; beside a history, how far it is beyond the noise of
-        the history. None where neither is known.
+    residual : float or None
+        How predictable the residual is, as an effect size; beside a history, how far it is beyond the
+        noise of the history. None where neither is known.
     covariates : Covariates
         What chance depends on.
-    effect_strengths : dict, default={}
-        ``"throughout"`` and ``"within"`` -> effect key -> strength, of the effects tried beyond their
+    effect_sizes : dict, default={}
+        ``"throughout"`` and ``"within"`` -> effect key -> effect size, of the effects tried beyond their
         tolerance and of those found.
     law : NullLaw, default=AGAINST_SHEET
         What chance makes of recordings like it.
@@ -77,20 +77,24 @@ class Evidence:
 
     throughout: float
     within: float
-    rest: float | None
+    residual: float | None
     covariates: Covariates
-    effect_strengths: dict[str, dict[str, float]] = field(default_factory=dict, compare=False, repr=False)
+    effect_sizes: dict[str, dict[str, float]] = field(default_factory=dict, compare=False, repr=False)
     law: NullLaw = field(default=AGAINST_SHEET, repr=False)
     stem: float = 0.0
 
     @classmethod
     def of(
-        cls, strengths: dict[str, dict[str, float]], rest: float | None, covariates: Covariates, law: NullLaw
+        cls,
+        effect_sizes: dict[str, dict[str, float]],
+        residual: float | None,
+        covariates: Covariates,
+        law: NullLaw,
     ) -> Evidence:
-        """Evidence by the strengths of effects, as `effect_strengths` gives them."""
+        """Evidence by what `effect_sizes` gives."""
         best = dict.fromkeys(("throughout", "within"), 0.0)
-        best |= {look: max(of_look.values(), default=0.0) for look, of_look in strengths.items()}
-        return cls(**best, rest=rest, covariates=covariates, effect_strengths=strengths, law=law)
+        best |= {look: max(of_look.values(), default=0.0) for look, of_look in effect_sizes.items()}
+        return cls(**best, residual=residual, covariates=covariates, effect_sizes=effect_sizes, law=law)
 
     @property
     def looks(self) -> dict[str, float | None]:
@@ -111,7 +115,7 @@ def _law_beside(rehearsals: tuple[Rehearsal, ...]) -> NullLaw:
     return AGAINST_HISTORY.with_rehearsals(rehearsals)
 
 
-def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, dict[str, float]]:
+def effect_sizes(explanation: Explanation, problem: Problem) -> dict[str, dict[str, float]]:
     """Strength of each effect beyond tolerance, of those found and those tried at the first step, by key.
 
     The deviations of an effect are those of the log likelihood that it gains, by how stretches agree on it
@@ -123,8 +127,8 @@ def effect_strengths(explanation: Explanation, problem: Problem) -> dict[str, di
     seen: list[tuple[str, Tried | Finding]] = [*explanation.tried.items()]
     seen += [(f.term.effect.key, f) for f in explanation.findings]
     for key, each in seen:
-        look, strength = _look_and_strength(each, problem, law)
-        by_look[look][key] = max(by_look[look].get(key, 0.0), strength)
+        look, size = _look_and_effect_size(each, problem, law)
+        by_look[look][key] = max(by_look[look].get(key, 0.0), size)
     return by_look
 
 
@@ -142,15 +146,15 @@ def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -
     p_value : float
     """
     law = law_for(problem)
-    look, strength = _look_and_strength(finding, problem, law)
-    return mismatch_p_value(Evidence.of({look: {finding.term.effect.key: strength}}, None, covariates, law))
+    look, size = _look_and_effect_size(finding, problem, law)
+    return mismatch_p_value(Evidence.of({look: {finding.term.effect.key: size}}, None, covariates, law))
 
 
-def _look_and_strength(each: Tried | Finding, problem: Problem, law: NullLaw) -> tuple[str, float]:
+def _look_and_effect_size(each: Tried | Finding, problem: Problem, law: NullLaw) -> tuple[str, float]:
     look, gain = ("throughout", each.gain) if each.by_beginning is None else ("within", each.by_beginning)
     if look == "throughout" and law.stem is not None and each.stage in ACTUATOR_STAGES:
         look = "stem"
-    return look, effect_strength(each.over_time.deviations(gain), in_counts(each.sizes, problem))
+    return look, standardized_effect_size(each.over_time.deviations(gain), in_counts(each.sizes, problem))
 
 
 def in_counts(sizes: dict[str, float], problem: Problem) -> float:
@@ -209,8 +213,9 @@ def mismatch_p_value(evidence: Evidence) -> float:
     """Share of healthy recordings that look as far from their simulation as this one, or further.
 
     The strongest effect that acts throughout, the strongest that begins within the recording, and the learnt
-    rest are each held against their own among healthy recordings in the same covariates. Any of these looks
-    at one recording may raise the alarm: each has a share of the level (Sidak, with weights 0.45, 0.3, 0.25).
+    residual are each held against their own among healthy recordings in the same covariates. Any of these
+    looks at one recording may raise the alarm: each has a share of the level (Sidak, with weights 0.45, 0.3,
+    0.25).
     Beside a history, positioner and actuator are looked at by themselves, with half of the first share.
 
     Parameters
@@ -258,10 +263,10 @@ def _survival(evidence: Evidence, look: str) -> float:
 
 def p_value_of_effects(evidence: Evidence) -> float:
     """Share of healthy recordings whose strongest effect is as strong as that of this one, or stronger."""
-    return mismatch_p_value(replace(evidence, rest=None))
+    return mismatch_p_value(replace(evidence, residual=None))
 
 
-def p_value_of_rest(evidence: Evidence) -> float:
+def p_value_of_residual(evidence: Evidence) -> float:
     """Share of healthy recordings of which as much is left over as of this one, or more.
 
     Parameters
@@ -273,7 +278,11 @@ def p_value_of_rest(evidence: Evidence) -> float:
     p_value : float
         1 where that is not known.
     """
-    return 1.0 if evidence.rest is None else survival(evidence.law.rest, evidence.rest, evidence.covariates)
+    return (
+        1.0
+        if evidence.residual is None
+        else survival(evidence.law.residual, evidence.residual, evidence.covariates)
+    )
 
 
 def p_value_of_what_counts(findings: Sequence[Finding], tried: dict[str, Tried], problem: Problem) -> float:

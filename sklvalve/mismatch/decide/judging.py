@@ -12,12 +12,12 @@ from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.decision import by_evidence
 from sklvalve.mismatch.decide.detect import (
     Evidence,
-    effect_strengths,
+    effect_sizes,
     law_for,
     mismatch_p_value,
     p_value_of_effects,
     p_value_of_one,
-    p_value_of_rest,
+    p_value_of_residual,
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
@@ -263,7 +263,9 @@ def _of_fit(
     if new is None:
         return asked, ""
     # an imitation leaves over what healthy valves do not
-    asked.append(rules.history_noise(p_value_of_rest(replace(evidence, rest=new.effect_size)), case.alpha))
+    asked.append(
+        rules.history_noise(p_value_of_residual(replace(evidence, residual=new.effect_size)), case.alpha)
+    )
     return asked, "" if asked[-1].passed else exceeds_noise(new, findings, case.problem)
 
 
@@ -274,7 +276,7 @@ def _of_none(case: Case, weighed: _Weighed) -> LeftSince | None:
 
 def _is_rare(case: Case, evidence: Evidence) -> bool:
     """Whether few healthy recordings, alpha of them, leave over as much that can be learnt."""
-    return p_value_of_rest(evidence) <= case.alpha
+    return p_value_of_residual(evidence) <= case.alpha
 
 
 def _by_evidence(
@@ -289,7 +291,7 @@ def _by_evidence(
     alone = _weighed(case, [], case.explanation.nominal)
     # where the mismatch is told anyway, what is rare among healthy recordings may say what it is, and so may
     # what leaves nothing rare where too much was left over since the history
-    known = case.problem.history is not None and weighed.evidence.rest is not None
+    known = case.problem.history is not None and weighed.evidence.residual is not None
     explains = known and _is_rare(case, alone.evidence) and not _is_rare(case, weighed.evidence)
     if alone.enough and (explains or any(map(case.is_rare, findings))):
         return findings, weighed.unknown, alone
@@ -308,14 +310,14 @@ def evidence_of(case: Case) -> Evidence:
 
 def _weighed(case: Case, findings: Sequence[Finding], model: Model) -> _Weighed:
     """What is left beside findings, and the evidence for a mismatch with its p-values."""
-    rest = case.residual_of(model)
-    strengths = effect_strengths(case.explanation, case.problem)
-    evidence = Evidence.of(strengths, rest.strong, case.covariates, law_for(case.problem))
+    left = case.residual_of(model)
+    strengths = effect_sizes(case.explanation, case.problem)
+    evidence = Evidence.of(strengths, left.strong, case.covariates, law_for(case.problem))
     p_value = mismatch_p_value(evidence)
     rare = _is_rare(case, evidence)
     # what chance leaves over as often takes no name away
-    unknown = _beside(findings, rest.unknown, rare)
-    new = rest.new if rare else None
+    unknown = _beside(findings, left.unknown, rare)
+    new = left.new if rare else None
     by_chance = None
     # what was found is larger than what counts: where it is rare among healthy recordings that is enough
     if unknown is None and new is None and not any(map(case.is_rare, findings)):

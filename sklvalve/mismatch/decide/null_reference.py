@@ -72,7 +72,7 @@ _TIMES = np.geomspace(1.0, _UP_TO, 69)
 #: Looks at the effects, and all looks at a recording, each with a table of its own. What drives the stem is
 #: looked at by itself beside a history, where chance makes more of it; else it is one of the first.
 OF_EFFECTS = ("throughout", "stem", "within")
-LOOKS = (*OF_EFFECTS, "rest")
+LOOKS = (*OF_EFFECTS, "residual")
 # looks of which neither tells how strong chance is in the other
 _UNRELATED = {"throughout": ("stem",), "stem": ("throughout",)}
 #: Covariates that are held within their range in the reference, besides the noise.
@@ -141,7 +141,7 @@ class NullLaw:
 
     Parameters
     ----------
-    throughout, within, rest : Table
+    throughout, within, residual : Table
         Of the strongest effect that acts throughout, of the strongest that begins within the recording, and
         of what is left over, as `Evidence` has them.
     stem : Table or None, default=None
@@ -150,7 +150,7 @@ class NullLaw:
 
     throughout: Table
     within: Table
-    rest: Table
+    residual: Table
     stem: Table | None = None
 
     @property
@@ -212,22 +212,22 @@ AGAINST_SHEET = _law_of("null_reference.json")
 AGAINST_HISTORY = _law_of("null_reference_with_history.json")
 
 
-def survival(table: Table, strength: float, covariates: Covariates) -> float:
-    """Share of healthy recordings whose strength is at least this, of valves like the one in question.
+def survival(table: Table, effect_size: float, covariates: Covariates) -> float:
+    """Share of healthy recordings whose effect size is at least this, of valves like the one in question.
 
     Parameters
     ----------
     table : Table
-    strength : float
+    effect_size : float
         Of the look that the table is of.
     covariates : Covariates
 
     Returns
     -------
     share : float
-        Between 0, never reached, and 1; falls with the strength, without a step but that from nothing at all.
+        Between 0, never reached, and 1; falls as that grows, without a step but that from nothing at all.
     """
-    relative = strength / table.typical(covariates)
+    relative = effect_size / table.typical(covariates)
     each = zip(table.times, table.weights, strict=True)
     return min(sum(weight * share_beyond(table, relative / times) for times, weight in each), 1.0)
 

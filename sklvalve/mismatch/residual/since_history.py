@@ -13,7 +13,7 @@ import numpy as np
 
 from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.residual.goodness_of_fit import FEWEST
-from sklvalve.mismatch.search.relevance import effect_strength
+from sklvalve.mismatch.search.relevance import standardized_effect_size
 from sklvalve.simulation.calibration import drop_is_unknown
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class LeftSince:
     many, rows : int
         Number of blocks, and of the rows of one.
     effect_size : float
-        How far it stands out, with its size beyond the noise, as `effect_strength` has it of an effect.
+        How far it stands out, and how large it is beyond the noise, as `standardized_effect_size` has it.
     """
 
     channel: str
@@ -141,7 +141,7 @@ def _in_channel(
         deviations = np.log(ratio / free) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
         beyond = usual * np.sqrt(max(ratio - free, 0.0))
         # without a kink where nothing stands out, so that no two recordings are alike
-        effect_size = effect_strength(float(np.logaddexp(0.0, deviations)), float(beyond / counts))
+        effect_size = standardized_effect_size(float(np.logaddexp(0.0, deviations)), float(beyond / counts))
         size, allowed = usual * np.sqrt(ratio), usual * np.sqrt(free)
         each.append(LeftSince(channel, float(size), float(usual), float(allowed), many, rows, effect_size))
     return max(each, key=lambda left: left.effect_size, default=None)

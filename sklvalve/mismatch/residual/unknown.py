@@ -12,7 +12,7 @@ import numpy as np
 from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.residual.cycles import find_cycle
 from sklvalve.mismatch.residual.low_pass_residual import held_out_errors, low_pass_residual, skills, tuned
-from sklvalve.mismatch.search.relevance import effect_strength
+from sklvalve.mismatch.search.relevance import standardized_effect_size
 from sklvalve.simulation.calibration import drop_is_unknown
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def look_for_residual(
     """
     rng = np.random.default_rng(random_state)
     best: Unknown | None = None
-    effect_strengths: list[float] = []
+    effect_sizes: list[float] = []
     for channel in problem.channels if channels is None else channels:
         if channel == "flow" and drop_is_unknown(problem.recording):
             # without a recorded pressure drop, a flow residual mostly reflects the unmeasured drop
@@ -98,12 +98,12 @@ def look_for_residual(
         if slow is not None:
             learnt = tuned(slow)
             chance = _by_chance(learnt, rng)
-            effect_strengths.append(_evidence_of(problem, channel, learnt, chance))
+            effect_sizes.append(_evidence_of(problem, channel, learnt, chance))
             in_channel = _in_channel(problem, channel, learnt, chance, alpha)
         for candidate in (in_channel, _cycle_in(problem, model, channel, alpha)):
             if candidate is not None and (best is None or candidate.size > best.size):
                 best = candidate
-    return best, max(effect_strengths, default=None)
+    return best, max(effect_sizes, default=None)
 
 
 def _by_chance(learnt: TunedResidual, rng: np.random.Generator) -> np.ndarray:
@@ -118,7 +118,7 @@ def _evidence_of(problem: Problem, channel: str, learnt: TunedResidual, chance: 
     deviations = (learnt.skill - chance.mean()) / max(float(chance.std()), 1e-12)
     # without a kink where the skill is that of chance, so that no two recordings are alike
     deviations = np.logaddexp(0.0, deviations)
-    return effect_strength(deviations, _acting_rms(learnt.predicted) / problem.least(channel))
+    return standardized_effect_size(deviations, _acting_rms(learnt.predicted) / problem.least(channel))
 
 
 def _in_channel(

@@ -11,7 +11,7 @@ import numpy as np
 
 import sklvalve
 from sklvalve.mismatch.decide.dated import change_entry
-from sklvalve.mismatch.decide.detect import p_value_of_rest
+from sklvalve.mismatch.decide.detect import p_value_of_residual
 from sklvalve.mismatch.decide.kinds import kind_of_class
 from sklvalve.mismatch.decide.reasons import reasons_of
 from sklvalve.mismatch.decide.records import plain_records
@@ -263,7 +263,7 @@ def _unlearnt(left: Unknown | LeftOver | LeftSince | Pulses, judgement: Judgemen
     """The entry of a rest that follows from nothing recorded, as far as can be told."""
     if isinstance(left, LeftSince):
         # how often chance leaves as much is asked of healthy valves and their histories
-        p_value = None if judgement.evidence is None else p_value_of_rest(judgement.evidence)
+        p_value = None if judgement.evidence is None else p_value_of_residual(judgement.evidence)
     else:
         p_value = left.p_value
     return {

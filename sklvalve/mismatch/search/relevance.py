@@ -119,7 +119,7 @@ def beyond_tolerance(problem: Problem, model: Model, term: Term) -> bool:
     return term.effect.beyond_tolerance(parameter_values(term, model), model.chain, Tolerance(**edge), late)
 
 
-def effect_strength(deviations: float, size: float) -> float:
+def standardized_effect_size(deviations: float, size: float) -> float:
     r"""Size of a change in its standard deviations, noise and what a healthy simulation gets wrong together.
 
     .. math:: t = \left(\frac{1}{z^2} + \frac{w^2}{s^2}\right)^{-1/2}
@@ -137,13 +137,13 @@ def effect_strength(deviations: float, size: float) -> float:
 
     Returns
     -------
-    effect_strength : float
+    size : float
         At least 0.
 
     Examples
     --------
-    >>> from sklvalve.mismatch.search.relevance import effect_strength
-    >>> round(effect_strength(3.0, 100.0), 2), round(effect_strength(100.0, 1.0), 2)
+    >>> from sklvalve.mismatch.search.relevance import standardized_effect_size
+    >>> round(standardized_effect_size(3.0, 100.0), 2), round(standardized_effect_size(100.0, 1.0), 2)
     (3.0, 9.95)
     """
     if not (deviations > 0.0 and size > 0.0):

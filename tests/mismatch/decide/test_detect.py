@@ -13,7 +13,7 @@ from sklvalve.mismatch import CATALOGUE
 from sklvalve.mismatch.decide.detect import (
     Evidence,
     covariates_of,
-    effect_strengths,
+    effect_sizes,
     in_counts,
     mismatch_p_value,
     p_value_of_effects,
@@ -26,11 +26,11 @@ from sklvalve.mismatch.decide.null_reference import (
 )
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.search.explain import Tried
-from sklvalve.mismatch.search.relevance import effect_strength
+from sklvalve.mismatch.search.relevance import standardized_effect_size as effect_size
 from sklvalve.mismatch.search.rivals import Finding
 from sklvalve.mismatch.search.scatter import OverTime
 
-EFFECTS, BEGUN, RESIDUAL = AGAINST_SHEET.throughout, AGAINST_SHEET.within, AGAINST_SHEET.rest
+EFFECTS, BEGUN, RESIDUAL = AGAINST_SHEET.throughout, AGAINST_SHEET.within, AGAINST_SHEET.residual
 TABLES = [table for law in (AGAINST_SHEET, AGAINST_HISTORY) for table in law.tables.values()]
 USUAL = Covariates(noise=-0.5, travel=0.6, no_opening=0.0, no_drop=0.0)
 CIRCUMSTANCES = st.builds(
@@ -49,18 +49,18 @@ BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[c
 
 
 def test_strength_takes_noise_and_a_wrong_simulation_together():
-    assert effect_strength(3.0, 0.8) == pytest.approx((1.0 / 9.0 + 0.1**2 / 0.8**2) ** -0.5, rel=1e-12)
-    assert effect_strength(5.0, 1e9) == pytest.approx(5.0)
+    assert effect_size(3.0, 0.8) == pytest.approx((1.0 / 9.0 + 0.1**2 / 0.8**2) ** -0.5, rel=1e-12)
+    assert effect_size(5.0, 1e9) == pytest.approx(5.0)
     # however clear it is: what counts stands ten times above what a healthy simulation gets wrong
-    assert effect_strength(1e9, 1.0) == pytest.approx(10.0)
-    assert effect_strength(0.0, 1.0) == effect_strength(1.0, 0.0) == effect_strength(-1.0, 1.0) == 0.0
+    assert effect_size(1e9, 1.0) == pytest.approx(10.0)
+    assert effect_size(0.0, 1.0) == effect_size(1.0, 0.0) == effect_size(-1.0, 1.0) == 0.0
 
 
 @settings(max_examples=50, deadline=None)
 @given(STRENGTHS, STRENGTHS, st.floats(0.0, 50.0), st.floats(0.0, 50.0))
 def test_strength_grows_with_what_is_borne_out_and_with_the_size(z, size, more, larger):
-    assert effect_strength(z + more, size + larger) >= effect_strength(z, size) * (1.0 - 1e-12)
-    assert effect_strength(z, size) <= z * (1.0 + 1e-12)
+    assert effect_size(z + more, size + larger) >= effect_size(z, size) * (1.0 - 1e-12)
+    assert effect_size(z, size) <= z * (1.0 + 1e-12)
 
 
 def test_strongest_fit_of_each_effect_and_largest_channel_are_taken():
@@ -73,19 +73,23 @@ def test_stretches_that_disagree_take_from_the_strength_of_an_effect():
     tried = {"clogging": Tried(50.0, sizes), "erosion": Tried(50.0, sizes, over_time=OverTime(9.0, 50.0))}
     found = Finding(Term(BY_KEY["seat_leakage"]), [], 50.0, sizes, over_time=OverTime(9.0, 50.0))
     explanation = SimpleNamespace(tried=tried, findings=[found])
-    strengths = effect_strengths(explanation, BENCH)["throughout"]
-    assert strengths["clogging"] == pytest.approx(effect_strength(10.0, 4.0))
+    strengths = effect_sizes(explanation, BENCH)["throughout"]
+    assert strengths["clogging"] == pytest.approx(effect_size(10.0, 4.0))
     assert strengths["erosion"] == strengths["seat_leakage"] < 0.5 * strengths["clogging"]
     weak, strong = Tried(8.0, {"flow": 0.005}), Tried(50.0, {"flow": 0.02})
     tried = {"clogging": weak, "erosion": strong, "dead_time": Tried(-9.0, {"opening": 0.5})}
     searched = SimpleNamespace(tried=tried, findings=[])
-    alone = {"clogging": effect_strength(4.0, 1.0), "erosion": effect_strength(10.0, 4.0), "dead_time": 0.0}
-    assert effect_strengths(searched, BENCH) == {"throughout": pytest.approx(alone), "within": {}}
+    alone = {
+        "clogging": effect_size(4.0, 1.0),
+        "erosion": effect_size(10.0, 4.0),
+        "dead_time": 0.0,
+    }
+    assert effect_sizes(searched, BENCH) == {"throughout": pytest.approx(alone), "within": {}}
     eroded = Term(BY_KEY["erosion"])
     searched.findings = [Finding(eroded, [], 5000.0, {"flow": 0.02})]
-    found = alone | {"erosion": effect_strength(100.0, 4.0)}
-    assert effect_strengths(searched, BENCH)["throughout"] == pytest.approx(found)
-    assert effect_strengths(SimpleNamespace(tried={}, findings=[]), BENCH) == {"throughout": {}, "within": {}}
+    found = alone | {"erosion": effect_size(100.0, 4.0)}
+    assert effect_sizes(searched, BENCH)["throughout"] == pytest.approx(found)
+    assert effect_sizes(SimpleNamespace(tried={}, findings=[]), BENCH) == {"throughout": {}, "within": {}}
 
 
 def test_what_begins_counts_by_what_it_gains_by_beginning():
@@ -94,9 +98,9 @@ def test_what_begins_counts_by_what_it_gains_by_beginning():
         "erosion": Tried(50.0, {"flow": 0.02}),
     }
     begun = Finding(Term(BY_KEY["clogging"], 900.0), [], 9000.0, {"flow": 0.02}, by_beginning=72.0)
-    seen = effect_strengths(SimpleNamespace(tried=tried, findings=[begun]), BENCH)
-    assert seen["within"] == {"clogging": pytest.approx(effect_strength(12.0, 4.0))}
-    assert seen["throughout"] == {"erosion": pytest.approx(effect_strength(10.0, 4.0))}
+    seen = effect_sizes(SimpleNamespace(tried=tried, findings=[begun]), BENCH)
+    assert seen["within"] == {"clogging": pytest.approx(effect_size(12.0, 4.0))}
+    assert seen["throughout"] == {"erosion": pytest.approx(effect_size(10.0, 4.0))}
 
 
 @pytest.mark.parametrize("table", TABLES)
@@ -138,15 +142,15 @@ def test_stronger_evidence_never_raises_the_p_value(found, more, where):
     assert 1e-12 <= mismatch_p_value(strong) <= mismatch_p_value(weak) <= 1.0
 
 
-@pytest.mark.parametrize(("look", "share"), [("throughout", 0.45), ("within", 0.3), ("rest", 0.25)])
+@pytest.mark.parametrize(("look", "share"), [("throughout", 0.45), ("within", 0.3), ("residual", 0.25)])
 def test_looks_share_the_level(look, share):
-    quiet = {"throughout": 0.0, "within": 0.0, "rest": 0.0}
+    quiet = {"throughout": 0.0, "within": 0.0, "residual": 0.0}
     alone = survival(AGAINST_SHEET.tables[look], 6.0, USUAL)
     seen = Evidence(**quiet | {look: 6.0}, covariates=USUAL)
     assert mismatch_p_value(seen) == pytest.approx(1.0 - (1.0 - alone) ** (1.0 / share))
-    if look != "rest":
+    if look != "residual":
         # where nothing is known of what is left over the others have its share
-        unknown = replace(seen, rest=None)
+        unknown = replace(seen, residual=None)
         assert mismatch_p_value(unknown) == pytest.approx(1.0 - (1.0 - alone) ** (0.75 / share))
         assert p_value_of_effects(seen) == mismatch_p_value(unknown)
 
@@ -259,7 +263,7 @@ def test_what_drives_the_stem_is_looked_at_by_itself_beside_a_history():
         findings=[],
     )
     known = SimpleNamespace(least=BENCH.least, history=SimpleNamespace(rehearsals_=[]))
-    apart, together = effect_strengths(searched, known), effect_strengths(searched, BENCH)
+    apart, together = effect_sizes(searched, known), effect_sizes(searched, BENCH)
     assert set(apart["stem"]) == {"friction"}
     assert set(apart["throughout"]) == {"erosion"}
     assert set(together["throughout"]) == {"friction", "erosion"}

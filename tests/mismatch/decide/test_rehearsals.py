@@ -66,7 +66,7 @@ def test_a_stem_that_does_much_by_itself_says_nothing_of_valve_and_meters_nor_th
             assert beyond(look, made) > 5.0 * beyond(look, plain)
 
 
-@pytest.mark.parametrize("look", ["throughout", "within", "rest"])
+@pytest.mark.parametrize("look", ["throughout", "within", "residual"])
 def test_a_rehearsal_makes_nothing_rarer(look):
     for made in (Rehearsal(28.0, 1.0, 0.1), Rehearsal(0.0, 0.0, 0.0), Rehearsal(1.2, 3.0)):
         table = getattr(AGAINST_HISTORY.with_rehearsals([made]), look)
@@ -107,13 +107,13 @@ def test_the_chance_falls_without_a_step():
     assert chances[0] <= 1.0
 
 
-@pytest.mark.parametrize("rest", [None, 3.0])
-def test_a_rehearsal_is_told_relative_to_what_is_typical(rest):
+@pytest.mark.parametrize("residual", [None, 3.0])
+def test_a_rehearsal_is_told_relative_to_what_is_typical(residual):
     strong = {look: 5.0 * AGAINST_HISTORY.tables[look].typical(SOMEWHERE) for look in OF_EFFECTS}
-    evidence = Evidence(**strong, rest=rest, covariates=SOMEWHERE, law=AGAINST_HISTORY)
+    evidence = Evidence(**strong, residual=residual, covariates=SOMEWHERE, law=AGAINST_HISTORY)
     made = rehearsal_of(evidence)
     assert (made.throughout, made.stem, made.within) == pytest.approx((5.0, 5.0, 5.0))
-    assert (made.rest is None) is (rest is None)
+    assert (made.residual is None) is (residual is None)
     assert p_value_of_rehearsal(made) == pytest.approx(mismatch_p_value(evidence))
     law = AGAINST_HISTORY.with_rehearsals([made])
     assert mismatch_p_value(replace(evidence, law=law)) > mismatch_p_value(evidence)
