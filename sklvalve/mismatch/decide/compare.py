@@ -19,7 +19,7 @@ from sklvalve.mismatch.decide.records import plain_records
 from sklvalve.mismatch.inference.hypothesis import Model, Term, complexity_penalty
 from sklvalve.mismatch.inference.posterior import posterior
 from sklvalve.mismatch.inference.refitting import BLOCKS, blocks_in_turn, fits_without
-from sklvalve.mismatch.search.onset import losses_of
+from sklvalve.mismatch.search.onset import losses_of, penalty_with_times
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -160,7 +160,7 @@ def _rows_of_rivals(problem: Problem, finding: Finding) -> list[Row]:
         gain = finding.gain + rival.gain - best if known else None
         one = _Competitor(rival.term, rival.model, gain or 0.0, finding.sizes)
         row = _of_effect(problem, one, None) | {"log_likelihood": gain}
-        evidence = None if gain is None else gain - complexity_penalty(problem, rival.term)
+        evidence = None if gain is None else gain - _penalty(problem, one)
         shared: dict[str, Any] = {"rank": rank, "in_class": before < IN_CLASS, "log_evidence": evidence}
         rows.append(Row(**row, **shared, place=0, posterior=rival.probability, stands=True))
         before += rival.probability
@@ -232,6 +232,13 @@ class _Competitor:
     sizes: dict[str, float]
 
 
+def _penalty(problem: Problem, one: _Competitor) -> float:
+    """What a row must earn: as the search has it, where that has fitted the row by all that is known."""
+    if one.model is None:
+        return complexity_penalty(problem, one.term)
+    return penalty_with_times(problem, one.model, one.term)
+
+
 def _ranked(
     problem: Problem,
     made: list[_Competitor],
@@ -240,7 +247,7 @@ def _ranked(
     explained: float,
     held_out: HeldOut | None,
 ) -> list[Row]:
-    scores = np.array([0.0, *(c.gain - complexity_penalty(problem, c.term) for c in made)])
+    scores = np.array([0.0, *(c.gain - _penalty(problem, c) for c in made)])
     before_data = np.array([threshold, *[0.0] * len(made)])
     probabilities = posterior(scores + before_data, explained)
     order = np.argsort(-probabilities, kind="stable")

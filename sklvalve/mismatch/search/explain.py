@@ -124,7 +124,7 @@ def explain(
     problem, model = search.taken_up(problem, nominal)
     for last in (False, False, True):
         problem, model = _what_stands(problem, model, threshold)
-        findings = find_rivals(problem, model, effects, report)
+        findings = find_rivals(problem, model, effects, report, met=search.met)
         better = _better_in_place(problem, findings)
         if better is None or last:
             break
@@ -169,6 +169,8 @@ class _Search:
         Log likelihood that its effect adds.
     nominal : Model or None
         The simulation without effects, with the best calibration met.
+    met : list of Model
+        Every hypothesis that was settled by its own noise.
     """
 
     def __init__(self, effects: Sequence[Effect], threshold: float, most: int, report: Report | None) -> None:
@@ -178,6 +180,7 @@ class _Search:
         self.throughout: Model | None = None
         self.gain_throughout = 0.0
         self.nominal: Model | None = None
+        self.met: list[Model] = []
 
     def with_its_beginning(self, problem: Problem, gained: _Gained, model: Model, term: Term) -> _Gained:
         """What a term of a hypothesis gains, with what of it is gained by beginning within the recording.
@@ -255,6 +258,7 @@ class _Search:
         counting: list[tuple[Problem, Model]] = []
         for chosen in _in_reach(problem, candidates, model):
             by_its_noise, settled = settled_fit(problem, chosen)
+            self.met.append(settled)
             without = by_its_noise.fit(settled.terms[:-1], start=model)
             if is_relevant(by_its_noise, settled, without, self.threshold):
                 counting.append((by_its_noise, settled))

@@ -9,7 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from sklvalve.mismatch.effects.base import Effect
-from sklvalve.mismatch.inference.hypothesis import FIRST_ONSET, LAST_ONSET, Model, Term
+from sklvalve.mismatch.inference.hypothesis import (
+    FIRST_ONSET,
+    LAST_ONSET,
+    SWITCH_PENALTY,
+    Model,
+    Term,
+    complexity_penalty,
+)
 from sklvalve.mismatch.search.growing import fit_growing
 from sklvalve.simulation.robust import ROBUST_FROM
 
@@ -47,14 +54,59 @@ def best_onset(problem: Problem, without: Model, acting: Model) -> float:
     onset : float
         Absolute time [s].
     """
+    losses = _losses_by_onset(problem, without, acting)
+    n = len(problem.recording)
+    first, last = int(FIRST_ONSET * n), int(LAST_ONSET * n)
+    return float(acting.chain.clock[first + int(np.argmin(losses[first:last]))])
+
+
+def penalty_with_times(problem: Problem, model: Model, term: Term) -> float:
+    r"""Log likelihood that a term of a fitted hypothesis must earn, its onset and switches summed over.
+
+    As `complexity_penalty`, which prices each time as one of all rows. Where the recording leaves open when
+    an effect began, many rows share what it gains. So a time costs
+
+    .. math:: \log n - \log \sum_k e^{G_k - \max G}
+
+    with G what the effect, at its fitted size, gains where that time is at row k: between its neighbours, of
+    all n rows.
+
+    Parameters
+    ----------
+    problem : Problem
+    model : Model
+        Fitted, with the term.
+    term : Term
+
+    Returns
+    -------
+    penalty : float
+        At most that of `complexity_penalty`, which stands for what grows.
+    """
+    penalty = complexity_penalty(problem, term)
+    if term.onset is None or term.effect.grows:
+        return penalty
+    others = tuple(m for m in model.terms if m is not term)
+    without, acting = (problem.simulate(t, model.values) for t in (others, (*others, Term(term.effect))))
+    losses = _losses_by_onset(problem, without, acting)
+    n = len(problem.recording)
+    rows = np.searchsorted(model.chain.clock, np.atleast_1d(term.times))
+    ends = [0, *rows.tolist(), n]
+    for k in range(len(rows)):
+        # at every second one it stops to act
+        by_row = (losses if k % 2 else -losses)[ends[k] : ends[k + 2] + 1]
+        price = np.log(n) - np.logaddexp.reduce(by_row - by_row.max())
+        penalty -= max(SWITCH_PENALTY - float(price), 0.0)
+    return penalty
+
+
+def _losses_by_onset(problem: Problem, without: Model, acting: Model) -> np.ndarray:
+    """Loss of all rows where the last effect of `acting` begins at each of them, and at the end."""
     # a channel that the effect leaves alone says nothing of when it began, only how often it was fitted
     touched = problem.channels_touched(acting.terms[-1].effect)
     before, after = (row_losses(problem, m, touched) for m in (without, acting))
-    cost = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
-    cost -= np.concatenate([[0.0], np.cumsum(after)])
-    n = len(before)
-    first, last = int(FIRST_ONSET * n), int(LAST_ONSET * n)
-    return float(acting.chain.clock[first + int(np.argmin(cost[first:last]))])
+    losses = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
+    return losses - np.concatenate([[0.0], np.cumsum(after)])
 
 
 def fit_with_onset(

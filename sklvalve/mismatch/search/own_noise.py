@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.constants import IN_CLASS
-from sklvalve.mismatch.inference.hypothesis import Model, Term, penalised_likelihood
+from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.inference.posterior import posterior
+from sklvalve.mismatch.search.onset import penalty_with_times
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -52,12 +53,13 @@ def likelihood_across_noises(problem: Problem, model: Model) -> float:
 
 
 def penalised_across_noises(problem: Problem, model: Model) -> float:
-    """As `penalised_likelihood`, but comparable between noises."""
-    return penalised_likelihood(problem, model) - _cost_of_noise(problem)
+    """Log likelihood less the price of the effects, their times summed over, comparable between noises."""
+    penalties = sum(penalty_with_times(problem, model, term) for term in model.terms)
+    return likelihood_across_noises(problem, model) - penalties
 
 
 def penalised_by_its_noise(problem: Problem, model: Model) -> float:
-    """As `penalised_likelihood`, by the noise that the hypothesis leaves."""
+    """As `penalised_across_noises`, by the noise that the hypothesis leaves."""
     return penalised_across_noises(*fitted_with_its_noise(problem, model))
 
 

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sklvalve.mismatch.effects.base import Effect
-from sklvalve.mismatch.inference.hypothesis import Model, Term, complexity_penalty, is_in
+from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in
 from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class
 from sklvalve.mismatch.inference.sampled import sampled_fit
+from sklvalve.mismatch.search.onset import penalty_with_times
 from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, likelihood_across_noises
 from sklvalve.mismatch.search.relevance import may_be_instead
@@ -92,6 +93,7 @@ def find_rivals(
     effects: Sequence[Effect],
     report: Callable[[float], object] | None,
     of: Sequence[Term] | None = None,
+    met: Sequence[Model] = (),
 ) -> list[Finding]:
     """For each effect found, what else could stand in its place.
 
@@ -103,6 +105,8 @@ def find_rivals(
     report : callable or None
     of : sequence of Term, default=None
         Those of the hypothesis that are asked; all unless given.
+    met : sequence of Model, default=()
+        Hypotheses settled on the way: the last effect of one may act at other times than the one found.
 
     Returns
     -------
@@ -117,6 +121,7 @@ def find_rivals(
         others = [e for e in others if _touch_the_same(problem, e, term.effect)]
         places = [(term, model)]
         instead = _others_in_place(problem, model, other_terms, without, others, term)
+        instead += _at_other_times(problem, other_terms, (*others, term.effect), term, met)
         places += [(place, fitted) for place, fitted in instead if may_be_instead(problem, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = weighed(problem, places, without)
@@ -179,6 +184,26 @@ def _others_in_place(
     return [(m.terms[-1], m) for m in best.values()]
 
 
+def _at_other_times(
+    problem: Problem,
+    other_terms: tuple[Term, ...],
+    effects: Sequence[Effect],
+    term: Term,
+    met: Sequence[Model],
+) -> list[tuple[Term, Model]]:
+    """Effects in the place of one that act at other times than it does, as (Term, Model).
+
+    Screened are those that begin when it does. But a drift throughout and a step within look alike.
+    """
+    keys = {effect.key for effect in effects}
+    once: dict[tuple, Model] = {}
+    for m in met:
+        if m.terms[-1].effect.key in keys and m.terms[-1].times != term.times:
+            once.setdefault(m.terms[-1].sign, m)
+    fits = parallel_map(lambda m: problem.fit((*other_terms, m.terms[-1]), start=m), list(once.values()))
+    return [(m.terms[-1], m) for m in fits]
+
+
 def _alike(effect: Effect, other: Effect) -> bool:
     return bool(effect.alike) and effect.alike == other.alike
 
@@ -202,7 +227,7 @@ def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Mod
     """
     gains = _gains_by_their_noise(problem, [fitted for _, fitted in places], without)
     best = max(gains)
-    prices = [complexity_penalty(problem, term) for term, _ in places]
+    prices = [penalty_with_times(problem, fitted, term) for term, fitted in places]
     probabilities = posterior(np.array(gains) - np.array(prices), best)
     rivals = [
         Rival(term, fitted, float(probability), distance(best, gain, best), gain)

@@ -9,8 +9,8 @@ import pytest
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.effects import CATALOGUE
-from sklvalve.mismatch.inference.hypothesis import Term
-from sklvalve.mismatch.search import explain, onset, relevance, settling
+from sklvalve.mismatch.inference.hypothesis import Term, complexity_penalty
+from sklvalve.mismatch.search import explain, onset, own_noise, relevance, settling
 from sklvalve.mismatch.search.rivals import Rival
 from sklvalve.recording import Recording, Valve
 
@@ -75,6 +75,10 @@ def test_an_onset_is_judged_by_the_noise_that_it_leaves(monkeypatch, spread, wit
     likelihoods = {400.0: -50.0, None: -60.0, "without": without}
     bench = _Bench(likelihoods, {400.0: 1000.0, None: spread})
     monkeypatch.setattr(settling, "gain_in_spreads", lambda *args: events)
+    # as if every row told when it began
+    monkeypatch.setattr(
+        own_noise, "penalty_with_times", lambda bench, _, term: complexity_penalty(bench, term)
+    )
     model = bench.fit((Term(LEAK, 400.0),))
     before = bench.with_noise_of(model)
     after, found = settling._throughout_if_likelier(before, model)
@@ -130,7 +134,7 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
     monkeypatch.setattr(explain, "_what_stands", what_stands)
     monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
     monkeypatch.setattr(explain, "settled_fit", lambda b, model: (b, model))
-    monkeypatch.setattr(explain, "find_rivals", lambda *_: [])
+    monkeypatch.setattr(explain, "find_rivals", lambda *_, **__: [])
     explain.explain(bench, bench.fit(()), (), threshold=1.0)
     assert judged == [("first", "first"), ("cautious", "cautious")]
 
