@@ -13,6 +13,8 @@ from sklvalve.mismatch.data.gate import effects_switched_off
 from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE, Effect, Quantity, Shown
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
+from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.result.effect_entry import _sentence
 from sklvalve.mismatch.result.known_effects import forms_of, quantity_named
 from sklvalve.report.kinds import to_be_declared
 from sklvalve.report.parameters import parameters
@@ -97,6 +99,14 @@ def test_reports_speak_of_an_effect_as_it_says():
     bowed = entry("bowed_by_hand", bow=(0.02, "1/K"), bend=(1.0, "1"), slowness=(3.0, "s"))
     assert parameters(bowed, {}) == [("bow", "2 % of travel/K"), ("slowness", "3 s")]
     assert "warming_time = 6" in to_be_declared([bowed])
+
+
+@pytest.mark.parametrize(
+    ("effect", "said"),
+    [(Bowed, "The stem is bowed by warming."), (Old, "There is another old thing.")],
+)
+def test_an_effect_without_a_phrase_is_told_by_its_clause_or_its_name(effect, said, bench):
+    assert _sentence(Term(effect()), {}, (), bench.recording) == said
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,7 @@ class Effect:
         What has happened where it is a fault, as it follows "likely fault:": ``"the seat leaks"``. Where it
         is empty, "there is" and its words.
     phrase : str
-        What a person reads; may name the parameters.
+        What a person reads; may name the parameters. Where it is empty, the clause.
     separated_by : str
         The test that tells it from what it is confused with.
     hidden_by : mapping of str to tuple of str

@@ -105,7 +105,10 @@ def _sentence(
     if "p1" in recording:
         unit, scale = recording.unit("p1"), abs(recording.per_si("p1"))
         shown |= {q.name: scale * values[q.name] for q in quantities if q.unit == "Pa"}
-    text = re.sub(r"(?<=\d)%", " %", term.effect.phrase.format(pressure_unit=unit, **shown))
+    effect = term.effect
+    said = effect.phrase.format(pressure_unit=unit, **shown)
+    said = said or effect.clause or f"there is {effect.words or effect.name.replace('_', ' ')}"
+    text = re.sub(r"(?<=\d)%", " %", said)
     return text[0].upper() + text[1:] + "."
 
 
