@@ -3,7 +3,9 @@
 
 import ast
 from pathlib import Path
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 import sklvalve
@@ -14,7 +16,7 @@ from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 from sklvalve.mismatch.effects import CATALOGUE, EVENTS, LATE, Effect, Quantity, Shown
 from sklvalve.mismatch.effects.seat_leakage import SeatLeakage
 from sklvalve.mismatch.inference.hypothesis import Term
-from sklvalve.mismatch.result.effect_entry import _sentence
+from sklvalve.mismatch.result.effect_entry import _at_another_time, _sentence
 from sklvalve.mismatch.result.known_effects import forms_of, quantity_named
 from sklvalve.report.kinds import to_be_declared
 from sklvalve.report.parameters import parameters
@@ -107,6 +109,18 @@ def test_reports_speak_of_an_effect_as_it_says():
 )
 def test_an_effect_without_a_phrase_is_told_by_its_clause_or_its_name(effect, said, bench):
     assert _sentence(Term(effect()), {}, (), bench.recording) == said
+
+
+def test_a_class_says_which_of_its_causes_began_at_another_time(bench):
+    model = SimpleNamespace(chain=SimpleNamespace(clock=np.array([50.0, 51.0])))
+    throughout, old = Term(Bowed()), Term(Old(), 170.0)
+    assert _at_another_time(throughout, [(throughout, model), (Term(SeatLeakage()), model)]) == ""
+    assert _at_another_time(throughout, [(throughout, model), (old, model)]) == (
+        " If it is another old thing, it began 120 s after the first row."
+    )
+    mixed = [(old, model), (throughout, model), (Term(SeatLeakage()), model)]
+    said = _at_another_time(old, mixed)
+    assert said == f" If it is a stem bowed by warming or {SeatLeakage.words}, it acts from the start."
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,8 @@ def effect_entry(finding: Finding, recording: Recording, problem: Problem) -> di
         "onset": None if term.onset is None else float(term.onset - fitted.chain.clock[0]),
         **({"spells": _episodes(term, fitted)} if term.switches else {}),
         "parameters": {},
-        "sentence": _sentence(term, values, term.effect.quantities(fitted.chain), recording),
+        "sentence": _sentence(term, values, term.effect.quantities(fitted.chain), recording)
+        + _at_another_time(term, [(t, m) for _, t, m in explanations.values()]),
         "separated_by": term.effect.separated_by,
     }
     for q in term.effect.quantities(fitted.chain):
@@ -110,6 +111,19 @@ def _sentence(
     said = said or effect.clause or f"there is {effect.words or effect.name.replace('_', ' ')}"
     text = re.sub(r"(?<=\d)%", " %", said)
     return text[0].upper() + text[1:] + "."
+
+
+def _at_another_time(term: Term, explanations: Sequence[tuple[Term, Model]]) -> str:
+    """When those of a class began that act from another time on than its first; empty where all do as it."""
+    others = [(t, m) for t, m in explanations if (t.onset is None) != (term.onset is None)]
+    if not others:
+        return ""
+    *names, last = [t.effect.words or t.effect.name.replace("_", " ") for t, _ in others]
+    either = f"{', '.join(names)} or {last}" if names else last
+    first, fitted = others[0]
+    if first.onset is None:
+        return f" If it is {either}, it acts from the start."
+    return f" If it is {either}, it began {first.onset - fitted.chain.clock[0]:.0f} s after the first row."
 
 
 def _in_units(
