@@ -36,9 +36,12 @@ class ByItself:
     @property
     def doubt(self) -> int:
         """How little is known of the valve by these recordings: 0 where they were sound."""
-        if self.verdict == "named":
-            return 1 if self.held and self.checked else 2
-        return {"no_mismatch": 0, "none_of_these": 3, "cannot_tell": 4}[self.verdict]
+        if self.verdict == "named" and self.checked:
+            return 1 if self.held else 2
+        # names that nobody has checked take later names back, as an open verdict does
+        return {"no_mismatch": 0, "none_of_these": 3, "named": 4 if self.held else 5, "cannot_tell": 6}[
+            self.verdict
+        ]
 
     @property
     def clean(self) -> bool:

@@ -62,6 +62,9 @@ def test_it_comes_back(learnt, found):
         (NEVER_CHECKED, SOUND, NEVER_CHECKED),
         (UNEXPLAINED, LEAKS, UNEXPLAINED),
         (UNEXPLAINED, OPEN, OPEN),
+        (NEVER_CHECKED, UNEXPLAINED, NEVER_CHECKED),
+        (UNEXPLAINED, NEVER_CHECKED, NEVER_CHECKED),
+        (replace(LEAKS, held=False), replace(NEVER_CHECKED, held=False), replace(NEVER_CHECKED, held=False)),
     ],
 )
 def test_of_two_histories_the_one_that_leaves_more_open_is_told(learnt, learnt_after, one, other, both):

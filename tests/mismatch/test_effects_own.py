@@ -118,6 +118,9 @@ def test_a_class_says_which_of_its_causes_began_at_another_time(bench):
     assert _at_another_time(throughout, [(throughout, model), (old, model)]) == (
         " If it is another old thing, it began 120 s after the first row."
     )
+    later = Term(Old(), 240.0)
+    said = _at_another_time(throughout, [(throughout, model), (old, model), (later, model)])
+    assert said.endswith("it began 120 to 190 s after the first row.")
     mixed = [(old, model), (throughout, model), (Term(SeatLeakage()), model)]
     said = _at_another_time(old, mixed)
     assert said == f" If it is a stem bowed by warming or {SeatLeakage.words}, it acts from the start."

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.search.rivals import leading_term
 
 if TYPE_CHECKING:
     from sklvalve.history import ValveHistory
@@ -46,7 +47,7 @@ def known_before(problem: Problem, judged: Judgement) -> Judgement:
         ``cannot_tell`` where the names are taken back.
     """
     history = problem.history
-    begun = any(f.term.onset is not None for f in judged.findings)
+    begun = any(leading_term(f).onset is not None for f in judged.findings)
     if history is None or history.by_itself_ is None or begun or judged.verdict != "named":
         return judged
     before = history.by_itself_

@@ -120,10 +120,12 @@ def _at_another_time(term: Term, explanations: Sequence[tuple[Term, Model]]) -> 
         return ""
     *names, last = [t.effect.words or t.effect.name.replace("_", " ") for t, _ in others]
     either = f"{', '.join(names)} or {last}" if names else last
-    first, fitted = others[0]
-    if first.onset is None:
+    begun = [t.onset - m.chain.clock[0] for t, m in others if t.onset is not None]
+    if not begun:
         return f" If it is {either}, it acts from the start."
-    return f" If it is {either}, it began {first.onset - fitted.chain.clock[0]:.0f} s after the first row."
+    first, last_of_all = f"{min(begun):.0f}", f"{max(begun):.0f}"
+    when = first if first == last_of_all else f"{first} to {last_of_all}"
+    return f" If it is {either}, it began {when} s after the first row."
 
 
 def _in_units(

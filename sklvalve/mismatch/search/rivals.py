@@ -121,7 +121,7 @@ def find_rivals(
         others = [e for e in others if _touch_the_same(problem, e, term.effect)]
         places = [(term, model)]
         instead = _others_in_place(problem, model, other_terms, without, others, term)
-        instead += _at_other_times(problem, other_terms, (*others, term.effect), term, met)
+        instead += _at_other_times(problem, other_terms, without, others, term, met)
         places += [(place, fitted) for place, fitted in instead if may_be_instead(problem, fitted, without)]
         gain = model.log_likelihood - without.log_likelihood
         rivals = weighed(problem, places, without)
@@ -187,21 +187,24 @@ def _others_in_place(
 def _at_other_times(
     problem: Problem,
     other_terms: tuple[Term, ...],
+    without: Model,
     effects: Sequence[Effect],
     term: Term,
     met: Sequence[Model],
 ) -> list[tuple[Term, Model]]:
-    """Effects in the place of one that act at other times than it does, as (Term, Model).
+    """Effects in the place of one, throughout where it begins and begun where it acts throughout.
 
     Screened are those that begin when it does. But a drift throughout and a step within look alike.
     """
     keys = {effect.key for effect in effects}
-    once: dict[tuple, Model] = {}
+    # one of each effect: the price of its times has summed over those near it already
+    best: dict[str, Model] = {}
     for m in met:
-        if m.terms[-1].effect.key in keys and m.terms[-1].times != term.times:
-            once.setdefault(m.terms[-1].sign, m)
-    fits = parallel_map(lambda m: problem.fit((*other_terms, m.terms[-1]), start=m), list(once.values()))
-    return [(m.terms[-1], m) for m in fits]
+        other = m.terms[-1]
+        if other.effect.key in keys and (other.onset is None) != (term.onset is None):
+            start = replace(m, values=without.values | m.values)
+            _keep_the_best(best, [problem.fit((*other_terms, other), start=start)])
+    return [(m.terms[-1], m) for m in best.values()]
 
 
 def _alike(effect: Effect, other: Effect) -> bool:

@@ -9,6 +9,8 @@ import pytest
 from sklvalve.history import ByItself
 from sklvalve.mismatch.decide.judgement import Judgement
 from sklvalve.mismatch.decide.known_before import known_before
+from sklvalve.mismatch.effects import CATALOGUE
+from sklvalve.mismatch.inference.hypothesis import Term
 
 UNSURE, SOUND = ByItself("cannot_tell", "Nobody knows."), ByItself("no_mismatch", "Nothing is missing.")
 LEAKS = ByItself("named", "It leaks.", held=True)
@@ -16,7 +18,11 @@ NEVER_CHECKED = replace(LEAKS, checked=False)
 
 
 def judged(onset=None, verdict="named"):
-    finding = SimpleNamespace(term=SimpleNamespace(onset=onset))
+    term = Term(CATALOGUE[0], onset)
+    # the likeliest of the class may act at other times than the search ended with
+    finding = SimpleNamespace(
+        term=Term(CATALOGUE[0], 5.0), rivals=[SimpleNamespace(term=term, probability=1.0, model=None)]
+    )
     return Judgement(None, verdict, 1e-5, [finding], None, "nominal", "model", kept=True)
 
 

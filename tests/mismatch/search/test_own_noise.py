@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Hypotheses by the noise that they leave themselves."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,14 +11,14 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.calibrating import calibrated
-from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.inference.hypothesis import Model, Term
 from sklvalve.mismatch.search.own_noise import (
     explains_as_much,
     fitted_with_its_noise,
     likelihood_across_noises,
     penalised_by_its_noise,
 )
-from sklvalve.mismatch.search.rivals import weighed
+from sklvalve.mismatch.search.rivals import _at_other_times, weighed
 from sklvalve.recording import Recording, Valve
 
 EFFECTS = {e.key: e for e in CATALOGUE}
@@ -100,3 +103,21 @@ def test_rivals_are_weighed_by_their_own_noise(leaking):
     )
     assert np.isclose(first.probability + second.probability, 1.0)
     assert second.distance > first.distance == 0.0
+
+
+def test_an_effect_at_other_times_stands_once_and_only_throughout_against_within():
+    def met(key, onset, likelihood):
+        return Model((Term(EFFECTS[key], onset),), None, {}, {}, likelihood, {})
+
+    def fit(terms, *, start):
+        return replace(start, terms=terms)
+
+    several = [met("clogging", 310.0, -9.0), met("clogging", 311.0, -5.0), met("seat_leakage", None, -4.0)]
+    bench, without = SimpleNamespace(fit=fit), SimpleNamespace(values={})
+    effects = [EFFECTS["clogging"], EFFECTS["seat_leakage"]]
+    place = Term(EFFECTS["flow_meter_drift"])
+    found = _at_other_times(bench, (), without, effects, place, several)
+    assert [(t.effect.key, t.onset) for t, _ in found] == [("clogging", 311.0)]
+    within = Term(EFFECTS["flow_meter_gain"], 300.0)
+    found = _at_other_times(bench, (), without, effects, within, several)
+    assert [(t.effect.key, t.onset) for t, _ in found] == [("seat_leakage", None)]
