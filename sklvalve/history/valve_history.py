@@ -227,7 +227,7 @@ class ValveHistory(BaseEstimator):
         self.rehearsals_ = [*self.rehearsals_, *other.rehearsals_]
         self.range_ = self.range_.merged(other.range_)
         asked = [each.by_itself_ for each in (self, other) if each.by_itself_ is not None]
-        # of both the one that leaves more open is told
+        # of both the one by which less can be said later
         self.by_itself_ = max(asked, key=lambda each: each.doubt, default=None)
         self.prior_ = self._expected()
         return self

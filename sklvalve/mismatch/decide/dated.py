@@ -10,10 +10,11 @@ import numpy as np
 
 from sklvalve.mismatch.decide.late import stands_out
 from sklvalve.mismatch.residual.change import Change, find_change, size_of
+from sklvalve.mismatch.search.rivals import leading_term
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.judgement import Judgement
-    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.hypothesis import Model, Term
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.rivals import Finding
     from sklvalve.recording import Recording
@@ -38,7 +39,7 @@ def dated(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
     """
     if judged.change is not None:
         return judged
-    begun = [f for f in judged.findings if f.term.onset is not None and not f.term.effect.grows]
+    begun = [f for f in judged.findings if _is_abrupt(leading_term(f))]
     if begun and judged.verdict == "named":
         return replace(judged, change=_of(problem, judged, begun[0]))
     explained = judged.model if _is_all_from_the_start(judged) else judged.nominal
@@ -54,12 +55,17 @@ def dated(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
 
 def _is_all_from_the_start(judged: Judgement) -> bool:
     """Whether something was found, and all of it acts from before the recording on."""
-    return bool(judged.findings) and all(f.term.onset is None for f in judged.findings)
+    return bool(judged.findings) and all(leading_term(f).onset is None for f in judged.findings)
+
+
+def _is_abrupt(term: Term) -> bool:
+    """Whether a term begins within the recording, and does not grow."""
+    return term.onset is not None and not term.effect.grows
 
 
 def _of(problem: Problem, judged: Judgement, finding: Finding) -> Change | None:
     """The change that a named effect made which began within the recording, in the signal it moves most."""
-    onset, p_value = finding.term.onset, judged.p_value
+    onset, p_value = leading_term(finding).onset, judged.p_value
     if onset is None or p_value is None:
         return None
     channel = max(finding.sizes, key=lambda c: finding.sizes[c])

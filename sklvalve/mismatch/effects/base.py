@@ -167,6 +167,11 @@ class Effect:
                 if attribute not in vars(cls):
                     setattr(cls, attribute, "")
 
+    @property
+    def spoken(self) -> str:
+        """What a report calls it: its words, or its name with blanks."""
+        return self.words or self.name.replace("_", " ")
+
     def quantities(self, chain: Chain) -> tuple[Quantity, ...]:
         """Parameters with the bounds that hold for this valve."""
         return self.parameters

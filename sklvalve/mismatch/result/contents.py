@@ -23,7 +23,7 @@ from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.referee_entry import referee_entry
 from sklvalve.mismatch.result.since_history import of_history, since_history
 from sklvalve.mismatch.search.events import events_of, named_by_events
-from sklvalve.mismatch.search.rivals import class_of
+from sklvalve.mismatch.search.rivals import class_of, leading_term
 from sklvalve.recording.calendar_time import begins_of
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -46,7 +46,7 @@ _AT_FIRST = 0.1
 def onset_of(judgement: Judgement) -> float | None:
     """Time from the first sample at which all that was found begins [s]; None if it was there before."""
     aside = aside_of(judgement.findings)
-    onsets = [f.term.onset for f in judgement.findings if f.term.effect.key not in aside]
+    onsets = [leading_term(f).onset for f in judgement.findings if f.term.effect.key not in aside]
     begun = [onset for onset in onsets if onset is not None]
     if not begun or len(begun) < len(onsets):
         return None

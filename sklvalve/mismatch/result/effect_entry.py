@@ -108,7 +108,7 @@ def _sentence(
         shown |= {q.name: scale * values[q.name] for q in quantities if q.unit == "Pa"}
     effect = term.effect
     said = effect.phrase.format(pressure_unit=unit, **shown)
-    said = said or effect.clause or f"there is {effect.words or effect.name.replace('_', ' ')}"
+    said = said or effect.clause or f"there is {effect.spoken}"
     text = re.sub(r"(?<=\d)%", " %", said)
     return text[0].upper() + text[1:] + "."
 
@@ -118,7 +118,7 @@ def _at_another_time(term: Term, explanations: Sequence[tuple[Term, Model]]) -> 
     others = [(t, m) for t, m in explanations if (t.onset is None) != (term.onset is None)]
     if not others:
         return ""
-    *names, last = [t.effect.words or t.effect.name.replace("_", " ") for t, _ in others]
+    *names, last = [t.effect.spoken for t, _ in others]
     either = f"{', '.join(names)} or {last}" if names else last
     begun = [t.onset - m.chain.clock[0] for t, m in others if t.onset is not None]
     if not begun:

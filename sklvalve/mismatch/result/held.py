@@ -107,7 +107,7 @@ def _change(
 
 def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity) -> str:
     words, (then, now) = _shown(entry, quantity)
-    name = term.effect.words or entry["name"].replace("_", " ")
+    name = term.effect.spoken
     began = f"{name[:1].upper()}{name[1:]} was there in the history already"
     if entry["change"] is None:
         return f"{began} ({words} {then}); this recording does not tell what it is now."
