@@ -17,7 +17,7 @@ import numpy as np
 from sklvalve.mismatch.constants import IN_CLASS
 from sklvalve.mismatch.decide.records import plain_records
 from sklvalve.mismatch.inference.hypothesis import Model, Term, complexity_penalty
-from sklvalve.mismatch.inference.posterior import posterior
+from sklvalve.mismatch.inference.posterior import posterior, temperature
 from sklvalve.mismatch.inference.refitting import BLOCKS, blocks_in_turn, fits_without
 from sklvalve.mismatch.search.onset import losses_of, penalty_with_times
 
@@ -70,6 +70,8 @@ class Row:
         None but for the likeliest.
     stands : bool
         Whether the place is that of an effect of the diagnosis; the others were tried, and not named.
+    tempering : float
+        T, by which differences of log evidence are divided on the way to the posterior, one for a place [1].
     """
 
     place: int
@@ -88,6 +90,7 @@ class Row:
     held_out_gain: float | None = None
     held_out_se: float | None = None
     stands: bool = False
+    tempering: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,12 @@ def _rows_of_rivals(problem: Problem, finding: Finding) -> list[Row]:
         one = _Competitor(rival.term, rival.model, gain or 0.0, finding.sizes)
         row = _of_effect(problem, one, None) | {"log_likelihood": gain}
         evidence = None if gain is None else gain - _penalty(problem, one)
-        shared: dict[str, Any] = {"rank": rank, "in_class": before < IN_CLASS, "log_evidence": evidence}
+        shared: dict[str, Any] = {
+            "rank": rank,
+            "in_class": before < IN_CLASS,
+            "log_evidence": evidence,
+            "tempering": temperature(best),
+        }
         rows.append(Row(**row, **shared, place=0, posterior=rival.probability, stands=True))
         before += rival.probability
     return rows
@@ -260,6 +268,7 @@ def _ranked(
             "rank": rank,
             "in_class": before < IN_CLASS,
             "posterior": probability,
+            "tempering": temperature(explained),
             "log_evidence": float(scores[k]),
         }
         before += probability

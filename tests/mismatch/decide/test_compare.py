@@ -42,6 +42,17 @@ def test_the_best_row_is_the_fault_and_nothing_is_in_the_table(finder):
     assert first.posterior.sum() <= 1.0 + 1e-3
 
 
+def test_the_posterior_follows_from_the_columns_beside_it(finder):
+    first = finder.comparison_.query("place == 1 and hypothesis != 'nothing'")
+    assert first.tempering.nunique() == 1
+    assert first.tempering.iloc[0] > 1.0
+    behind = (first.log_evidence - first.log_evidence.iloc[0]) / first.tempering
+    expected = first.posterior.iloc[0] * np.exp(behind)
+    # numbers of the table have four digits
+    digits = 5e-4 * first.log_evidence.abs().max() / first.tempering.iloc[0]
+    assert (np.log(first.posterior / expected).abs() < 2.0 * digits).all()
+
+
 def test_the_best_row_predicts_rows_left_out_of_its_fit(finder):
     best = finder.comparison_.iloc[0]
     assert best.held_out_gain > 2.0 * best.held_out_se > 0.0
