@@ -87,8 +87,8 @@ def screen_frozen(recording: Recording) -> list[Finding]:
         spans = [
             (start, stop)
             for start, stop in equal_runs(values)
-            if not _natural_end(recording, role, values, values[start])
-            and _too_long(values, start, stop, resting)
+            if _too_long(values, start, stop, resting)
+            and not _natural_end(recording, role, values, values[start])
             and not rests(recording, role, start, stop)
         ]
         if spans:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -11,7 +12,7 @@ from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.lssvm.held_out import least_in_error
 from sklvalve.mismatch.loop.process import forecast_command
 from sklvalve.mismatch.proof.feedback import driver_of, filled
-from sklvalve.mismatch.proof.one_sign import one_sign_prediction
+from sklvalve.mismatch.proof.one_sign import one_sign_predictions
 from sklvalve.recording import Recording
 
 LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
@@ -29,20 +30,19 @@ def black_box_prediction(
     channel: str,
     train: np.ndarray,
     *,
-    closed: bool = False,
     at: slice | None = None,
     settings: tuple[float, float] | None = None,
 ) -> np.ndarray:
-    """Prediction of a channel by a black box that saw the `train` rows only.
+    """Prediction of a channel by an LS-SVM that saw the `train` rows only.
+
+    Where a controller answers the channel by the driver it would learn the controller backwards:
+    `black_box_of_loop` takes its place.
 
     Parameters
     ----------
     recording : Recording
     channel : {"opening", "flow"}
     train : ndarray of bool, shape (n,)
-    closed : bool, default=False
-        Whether a controller answers the channel by the driver. An LS-SVM on lagged commands would learn the
-        controller backwards there, so responses of one sign take its place (`one_sign_prediction`).
     at : slice, default=None
         Rows to predict; all unless given.
     settings : (float, float), default=None
@@ -54,8 +54,6 @@ def black_box_prediction(
         [SI]
     """
     at = slice(None) if at is None else at
-    if closed:
-        return _of_one_sign(recording, channel, train)[at]
     learnt = _learnt_from(recording, channel, train)
     if learnt is None:
         y = recording[channel]
@@ -117,14 +115,28 @@ def lagged_signals(recording: Recording, channel: str) -> np.ndarray:
     return np.column_stack(columns)
 
 
-def _of_one_sign(recording: Recording, channel: str, train: np.ndarray) -> np.ndarray:
+def black_box_of_loop(recording: Recording, channel: str, origins: Sequence[int]) -> list[np.ndarray]:
+    """Predictions of a channel that a controller answers by the driver: by responses of one sign.
+
+    Parameters
+    ----------
+    recording : Recording
+    channel : {"opening", "flow"}
+    origins : sequence of int
+        Each learns from the rows before one of these, the first one first.
+
+    Returns
+    -------
+    predicted : list of ndarray of shape (n,)
+        [SI]
+    """
     driver, value = filled(recording[driver_of(recording, channel)]), filled(recording[channel])
     weight = None
     if channel == "flow" and "p1" in recording and "p2" in recording:
         drop = np.sqrt(np.maximum(filled(recording["p1"] - recording["p2"]), 0.0))
         weight = drop / max(drop.mean(), 1e-12)
     forecast = forecast_command(driver, value, recording.get("setpoint"))
-    return one_sign_prediction(driver, value, train, forecast=forecast, weight=weight)
+    return one_sign_predictions(driver, value, origins, forecast=forecast, weight=weight)
 
 
 def _quarters(n: int) -> list[slice]:

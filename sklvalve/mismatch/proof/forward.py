@@ -12,7 +12,7 @@ import numpy as np
 from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.inference.origins import spans_of
 from sklvalve.mismatch.inference.refitting import lines_of, refitted
-from sklvalve.mismatch.proof.black_box import black_box_prediction, settings_of
+from sklvalve.mismatch.proof.black_box import black_box_of_loop, black_box_prediction, settings_of
 from sklvalve.mismatch.proof.feedback import ANSWERS_FROM, answers, driver_of
 from sklvalve.mismatch.residual.low_pass_residual import learn_residual
 from sklvalve.recording import Recording
@@ -96,11 +96,15 @@ def _black_box_ahead(recording: Recording, channel: str, spans: Sequence[slice],
     """Forecasts of one channel by the black box."""
     n = len(recording)
     made = np.full(n, np.nan)
-    first = np.arange(n) < spans[0].start
-    settings = None if closed else settings_of(recording, channel, first)
+    if closed:
+        ahead = black_box_of_loop(recording, channel, [span.start for span in spans])
+        for span, run in zip(spans, ahead, strict=True):
+            made[span] = run[span]
+        return made
+    settings = settings_of(recording, channel, np.arange(n) < spans[0].start)
     for span in spans:
         past = np.arange(n) < span.start
-        made[span] = black_box_prediction(recording, channel, past, closed=closed, at=span, settings=settings)
+        made[span] = black_box_prediction(recording, channel, past, at=span, settings=settings)
     return made
 
 

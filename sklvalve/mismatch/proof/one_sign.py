@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from scipy.optimize import nnls
 from scipy.signal import lfilter
 
 from sklvalve.mismatch.loop.operators import stick_slip
+from sklvalve.mismatch.signals.tall import row_blocks, triangle
 
 _KNOTS = 6
 # of the driver's span: bands of play
@@ -20,15 +21,15 @@ _LAGS, _DELAYS = (1.0, 3.0, 10.0, 30.0, 100.0), (0, 1, 3, 10)
 _FOLLOWS = (0.4, 0.7, 0.9, 0.97, 0.99, 0.997)
 
 
-def one_sign_prediction(
+def one_sign_predictions(
     driver: np.ndarray,
     value: np.ndarray,
-    train: np.ndarray,
+    origins: Sequence[int],
     *,
     forecast: np.ndarray | None = None,
     weight: np.ndarray | None = None,
-) -> np.ndarray:
-    r"""Forecast of a value in a closed loop by responses to its driver that do not turn back.
+) -> list[np.ndarray]:
+    r"""Forecasts of a value in a closed loop by responses to its driver that do not turn back.
 
     .. math:: y = \sum_i c_i\, G_i\, h_i(u) + d, \qquad c_i \ge 0
 
@@ -42,8 +43,8 @@ def one_sign_prediction(
     ----------
     driver, value : ndarray of shape (n,)
         Without gaps; the value rises with its driver.
-    train : ndarray of bool, shape (n,)
-        Rows to learn from; a stretch at the beginning.
+    origins : sequence of int
+        Each forecast learns from the rows before one of these, the first one first.
     forecast : ndarray of shape (n,), default=None
         The driver in each row as the rows before forecast it; the driver itself unless given.
     weight : ndarray of shape (n,), default=None
@@ -51,29 +52,41 @@ def one_sign_prediction(
 
     Returns
     -------
-    predicted : ndarray of shape (n,)
-        A free run; its level is that of the rows learnt from.
+    predicted : list of ndarray of shape (n,)
+        Of each origin a free run; its level is that of the rows learnt from.
     """
-    columns = _responses(driver, driver if forecast is None else forecast)
+    columns = _responses(driver, driver if forecast is None else forecast, weight)
+    fits = zip(*(_fitted(columns, value, origins, follow) for follow in _FOLLOWS), strict=True)
+    made = []
+    for origin, of_origin in zip(origins, fits, strict=True):
+        run = max(of_origin, key=lambda fit: fit[1])[0] @ columns
+        made.append(run + np.mean((value - run)[:origin]))
+    return made
+
+
+def _responses(driver: np.ndarray, forecast: np.ndarray, weight: np.ndarray | None) -> np.ndarray:
+    """Responses, a row each, with the weight itself as the last where there is one."""
+    late = (_KNOTS + len(_PLAYS)) * (len(_DELAYS) + len(_LAGS))
+    # one at a time: of a week at 1 Hz all of them are 400 MB
+    columns = np.empty((_KNOTS + late + (weight is not None), len(driver)))
+    for k, response in enumerate(_each_response(driver, forecast)):
+        columns[k] = response if weight is None else response * weight
     if weight is not None:
-        columns = np.concatenate([columns * weight, weight[None]])
-    fits = [_fitted(columns, value, train, follow) for follow in _FOLLOWS]
-    run = max(fits, key=lambda fit: fit[1])[0] @ columns
-    return run + np.mean((value - run)[train])
+        columns[-1] = weight
+    return columns
 
 
-def _responses(driver: np.ndarray, forecast: np.ndarray) -> np.ndarray:
+def _each_response(driver: np.ndarray, forecast: np.ndarray) -> Iterator[np.ndarray]:
     low, high = np.quantile(driver, [0.002, 0.998])
     span = max(high - low, 1e-12)
     knots = np.linspace(low, high, _KNOTS + 1)[:-1]
-    columns = [np.maximum(forecast - knot, 0.0) for knot in knots]
+    yield from (np.maximum(forecast - knot, 0.0) for knot in knots)
     bases = [np.maximum(driver - knot, 0.0) for knot in knots]
     bases += list(stick_slip(driver, np.array(_PLAYS) * span, np.zeros(len(_PLAYS))))
     for base in bases:
         late = np.concatenate([base[:1], base[:-1]])
-        columns += [np.concatenate([np.full(k, late[0]), late[: len(late) - k]]) for k in _DELAYS]
-        columns += [_lagged(late, rows) for rows in _LAGS]
-    return np.array(columns)
+        yield from (np.concatenate([np.full(k, late[0]), late[: len(late) - k]]) for k in _DELAYS)
+        yield from (_lagged(late, rows) for rows in _LAGS)
 
 
 def _lagged(values: np.ndarray, rows: float) -> np.ndarray:
@@ -82,14 +95,26 @@ def _lagged(values: np.ndarray, rows: float) -> np.ndarray:
 
 
 def _fitted(
-    columns: np.ndarray, value: np.ndarray, train: np.ndarray, follow: float
-) -> tuple[np.ndarray, float]:
-    """Weights of no sign but plus, and the log likelihood of the whitened rows."""
-    new = lfilter([1.0, -1.0], [1.0, -follow], value - value[0])[train]
-    answers = lfilter([1.0, -1.0], [1.0, -follow], columns - columns[:, :1], axis=-1)[:, train]
-    scale = np.sqrt((answers**2).sum(axis=1))
+    columns: np.ndarray, value: np.ndarray, origins: Sequence[int], follow: float
+) -> list[tuple[np.ndarray, float]]:
+    """Of each origin the weights of no sign but plus, and the log likelihood of the whitened rows."""
+    first = np.append(columns[:, 0], value[0])[:, None]
+    memory, before, small, made = np.zeros((len(first), 1)), 0, None, []
+    for origin in origins:
+        for rows in row_blocks(before, origin):
+            table = np.concatenate([columns[:, rows], value[None, rows]]) - first
+            white, memory = lfilter([1.0, -1.0], [1.0, -follow], table, zi=memory)
+            small = triangle([white.T], small)
+        before = origin
+        made.append(_weights(small, origin))
+    return made
+
+
+def _weights(small: np.ndarray, rows: int) -> tuple[np.ndarray, float]:
+    """Weights and log likelihood by R of the whitened columns and, last, of the whitened value."""
+    scale = np.sqrt((small[:, :-1] ** 2).sum(axis=0))
     scale = np.where(scale > 0.0, scale, 1.0)
-    small: Any = np.linalg.qr(np.column_stack([(answers / scale[:, None]).T, new]), mode="r")
-    weights, _ = nnls(small[:, :-1], small[:, -1], maxiter=30 * small.shape[1])
-    left = np.sum((small[:, :-1] @ weights - small[:, -1]) ** 2)
-    return weights / scale, -0.5 * len(new) * np.log(max(left, 1e-300) / len(new))
+    answers, new = small[:, :-1] / scale, small[:, -1]
+    weights, _ = nnls(answers, new, maxiter=30 * small.shape[1])
+    left = np.sum((answers @ weights - new) ** 2)
+    return weights / scale, -0.5 * rows * np.log(max(left, 1e-300) / rows)

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numba as nb
 import numpy as np
-from scipy.linalg import qr
+from scipy.linalg import qr, solve_triangular
+
+from sklvalve.mismatch.signals.tall import row_blocks, triangle
 
 if TYPE_CHECKING:
     from sklvalve.simulation.noise import NoiseModel
@@ -57,8 +59,7 @@ class StepSearch:
         self._project(white, columns)
 
     def _project(self, white: np.ndarray, columns: np.ndarray) -> None:
-        root = np.sqrt(self.weights)
-        self.basis = _orthonormal(columns * root[:, None])
+        self.basis = _orthonormal(columns, np.sqrt(self.weights))
         self.white = self._beside(white)
 
     def _beside(self, white: np.ndarray) -> np.ndarray:
@@ -118,8 +119,10 @@ class StepSearch:
         root = np.sqrt(self.weights)[:, None]
         after = (np.arange(len(self.left)) >= row).astype(float)
         steps = [after, after * self.about] if response_too else [after]
-        every = np.column_stack([columns, *(self.noise.whiten(s) for s in steps)])
-        sizes = np.linalg.lstsq(every * root, white * root[:, 0], rcond=1e-10)[0]
+        last = np.stack([*(self.noise.whiten(s) for s in steps), white], axis=1)
+        blocks = row_blocks(0, len(white))
+        small = triangle(np.concatenate([columns[b], last[b]], axis=1) * root[b] for b in blocks)
+        sizes = np.linalg.lstsq(small[:, :-1], small[:, -1], rcond=1e-10)[0]
         many = columns.shape[1]
         made = sum(size * s for size, s in zip(sizes[many:], steps, strict=True))
         self.response = float(sizes[-1]) if response_too else 0.0
@@ -147,16 +150,37 @@ class StepSearch:
             reach *= 4
 
 
-def _orthonormal(columns: np.ndarray) -> np.ndarray:
-    """Orthonormal columns with the same span; what sums of others leave is rounding, and no direction."""
-    length = np.linalg.norm(columns, axis=0)
-    made, left, _ = qr(columns[:, length > 0.0] / length[length > 0.0], mode="economic", pivoting=True)
-    lengths = np.abs(np.diag(left))
-    return np.ascontiguousarray(made[:, : np.count_nonzero(lengths > _INDEPENDENT)])
+def _orthonormal(columns: np.ndarray, root: np.ndarray) -> np.ndarray:
+    """Orthonormal columns with the span of weighted ones; what sums of others leave is no direction."""
+    blocks = row_blocks(0, len(columns))
+    small = triangle(columns[b] * root[b, None] for b in blocks)
+    length = np.linalg.norm(small, axis=0)
+    some = np.flatnonzero(length > 0.0)
+    _, left, order = qr(small[:, some] / length[some], mode="economic", pivoting=True)
+    kept = np.count_nonzero(np.abs(np.diag(left)) > _INDEPENDENT)
+    chosen = some[order[:kept]]
+    made = columns[:, chosen]
+    made *= root[:, None]
+    made /= length[chosen]
+    _make_orthonormal(made, left[:kept, :kept], blocks)
+    # once more: what is left of columns that nearly are sums of others is rounded
+    _make_orthonormal(made, triangle(made[b] for b in blocks), blocks)
+    return made
+
+
+def _make_orthonormal(columns: np.ndarray, small: np.ndarray, blocks: list[slice]) -> None:
+    """Columns times the inverse of the R of their QR factors, in place."""
+    inverse = solve_triangular(small, np.eye(len(small)))
+    for b in blocks:
+        columns[b] = columns[b] @ inverse
 
 
 def _net_gains(scores: np.ndarray) -> np.ndarray:
     return np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _FOR_A_RESPONSE)
+
+
+# what a step's beginning changes of its whitened value is forgotten below this
+_FORGOTTEN = 1e-12
 
 
 @nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
@@ -174,12 +198,14 @@ def _step_sums(
     """Of each row's step, whitened from that row on: its squares, and its products with all else.
 
     Columns: level², level follows, follows², level white, follows white, level basis (m), follows basis (m).
+    Once the noise has forgotten when a step began it is whitened as one from the first row on: what follows
+    is summed for all steps at once.
     """
     n, m = basis.shape
-    sums = np.zeros((len(rows), 5 + 2 * m))
+    sums, alike = np.zeros((len(rows), 5 + 2 * m)), np.full(len(rows), n)
+    states, scale = _whitened_from_the_first(gain, keep, spread, about), np.max(np.abs(about))
     for j in range(len(rows)):
         f = s = g = u = 0.0
-        here = sums[j]
         for k in range(max(rows[j] - begin, 0), n):
             a, b = keep[k, 0], keep[k, 1]
             f *= a
@@ -194,14 +220,60 @@ def _step_sums(
             g += gain[k, 0] * too
             u += gain[k, 1] * too
             weight = root[k] / spread[k]
-            left *= weight
-            too *= weight
-            here[0] += left * left
-            here[1] += left * too
-            here[2] += too * too
-            here[3] += left * white[k]
-            here[4] += too * white[k]
-            for i in range(m):
-                here[5 + i] += left * basis[k, i]
-                here[5 + m + i] += too * basis[k, i]
+            _add(sums[j], left * weight, too * weight, white[k], basis[k])
+            off = abs(f - states[k, 2]) + abs(s - states[k, 3])
+            off_too = abs(g - states[k, 4]) + abs(u - states[k, 5])
+            if off < _FORGOTTEN and off_too < _FORGOTTEN * scale:
+                alike[j] = k + 1
+                break
+    last, left_over = np.argsort(-alike), np.zeros(5 + 2 * m)
+    k = n
+    for j in last:
+        while k > alike[j]:
+            k -= 1
+            if spread[k] != np.inf:
+                weight = root[k] / spread[k]
+                _add(left_over, states[k, 0] * weight, states[k, 1] * weight, white[k], basis[k])
+        sums[j] += left_over
     return sums
+
+
+@nb.njit(cache=True, nogil=True, inline="always")
+def _add(sums: np.ndarray, left: float, too: float, white: float, basis: np.ndarray) -> None:
+    """Add a row to the sums of `_step_sums`, in place."""
+    m = len(basis)
+    sums[0] += left * left
+    sums[1] += left * too
+    sums[2] += too * too
+    sums[3] += left * white
+    sums[4] += too * white
+    for i in range(m):
+        sums[5 + i] += left * basis[i]
+        sums[5 + m + i] += too * basis[i]
+
+
+@nb.njit(cache=True, nogil=True)
+def _whitened_from_the_first(
+    gain: np.ndarray, keep: np.ndarray, spread: np.ndarray, about: np.ndarray
+) -> np.ndarray:
+    """A step of level and one of response in the first row, whitened but for its scale, and their states.
+
+    Columns: level, follows, the two states of the level, the two of what follows.
+    """
+    made = np.zeros((len(about), 6))
+    f = s = g = u = 0.0
+    for k in range(len(about)):
+        a, b = keep[k, 0], keep[k, 1]
+        f *= a
+        s *= b
+        g *= a
+        u *= b
+        if spread[k] != np.inf:
+            left, too = 1.0 - f - s, about[k] - g - u
+            f += gain[k, 0] * left
+            s += gain[k, 1] * left
+            g += gain[k, 0] * too
+            u += gain[k, 1] * too
+            made[k, 0], made[k, 1] = left, too
+        made[k, 2], made[k, 3], made[k, 4], made[k, 5] = f, s, g, u
+    return made

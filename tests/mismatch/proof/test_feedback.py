@@ -7,7 +7,7 @@ from scipy.signal import lfilter
 
 from sklvalve.mismatch.loop.process import forecast_command
 from sklvalve.mismatch.proof.feedback import ANSWERS_FROM, answers, driver_of, filled
-from sklvalve.mismatch.proof.one_sign import one_sign_prediction
+from sklvalve.mismatch.proof.one_sign import one_sign_predictions
 
 ROWS = 1500
 
@@ -64,7 +64,7 @@ def test_in_a_closed_loop_the_black_box_does_not_read_the_controller():
     for seed in range(6):
         command, value, wander = _loop(np.random.default_rng(seed))
         forecast = forecast_command(command, value)
-        predicted = one_sign_prediction(command, value, train, forecast=forecast)
+        predicted = one_sign_predictions(command, value, [900], forecast=forecast)[0]
         box, sound, constant = (
             float(np.std((value - made)[~train])) for made in (predicted, value - wander, np.zeros(ROWS))
         )
@@ -83,5 +83,15 @@ def test_responses_of_one_sign_learn_play_and_lag_without_feedback():
         value[k] = stem
     value = lfilter([0.3], [1.0, -0.7], value - value[0]) + value[0] + 0.002 * rng.standard_normal(ROWS)
     train = np.arange(ROWS) < 900
-    error = np.std((value - one_sign_prediction(command, value, train))[~train])
+    error = np.std((value - one_sign_predictions(command, value, [900])[0])[~train])
     assert error < 0.35 * np.std((value - command)[~train])
+
+
+def test_each_origin_learns_from_the_rows_before_it_alone():
+    command, value, _ = _loop(np.random.default_rng(1))
+    origins = [480, 660, 900]
+    together = one_sign_predictions(command, value, origins)
+    for origin, made in zip(origins, together, strict=True):
+        changed = np.where(np.arange(ROWS) < origin, value, 7.0)
+        [alone] = one_sign_predictions(command, changed, [origin])
+        np.testing.assert_allclose(made, alone, rtol=1e-9, atol=1e-12)
