@@ -99,7 +99,7 @@ def _fitted(
 ) -> list[tuple[np.ndarray, float]]:
     """Of each origin the weights of no sign but plus, and the log likelihood of the whitened rows."""
     first = np.append(columns[:, 0], value[0])[:, None]
-    memory, before, small, made = np.zeros((len(first), 1)), 0, None, []
+    memory, small, before, made = np.zeros((len(first), 1)), np.empty((0, len(first))), 0, []
     for origin in origins:
         for rows in row_blocks(before, origin):
             table = np.concatenate([columns[:, rows], value[None, rows]]) - first

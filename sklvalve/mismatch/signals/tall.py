@@ -44,7 +44,7 @@ def triangle(blocks: Iterable[np.ndarray], above: np.ndarray | None = None) -> n
     made = above
     for block in blocks:
         rows = block if made is None else np.concatenate([made, block])
-        made = np.linalg.qr(rows, mode="r")
+        made = np.asarray(np.linalg.qr(rows, mode="r"))
     if made is None:
         raise ValueError("expected a block of rows at least")
     return made
