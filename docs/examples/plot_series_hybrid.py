@@ -47,8 +47,8 @@ def columns(frame, valve):
 # ----------
 # The mechanism is the equation of IEC 60534-2-1. In series, the log of its flow coefficient is that of the
 # sheet's trim, shifted, plus an LS-SVM of the remainder. In parallel, an LS-SVM of all columns learns the
-# error of a valve that is just as its sheet says. The black box knows no physics. The trim's log is a class of
-# this page: ``save_model`` refuses such a class, and takes a ``LinearRegression`` in its place.
+# error of a valve that is just as its sheet says. The black box knows no physics. The trim's log is a class
+# of this page: ``save_model`` refuses such a class, and takes a ``LinearRegression`` in its place.
 
 
 class LogOfTrim(RegressorMixin, BaseEstimator):

@@ -23,7 +23,8 @@ from sklvalve.simulation.trim import GRID
 ATMOSPHERE = 101_325.0
 _ROOM = 293.15
 # free runs kept at hand, in numbers (8 bytes each)
-_NUMBERS_KEPT = 16_000_000
+# of long recordings so many: those of the neighbours of one point
+_NUMBERS_KEPT, _FEWEST_RUNS = 16_000_000, 20
 # and what drives the flow, of the last few flows: the neighbours of one point, few of which change it
 _ROOTS_KEPT, _NUMBERS_OF_ROOTS = 16, 1_000_000
 # onsets of which the rows behind are kept
@@ -217,7 +218,7 @@ class Chain:
         self._keep(zip(missing, runs, strict=True))
 
     def _keep(self, runs):
-        if len(self._runs) > max(_NUMBERS_KEPT // len(self.time), 40):
+        if len(self._runs) > max(_NUMBERS_KEPT // len(self.time), _FEWEST_RUNS):
             for old in list(self._runs)[: len(self._runs) // 2]:
                 self._runs.pop(old, None)
         self._runs |= runs

@@ -104,22 +104,12 @@ def change_in(problem: Problem, model: Model, channel: str) -> Change | None:
     shown, n = model.predictions[channel], len(problem.recording)
     if np.isfinite(left).sum() < 8 * _FEWEST:
         return None
-    steady = _steady_columns(problem, model, channel)
-    settings = problem.noise_settings(channel)
-    about = shown - np.nanmean(shown)
-    about /= max(float(np.nanstd(about)), 1e-12)
     places = _places(problem.recording.spans, n)
     places = places[_comparable(left, shown, places)]
     if not len(places):
         return None
-    residual = left
-    for cautious in (True, False, False):
-        noise = noise_of(
-            problem.recording, residual, shown, model.chain.step, channel, cautious=cautious, **settings
-        )
-        search = StepSearch(noise, left, steady, about)
-        row, gain, response_too = search.best(places)
-        made, residual = search.split(row, response_too)
+    search, row, gain, response_too = _searched(problem, model, channel, left, places)
+    made, _ = search.split(row, response_too)
     spread = _MODEL * search.inflation(places)
     freedom = 2 if response_too else 1
     p_value = min(_INDEPENDENT * float(chi2.sf(gain / spread, freedom)), 1.0)
@@ -129,6 +119,31 @@ def change_in(problem: Problem, model: Model, channel: str) -> Change | None:
         return None
     slope = search.response / max(float(np.nanstd(shown)), 1e-12) if response_too else 0.0
     return Change(channel, row, within, size, slope, max(p_value, LEAST_P_VALUE), spread)
+
+
+def _searched(
+    problem: Problem, model: Model, channel: str, left: np.ndarray, places: np.ndarray
+) -> tuple[StepSearch, int, float, bool]:
+    """The search by a noise that is learnt without the change, and what it finds (`StepSearch.best`)."""
+    shown, steady = model.predictions[channel], _steady_columns(problem, model, channel)
+    about = shown - np.nanmean(shown)
+    about /= max(float(np.nanstd(about)), 1e-12)
+    settings = problem.noise_settings(channel)
+
+    def by_noise_of(residual: np.ndarray, cautious: bool) -> StepSearch:
+        step = model.chain.step
+        noise = noise_of(problem.recording, residual, shown, step, channel, cautious=cautious, **settings)
+        return StepSearch(noise, left, steady, about)
+
+    residual = left
+    for cautious in (True, False):
+        # of a long recording the columns of one search are in memory
+        search = by_noise_of(residual, cautious)
+        row, _, response_too = search.best(places)
+        residual = search.split(row, response_too)[1]
+        del search
+    last = by_noise_of(residual, cautious=False)
+    return last, *last.best(places)
 
 
 def size_of(left: np.ndarray, shown: np.ndarray, row: int) -> float | None:
@@ -151,7 +166,7 @@ def size_of(left: np.ndarray, shown: np.ndarray, row: int) -> float | None:
 def _comparable(left: np.ndarray, shown: np.ndarray, rows: np.ndarray) -> np.ndarray:
     """Whether most of what comes after each row has its equals before, at equal simulated values."""
     seen, cell = np.isfinite(left), _cells(shown)
-    before = np.zeros((len(left) + 1, _CELLS), dtype=int)
+    before = np.zeros((len(left) + 1, _CELLS), dtype=np.int32)
     np.cumsum((cell[:, None] == np.arange(_CELLS)) & seen[:, None], axis=0, out=before[1:])
     old, new = before[rows], before[-1] - before[rows]
     equal = np.sum(np.where(old >= _FEWEST, new, 0), axis=1)
@@ -191,7 +206,11 @@ def _steady_columns(problem: Problem, model: Model, channel: str) -> np.ndarray:
             columns.append(_filled(recording[role]))
     # each recording has a level of its own; centred, these would lose the one that all have
     levels = [((np.arange(n) >= low) & (np.arange(n) < high)).astype(float) for low, high in recording.spans]
-    return np.stack([*levels, *(c for c in map(_standardised, columns) if np.any(c))], axis=1)
+    columns = [*levels, *(c for c in columns if np.any(c))]
+    made = np.empty((n, len(columns)))
+    for k, column in enumerate(columns):
+        made[:, k] = column if k < len(levels) else _standardised(column)
+    return made
 
 
 def _standardised(column: np.ndarray) -> np.ndarray:

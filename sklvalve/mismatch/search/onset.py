@@ -100,8 +100,8 @@ def penalty_with_times(problem: Problem, model: Model, term: Term) -> float:
     for k in range(len(rows)):
         # at every second one it stops to act
         by_row = (losses if k % 2 else -losses)[ends[k] : ends[k + 2] + 1]
-        price = np.log(n) - np.logaddexp.reduce(by_row - by_row.max())
-        penalty -= max(SWITCH_PENALTY - float(price), 0.0)
+        cost = np.log(n) - np.logaddexp.reduce(by_row - by_row.max())
+        penalty -= max(SWITCH_PENALTY - float(cost), 0.0)
     return penalty
 
 

@@ -49,7 +49,9 @@ class StepSearch:
         self.about = np.where(np.isfinite(about), about, 0.0)
         self.response = 0.0
         white = noise.whiten(left)
-        columns = np.stack([noise.whiten(c) for c in steady.T], axis=1)
+        columns = np.empty(steady.shape)
+        for k, column in enumerate(steady.T):
+            columns[:, k] = noise.whiten(column)
         self.weights = np.ones(len(left))
         for _ in range(2):
             self._project(white, columns)
@@ -122,7 +124,8 @@ class StepSearch:
         last = np.stack([*(self.noise.whiten(s) for s in steps), white], axis=1)
         blocks = row_blocks(0, len(white))
         small = triangle(np.concatenate([columns[b], last[b]], axis=1) * root[b] for b in blocks)
-        sizes = np.linalg.lstsq(small[:, :-1], small[:, -1], rcond=1e-10)[0]
+        solved: Any = np.linalg.lstsq(small[:, :-1], small[:, -1], rcond=1e-10)
+        sizes = solved[0]
         many = columns.shape[1]
         made = sum(size * s for size, s in zip(sizes[many:], steps, strict=True))
         self.response = float(sizes[-1]) if response_too else 0.0
