@@ -49,7 +49,7 @@ class StepSearch:
         self.about = np.where(np.isfinite(about), about, 0.0)
         self.response = 0.0
         white = noise.whiten(left)
-        columns = np.empty(steady.shape)
+        columns: np.ndarray = np.empty(steady.shape)
         for k, column in enumerate(steady.T):
             columns[:, k] = noise.whiten(column)
         self.weights = np.ones(len(left))
@@ -124,8 +124,7 @@ class StepSearch:
         last = np.stack([*(self.noise.whiten(s) for s in steps), white], axis=1)
         blocks = row_blocks(0, len(white))
         small = triangle(np.concatenate([columns[b], last[b]], axis=1) * root[b] for b in blocks)
-        solved: Any = np.linalg.lstsq(small[:, :-1], small[:, -1], rcond=1e-10)
-        sizes = solved[0]
+        sizes = np.linalg.lstsq(small[:, :-1], small[:, -1], rcond=1e-10)[0]
         many = columns.shape[1]
         made = sum(size * s for size, s in zip(sizes[many:], steps, strict=True))
         self.response = float(sizes[-1]) if response_too else 0.0
