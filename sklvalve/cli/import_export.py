@@ -16,6 +16,7 @@ _EXAMPLES = """examples:
   sklvalve import export.txt --out recording.csv --timezone Europe/Warsaw
   sklvalve import monday.csv tuesday.csv --out recording.parquet --period 5
   sklvalve import campaign.csv --out run.csv --time-column elapsed --skip-rows 3
+  sklvalve import year.csv --out march.csv --from 2026-03-01 --until 2026-03-07
 """
 
 
@@ -53,6 +54,13 @@ def add_parser(commands) -> None:
     parser.add_argument(
         "--period", type=_positive, metavar="S", help="seconds between rows (default: from the stamps)"
     )
+    parser.add_argument(
+        "--from",
+        dest="begin",
+        metavar="TIME",
+        help="leave out what is earlier: 2026-01-12, or with a time of day",
+    )
+    parser.add_argument("--until", metavar="TIME", help="leave out what is later; a day is kept whole")
     parser.add_argument(
         "--gap",
         type=_steps,
@@ -104,6 +112,8 @@ def run(args: Namespace) -> int:
         time_column=args.time_column,
         skip_rows=args.skip_rows,
         header=args.header,
+        begin=args.begin,
+        end=args.until,
     )
     with (
         Staging(out.parent, (out.name, beside.name), called=f"--out {out.name} in") as staging,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Parts of a recording: a role's values, rows by number, rows by time."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Self, overload
@@ -146,28 +147,7 @@ class Selecting:
         >>> recording["2024-06-28T11:00":"2024-06-28T12:30"]["command"]
         array([0.25, 0.5 ])
         """
-        first, last = 0, len(self.time)
-        if start is not None:
-            seconds = self._seconds(start)
-            first = int(np.searchsorted(self.time, seconds - _least(seconds), side="left"))
-        if stop is not None:
-            seconds = self._seconds(stop)
-            if is_day(stop):
-                next_day = seconds + _DAY
-                last = int(np.searchsorted(self.time, next_day - _least(next_day), side="left"))
-            else:
-                last = int(np.searchsorted(self.time, seconds + _least(seconds), side="right"))
-        if first >= last:
-            if start is not None and stop is not None and self._seconds(start) > self._seconds(stop):
-                raise InputError(
-                    f"{self.source}: {_words(start, '')} is after {_words(stop, '')}; give the earlier time "
-                    "first"
-                )
-            raise InputError(
-                f"{self.source}: no row stands between {_words(start, 'its beginning')} and "
-                f"{_words(stop, 'its end')}; {self._span()}"
-            )
-        return self.slice(first, last)
+        return self.slice(*rows_between(self.time, self._seconds, start, stop, self.source, self._span))
 
     def _seconds(self, value: object) -> float:
         if not len(self.time):
@@ -177,6 +157,57 @@ class Selecting:
 
     def _span(self) -> str:
         return f"give a time between {self.stamps[0]} and {self.stamps[-1]}"
+
+
+def rows_between(
+    time: NDArray[np.float64],
+    seconds_of: Callable[[object], float],
+    start: object,
+    stop: object,
+    source: str,
+    span: Callable[[], str],
+) -> tuple[int, int]:
+    """First row at or after one time, and the row behind the last at or before another.
+
+    Parameters
+    ----------
+    time : ndarray of shape (n,)
+        Of each row [s].
+    seconds_of : callable
+        Seconds on that clock of a time as people write it.
+    start, stop : object or None
+        A `stop` that is a day without a time of day includes that day.
+    source : str
+        What the rows are of.
+    span : callable
+        Words for the times that they have.
+
+    Raises
+    ------
+    InputError
+        If no row stands between the two.
+    """
+    first, last = 0, len(time)
+    if start is not None:
+        seconds = seconds_of(start)
+        first = int(np.searchsorted(time, seconds - _least(seconds), side="left"))
+    if stop is not None:
+        seconds = seconds_of(stop)
+        if is_day(stop):
+            next_day = seconds + _DAY
+            last = int(np.searchsorted(time, next_day - _least(next_day), side="left"))
+        else:
+            last = int(np.searchsorted(time, seconds + _least(seconds), side="right"))
+    if first < last:
+        return first, last
+    if start is not None and stop is not None and seconds_of(start) > seconds_of(stop):
+        raise InputError(
+            f"{source}: {_words(start, '')} is after {_words(stop, '')}; give the earlier time first"
+        )
+    raise InputError(
+        f"{source}: no row stands between {_words(start, 'its beginning')} and "
+        f"{_words(stop, 'its end')}; {span()}"
+    )
 
 
 def _is_whole(end: object) -> bool:

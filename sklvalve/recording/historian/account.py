@@ -12,6 +12,7 @@ from sklvalve.recording.historian.clean import Points
 from sklvalve.recording.historian.decimals import Mark
 from sklvalve.recording.historian.layout import Layout
 from sklvalve.recording.historian.moments import SECOND
+from sklvalve.recording.historian.settings import ImportSettings
 from sklvalve.recording.historian.table import SEPARATORS, Table
 from sklvalve.recording.historian.text import ExportText
 from sklvalve.recording.historian.timeline import Timeline
@@ -53,22 +54,26 @@ def of_base(
     stamps: NDArray,
     period: int,
     asked: bool,
-    gap: float,
+    settings: ImportSettings,
     silence: float,
 ) -> dict:
     """The regular base, and which of its rows the recording has.
 
-    `gap` is counted in usual steps; `silence` [us] is the longest of all tags through which one by
+    Its gap is counted in usual steps; `silence` [us] is the longest of all tags through which one by
     exception is followed.
     """
+    cut = settings.begin is not None or settings.end is not None
+    first, last = np.flatnonzero(held)[[0, -1]]
+    within = held[first : last + 1] if cut else held
     return {
         "period": period / SECOND,
         "chosen_by": "--period" if asked else "stamps",
         "rows": int(held.sum()),
-        "rows_without_any_value": int((~held).sum()),
+        "rows_without_any_value": int((~within).sum()),
         "first": _plain(stamps[0]),
         "last": _plain(stamps[-1]),
-        "gap": gap,
+        "cut": {"from": settings.begin, "until": settings.end} if cut else None,
+        "gap": settings.gap,
         "longest_silence": silence / SECOND,
     }
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.historian import account as told
 from sklvalve.recording.historian.clean import Points
+from sklvalve.recording.historian.cut import require_one_clock, rows_asked_for
 from sklvalve.recording.historian.decimals import Mark, decimal_mark
 from sklvalve.recording.historian.gather import gather_points, methods, pooled, usable, why_left_out
 from sklvalve.recording.historian.layout import Layout, read_layout
@@ -154,6 +155,7 @@ def import_runs(
     kept = [usable(tags, source) for tags in runs]
     held = methods(pooled(kept), settings.hold, settings.linear)
     say("laying all tags on one time base", _GATHERED)
+    require_one_clock(len(kept), settings, source)
     step = common_period(kept, settings, source)
     laid = [on_one_base(each, held, step, settings, source) for each in kept]
     say("writing", _ALIGNED)
@@ -169,10 +171,11 @@ def import_runs(
     made: list[tuple[int, Imported]] = []
     for line, tags, good, (base, silence, aligned) in zip(lines, runs, kept, laid, strict=True):
         some = rows_to_keep(np.any([np.isfinite(each.values) for each in aligned.values()], axis=0))
+        some = rows_asked_for(base, some, timeline, settings, source)
         stamps = timeline.stamps(base[some])
         asked = settings.period is not None
         own = {
-            "base": told.of_base(base, some, stamps, step, asked, settings.gap, silence),
+            "base": told.of_base(base, some, stamps, step, asked, settings, silence),
             "tags": {tag: told.of_tag(good[tag], each, held[tag][1]) for tag, each in aligned.items()},
             "left_out": {tag: why_left_out(points) for tag, points in tags.items() if tag not in good},
         }

@@ -35,6 +35,9 @@ class ImportSettings:
     header : int or None
         Line of each file, counted from 1, in which the names of the columns stand; 0 where there are none;
         None finds it.
+    begin, end : str or None
+        First and last time to be kept, as the recording writes its own; local ones may lack the offset. An
+        `end` that is a day includes that day.
     """
 
     zone: str | None = None
@@ -49,6 +52,8 @@ class ImportSettings:
     time_column: str | None = None
     skip_rows: int = 0
     header: int | None = None
+    begin: str | None = None
+    end: str | None = None
 
     def __post_init__(self) -> None:
         if self.skip_rows < 0:

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Times that an import keeps."""
+
+import numpy as np
+import pytest
+
+from sklvalve.recording import InputError
+from sklvalve.recording.historian import ImportSettings, import_export, import_runs
+from sklvalve.recording.historian.summary import summary
+from tests.recording.historian.exports import course, local, moments, wide_text
+
+# three days, a row each ten minutes
+TIMES = moments("2024-06-27 22:00:00", 432, 600)
+VALUES = course(432)
+
+
+@pytest.fixture
+def export(tmp_path):
+    def written(stamps, name="export.csv"):
+        path = tmp_path / name
+        path.write_text(wide_text(["FIC1.PV"], stamps, [VALUES]))
+        return path
+
+    return written
+
+
+def _made(path, **settings):
+    return import_export([path], ImportSettings(**settings))
+
+
+def test_days_are_kept_whole_in_local_time(export):
+    path = export(local(TIMES))
+    made = _made(path, zone="Europe/Warsaw", begin="2024-06-29", end="2024-06-29")
+    assert made.stamps[0] == "2024-06-29T00:00:00+02:00"
+    assert made.stamps[-1] == "2024-06-29T23:50:00+02:00"
+    np.testing.assert_allclose(made.columns["FIC1.PV"], VALUES[144:288])
+    assert made.account["base"]["rows"] == 144
+    assert made.account["base"]["rows_without_any_value"] == 0
+    assert made.account["base"]["cut"] == {"from": "2024-06-29", "until": "2024-06-29"}
+    assert "Rows outside of the times asked for are left out." in summary(made.account)
+
+
+def test_a_time_of_day_with_its_offset_and_one_end_alone(export):
+    path = export([t.isoformat() for t in TIMES])
+    made = _made(path, begin="2024-06-30T20:00:00+00:00")
+    assert len(made.stamps) == 12
+    made = _made(path, end="2024-06-27T23:00:00+00:00")
+    assert len(made.stamps) == 7
+    assert _made(path).account["base"]["cut"] is None
+    with pytest.raises(InputError, match="differ in having an offset from UTC"):
+        _made(path, begin="2024-06-29")
+
+
+def test_counted_seconds(export):
+    path = export([f"{100.0 + 5.0 * k:g}" for k in range(432)])
+    made = _made(path, begin="200", end="300")
+    assert made.stamps.tolist() == np.arange(200.0, 301.0, 5.0).tolist()
+
+
+@pytest.mark.parametrize(
+    ("settings", "match"),
+    [
+        ({"begin": "2024-07-02"}, "no row stands between '2024-07-02' and its end; give a time between"),
+        (
+            {"begin": "2024-06-30", "end": "2024-06-29"},
+            "'2024-06-30' is after '2024-06-29'; give the earlier",
+        ),
+        ({"end": "yesterday"}, "'yesterday' is no time of this recording; give one like '2024-06-28T00"),
+    ],
+)
+def test_times_that_keep_nothing(export, settings, match):
+    with pytest.raises(InputError, match=match):
+        _made(export(local(TIMES)), zone="Europe/Warsaw", **settings)
+
+
+def test_an_export_of_several_runs_is_not_cut(tmp_path):
+    path = tmp_path / "runs.csv"
+    stamps = [f"{k % 216}" for k in range(432)]
+    path.write_text(wide_text(["FIC1.PV"], stamps, [VALUES]))
+    assert len(import_runs([path]).runs) == 2
+    with pytest.raises(InputError, match="the clock starts again, so --from and --until could mean any of 2"):
+        import_runs([path], ImportSettings(begin="10"))
