@@ -248,3 +248,24 @@ def test_the_compiled_simplex_makes_the_steps_of_scipys(mixture, step, monkeypat
         options={"maxfev": 500, "xatol": 0.03, "fatol": 0.2, "adaptive": True},
     )
     np.testing.assert_array_equal(found, expected.x)
+
+
+def test_of_very_many_rows_blocks_tell_the_same_noise(monkeypatch):
+    rng = np.random.default_rng(8)
+    rows = 40_000
+    residuals = 0.7 * rng.standard_normal(rows)
+    for size, time in ((0.8, 4.0), (1.0, 60.0)):
+        keep = np.exp(-1.0 / time)
+        residuals += lfilter([1.0], [1.0, -keep], size * np.sqrt(1.0 - keep**2) * rng.standard_normal(rows))
+    simulated, step = np.full(rows, 10.0), np.ones(rows)
+    whole = fit_noise(residuals, simulated, step)
+    monkeypatch.setattr(noise_fit, "_MOST_ROWS", 10_240)
+    monkeypatch.setattr(noise_fit, "_BLOCK", 1_024)
+    kept = noise_fit._spread_rows(rows)
+    assert (len(kept), kept[0], kept[-1]) == (10_240, 0, rows - 1)
+    some = fit_noise(residuals, simulated, step)
+    assert some.total == pytest.approx(whole.total, rel=0.1)
+    assert some.floor == pytest.approx(whole.floor, rel=0.1)
+    assert np.std(some.whiten(residuals)) == pytest.approx(1.0, abs=0.03)
+    # other rows decide, or the test would not see the blocks
+    assert some.total != whole.total
