@@ -225,7 +225,7 @@ def _step_sums(
             _add(sums[j], left * weight, too * weight, white[k], basis[k])
             off = abs(f - states[k, 2]) + abs(s - states[k, 3])
             off_too = abs(g - states[k, 4]) + abs(u - states[k, 5])
-            if off < _FORGOTTEN and off_too < _FORGOTTEN * scale:
+            if off <= _FORGOTTEN and off_too <= _FORGOTTEN * scale:
                 alike[j] = k + 1
                 break
     last, left_over = np.argsort(-alike), np.zeros(5 + 2 * m)
