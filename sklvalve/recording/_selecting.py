@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 
 from sklvalve.recording.errors import InputError, hint, shown
 from sklvalve.recording.signal import ROLES
-from sklvalve.recording.timebase import is_day, seconds_at
+from sklvalve.recording.timebase import day_after, is_day, seconds_at
 
 if TYPE_CHECKING:
     from sklvalve.recording.recording import Piece
-
-_DAY = 86_400.0  # s
 
 
 class Selecting:
@@ -194,7 +192,7 @@ def rows_between(
     if stop is not None:
         seconds = seconds_of(stop)
         if is_day(stop):
-            next_day = seconds + _DAY
+            next_day = seconds_of(day_after(stop))
             last = int(np.searchsorted(time, next_day - _least(next_day), side="left"))
         else:
             last = int(np.searchsorted(time, seconds + _least(seconds), side="right"))

@@ -3,7 +3,7 @@
 
 import re
 from datetime import date, datetime, timedelta
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -129,6 +129,13 @@ def is_day(value: object) -> bool:
     if isinstance(value, str):
         return re.fullmatch(r"\d{4}-\d\d-\d\d", value.strip()) is not None
     return isinstance(value, date) and not isinstance(value, datetime)
+
+
+def day_after(day: Any) -> str | date:
+    """The day after one of `is_day`, as it is written; where the clock is set that day has other hours."""
+    if isinstance(day, str):
+        return (date.fromisoformat(day.strip()) + timedelta(days=1)).isoformat()
+    return day + timedelta(days=1)
 
 
 def _as_array(values: object) -> NDArray:

@@ -10,8 +10,8 @@ from sklvalve.simulation.noise import NoiseModel, NoiseParts, movement
 
 # passes of a fit at most, and within how much of all parts and of the likelihood it ends
 _PASSES, _NEAR, _FLAT = 500, 0.03, 0.2
-# of more rows than these (a day and a half at 1 Hz) so many serve, in blocks spread over all: seven numbers
-# are known from them as well, and a block is longer than most wander lasts
+# of more rows with a value than these (a day and a half at 1 Hz) so many serve, in blocks spread over all:
+# seven numbers are known from them as well, and a block is longer than most wander lasts
 _MOST_ROWS, _BLOCK = 131_072, 4_096
 # the first simplex: each logarithm times this, and one of zero
 _FIRST_STEP, _FIRST_OF_ZERO = 1.05, 0.00025
@@ -217,6 +217,7 @@ def fit_noise(
 
     Notes
     -----
+    Of more than 131,072 rows with a value blocks of so many serve, with the time that lies between them.
     By an adaptive simplex [1]_, compiled: `scipy.optimize.minimize` makes the same steps to the last bit, and
     spends as long beside the likelihood as in it, a fifteenth of a diagnosis.
 
@@ -244,23 +245,22 @@ def fit_noise(
     )
 
     start = np.log([0.5, 1e-3, 0.3, 0.2, 3.0 * dt, 0.05, max(0.03 * length, 60.0 * dt)])
-    rows = _spread_rows(len(residuals))
-    # the time since the row before that is kept: what is left out is a gap
-    since = np.diff(np.cumsum(step)[rows], prepend=0.0) if len(rows) < len(step) else step
-    some = (each[rows] for each in (level, moving))
-    best = _by_simplex((start, bounds, float(inadequacy**2), residuals[rows], since, *some))
+    asked = residuals, step, level, moving
+    if np.isfinite(residuals).sum() > _MOST_ROWS:
+        rows = _spread_rows(np.flatnonzero(np.isfinite(residuals)))
+        # the time since the row before that is kept: what is left out is a gap
+        since = np.diff(np.cumsum(step)[rows], prepend=0.0)
+        asked = residuals[rows], since, level[rows], moving[rows]
+    best = _by_simplex((start, bounds, float(inadequacy**2), *asked))
     base, share, timing, fast_time, fast, slow_time, slow = _parts(np.exp(best), *bounds)
     parts = NoiseParts(base, share, peak, timing, fast_time, fast, slow_time, slow, size, float(inadequacy))
     return parts.model(np.isfinite(residuals), simulated, step)
 
 
-def _spread_rows(many: int) -> np.ndarray:
-    """All of some rows, or of too many blocks that are spread evenly over them."""
-    if many <= _MOST_ROWS:
-        return np.arange(many)
-    blocks = _MOST_ROWS // _BLOCK
-    first = np.linspace(0, many - _BLOCK, blocks).astype(int)
-    return (first[:, None] + np.arange(_BLOCK)).ravel()
+def _spread_rows(rows: np.ndarray) -> np.ndarray:
+    """Blocks of rows, `_MOST_ROWS` in all, spread evenly over more of them."""
+    first = np.linspace(0, len(rows) - _BLOCK, _MOST_ROWS // _BLOCK).astype(int)
+    return rows[(first[:, None] + np.arange(_BLOCK)).ravel()]
 
 
 def quick_size(residuals: np.ndarray, simulated: np.ndarray, quantum: float) -> float:

@@ -18,6 +18,7 @@ def lines(a_line, a_failure):
         a_line("erosion", "no_mismatch", size_step=2.0),
         a_line("erosion", "none_of_these", size_step=2.0),
         a_failure("erosion"),
+        a_failure(""),
         a_line("erosion+stiction", "named", "erosion", "stiction"),
         a_line("erosion+stiction", "named", "erosion"),
         a_line("erosion+stiction", "no_mismatch"),
@@ -29,7 +30,7 @@ def test_every_record_is_counted_once(lines):
     rows = {row[0]: row[1:] for row in rows_of(lines)}
     assert len(HEAD) == 6
     assert rows == {
-        "2 healthy": [1, 0, 1, 0, 0],
+        "3 healthy": [1, 0, 2, 0, 0],
         "1 with one effect": [0, 0, 0, 0, 1],
         "2 with one effect, size 1": [1, 1, 0, 0, 0],
         "2 with one effect, size 2": [0, 0, 0, 1, 1],
@@ -47,7 +48,7 @@ def test_the_command(lines, tmp_path, capsys):
     # records of two draws may have one name
     assert main([str(file), str(file)]) == 0
     printed = capsys.readouterr().out
-    assert "| 4 healthy | 2 | 0 | 2 | 0 | 0 |" in printed
-    assert "Records with a wrong name: 9 % (1-29)." in printed
+    assert "| 6 healthy | 2 | 0 | 4 | 0 | 0 |" in printed
+    assert "Records with a wrong name: 8 % (1-27)." in printed
     with pytest.raises(SystemExit, match="2"):
         main([str(tmp_path / "none.jsonl")])

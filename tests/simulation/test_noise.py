@@ -261,8 +261,11 @@ def test_of_very_many_rows_blocks_tell_the_same_noise(monkeypatch):
     whole = fit_noise(residuals, simulated, step)
     monkeypatch.setattr(noise_fit, "_MOST_ROWS", 10_240)
     monkeypatch.setattr(noise_fit, "_BLOCK", 1_024)
-    kept = noise_fit._spread_rows(rows)
-    assert (len(kept), kept[0], kept[-1]) == (10_240, 0, rows - 1)
+    residuals[5_000:20_000] = np.nan
+    seen = np.flatnonzero(np.isfinite(residuals))
+    kept = noise_fit._spread_rows(seen)
+    assert (len(np.unique(kept)), kept[0], kept[-1]) == (10_240, 0, rows - 1)
+    assert np.isfinite(residuals[kept]).all()
     asked, fitted = [], noise_fit._by_simplex
     monkeypatch.setattr(noise_fit, "_by_simplex", lambda problem: asked.append(problem) or fitted(problem))
     some = fit_noise(residuals, simulated, step)
@@ -270,4 +273,8 @@ def test_of_very_many_rows_blocks_tell_the_same_noise(monkeypatch):
     # what is left out is a gap in time
     np.testing.assert_array_equal(np.cumsum(asked[0][4]), kept + 1.0)
     assert some.total == pytest.approx(whole.total, rel=0.1)
-    assert np.std(some.whiten(residuals)) == pytest.approx(1.0, abs=0.1)
+    assert np.std(some.whiten(residuals)[seen]) == pytest.approx(1.0, abs=0.1)
+    # few rows with a value all serve, however long it is
+    residuals[10_000:-100] = np.nan
+    fit_noise(residuals, simulated, step)
+    assert asked[-1][3] is residuals

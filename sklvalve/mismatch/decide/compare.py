@@ -70,8 +70,9 @@ class Row:
         None but for the likeliest.
     stands : bool
         Whether the place is that of an effect of the diagnosis; the others were tried, and not named.
-    tempering : float
-        T, by which differences of log evidence are divided on the way to the posterior, one for a place [1].
+    tempering : float or None
+        T, by which differences of log evidence are divided on the way to the posterior, one for a place [1];
+        None where there is no evidence, as of events.
     """
 
     place: int
@@ -90,7 +91,7 @@ class Row:
     held_out_gain: float | None = None
     held_out_se: float | None = None
     stands: bool = False
-    tempering: float = 1.0
+    tempering: float | None = None
 
 
 @dataclass(frozen=True)
@@ -168,7 +169,7 @@ def _rows_of_rivals(problem: Problem, finding: Finding) -> list[Row]:
             "rank": rank,
             "in_class": before < IN_CLASS,
             "log_evidence": evidence,
-            "tempering": temperature(best),
+            "tempering": temperature(best) if known else None,
         }
         rows.append(Row(**row, **shared, place=0, posterior=rival.probability, stands=True))
         before += rival.probability

@@ -62,9 +62,8 @@ def of_base(
     Its gap is counted in usual steps; `silence` [us] is the longest of all tags through which one by
     exception is followed.
     """
-    cut = settings.begin is not None or settings.end is not None
     first, last = np.flatnonzero(held)[[0, -1]]
-    within = held[first : last + 1] if cut else held
+    within = held[first : last + 1] if settings.cuts else held
     return {
         "period": period / SECOND,
         "chosen_by": "--period" if asked else "stamps",
@@ -72,7 +71,7 @@ def of_base(
         "rows_without_any_value": int((~within).sum()),
         "first": _plain(stamps[0]),
         "last": _plain(stamps[-1]),
-        "cut": {"from": settings.begin, "until": settings.end} if cut else None,
+        "cut": {"from": settings.begin, "until": settings.end} if settings.cuts else None,
         "gap": settings.gap,
         "longest_silence": silence / SECOND,
     }

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The rows of an import between two times that were asked for."""
 
-from datetime import datetime
+from datetime import date, datetime, tzinfo
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ def require_one_clock(runs: int, settings: ImportSettings, source: str) -> None:
     ------
     InputError
     """
-    if runs > 1 and (settings.begin is not None or settings.end is not None):
+    if runs > 1 and settings.cuts:
         raise InputError(
             f"{source}: the clock starts again, so --from and --until could mean any of {runs} runs; leave "
             "them out, and take the recordings of the runs that you want"
@@ -56,32 +56,51 @@ def rows_asked_for(
     InputError
         If a time is none, or if no row lies between them.
     """
-    if settings.begin is None and settings.end is None:
+    if not settings.cuts:
         return kept
     places = np.flatnonzero(kept)
     first, last = timeline.stamps(base[places[[0, -1]]])
     seconds = (base[places] - base[places[0]]) / SECOND
     # where times are seconds they count from a beginning of their own
     offset = 0.0 if isinstance(first, str) else float(first)
+    zone = _zone_of(first, timeline)
+    # of an hour that is there twice the whole is kept
+    begin, end = _with_zone(settings.begin, zone), _with_zone(settings.end, zone, fold=1)
 
     def seconds_of(time: object) -> float:
-        return seconds_at(_with_offset(time, first, timeline), first, offset)
+        return seconds_at(_with_zone(time, zone, days=True), first, offset)
 
     def span() -> str:
         return f"give a time between {first} and {last}"
 
-    low, high = rows_between(seconds + offset, seconds_of, settings.begin, settings.end, source, span)
+    low, high = rows_between(seconds + offset, seconds_of, begin, end, source, span)
+    if high - low < 2:
+        raise InputError(f"{source}: one row alone lies between --from and --until; {span()}")
     some = np.zeros(len(kept), dtype=bool)
     some[places[low:high]] = True
     return some
 
 
-def _with_offset(time: object, first: object, timeline: Timeline) -> object:
-    """A local time with its offset from UTC, where the recording's times have one and it has none."""
-    if timeline.zone is None or not isinstance(first, str) or not isinstance(time, str):
+def _zone_of(first: object, timeline: Timeline) -> tzinfo | None:
+    """Time zone of times that lack an offset; None where the recording's own have none."""
+    if not isinstance(first, str):
+        return None
+    return timeline.zone or datetime.fromisoformat(first).tzinfo
+
+
+def _with_zone(time: object, zone: tzinfo | None, *, fold: int = 0, days: bool = False) -> object:
+    """A time that lacks an offset, in a zone; a day stays one unless days are asked for."""
+    if zone is None or not isinstance(time, str):
         return time
     try:
-        moment = datetime.fromisoformat(time)
+        # other ways to write a day, such as 20260302, mean all of it as well
+        day = date.fromisoformat(time.strip()).isoformat()
+        if not days:
+            return day
+        moment = datetime.fromisoformat(day)
     except ValueError:
-        return time
-    return moment.replace(tzinfo=timeline.zone) if moment.tzinfo is None else time
+        try:
+            moment = datetime.fromisoformat(time.strip())
+        except ValueError:
+            return time
+    return moment.replace(tzinfo=zone, fold=fold) if moment.tzinfo is None else moment

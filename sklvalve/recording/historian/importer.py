@@ -174,10 +174,15 @@ def import_runs(
         some = rows_asked_for(base, some, timeline, settings, source)
         stamps = timeline.stamps(base[some])
         asked = settings.period is not None
+        if settings.cuts:
+            aligned = {tag: each for tag, each in aligned.items() if np.isfinite(each.values[some]).any()}
+            columns = {tag: name for tag, name in columns.items() if tag in aligned}
         own = {
             "base": told.of_base(base, some, stamps, step, asked, settings, silence),
             "tags": {tag: told.of_tag(good[tag], each, held[tag][1]) for tag, each in aligned.items()},
-            "left_out": {tag: why_left_out(points) for tag, points in tags.items() if tag not in good},
+            "left_out": {
+                tag: _why_left_out(points, tag in good) for tag, points in tags.items() if tag not in aligned
+            },
         }
         nothing = np.full(int(some.sum()), np.nan)
         values = {
@@ -227,6 +232,10 @@ def _gather_runs(
             "different times; export longer runs"
         )
     return lines, runs, counts[0] - len(runs)
+
+
+def _why_left_out(points: Points, good: bool) -> str:
+    return "holds no value between the times asked for" if good else why_left_out(points)
 
 
 def _silent(stage: str, done: float) -> None:

@@ -55,6 +55,11 @@ class ImportSettings:
     begin: str | None = None
     end: str | None = None
 
+    @property
+    def cuts(self) -> bool:
+        """Whether some times only are kept."""
+        return self.begin is not None or self.end is not None
+
     def __post_init__(self) -> None:
         if self.skip_rows < 0:
             raise InputError(f"skip_rows must be 0 or more; got {self.skip_rows}")

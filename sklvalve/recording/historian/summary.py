@@ -87,7 +87,11 @@ def _times(times: dict) -> list[str]:
 
 def _base(base: dict) -> str:
     how = "as asked" if base["chosen_by"] == "--period" else "chosen from the stamps"
-    cut = " Rows outside of the times asked for are left out." if base["cut"] else ""
+    cut = (
+        " Rows outside of the times asked for are left out; reports are counted of the whole export."
+        if base["cut"]
+        else ""
+    )
     return (
         f"{base['rows']} rows from {base['first']} to {base['last']}, every {base['period']:g} s ({how}); "
         f"silences of more than {base['gap']:g} usual steps stay empty.{cut}"
