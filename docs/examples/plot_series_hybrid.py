@@ -46,9 +46,8 @@ def columns(frame, valve):
 # Three ways
 # ----------
 # The mechanism is the equation of IEC 60534-2-1. In series, the log of its flow coefficient is that of the
-# sheet's trim, shifted, plus an LS-SVM of the remainder. In parallel, an LS-SVM of all columns learns the
-# error of a valve that is just as its sheet says. The black box knows no physics. The trim's log is a class
-# of this page: ``save_model`` refuses such a class, and takes a ``LinearRegression`` in its place.
+# sheet's trim, shifted (a class of this page, which ``save_model`` refuses), plus an LS-SVM of the remainder. In
+# parallel, an LS-SVM learns the error of a valve that is as its sheet says. The black box knows no physics.
 
 
 class LogOfTrim(RegressorMixin, BaseEstimator):
