@@ -45,8 +45,8 @@ def columns(frame, valve):
 # %%
 # Three ways
 # ----------
-# The mechanism is the equation of IEC 60534-2-1. In series, the log of its flow coefficient is that of the
-# sheet's trim, shifted (a class of this page, which ``save_model`` refuses), plus an LS-SVM of the remainder. In
+# The mechanism is the equation of IEC 60534-2-1. In series, the log of its coefficient is that of the sheet's
+# trim, shifted (a class of this page, which ``save_model`` refuses), plus an LS-SVM of the remainder. In
 # parallel, an LS-SVM learns the error of a valve that is as its sheet says. The black box knows no physics.
 
 
