@@ -36,7 +36,7 @@ PARTS = {
     ("robust.py", "least_within"): "bounded least squares",
     ("noise_fit.py", "fit_noise"): "noise",
     ("black_box.py", "black_box_prediction"): "black box",
-    ("black_box.py", "black_box_of_loop"): "black box of a loop",
+    ("black_box.py", "_of_one_sign"): "black box of a loop",
     ("unknown.py", "look_for_residual"): "rest that no effect explains",
     ("change.py", "find_change"): "dating of a change",
     ("intermittent.py", "intermittent"): "episodes",

@@ -28,7 +28,6 @@ COLUMNS = {
     "right": "right",
     "both found": "right",
     "wrong name": "wrong name",
-    "alarm": "false alarm",
     "missed": "missed",
 }
 WORDS = {
@@ -70,7 +69,7 @@ def rows_of(lines):
     for group in groups:
         counts = Counter(column_of(line) for line in lines if group_of(line) == group)
         cells = [counts[column] for column in HEAD[1:]]
-        cells[0] = f"{cells[0]} both, {counts['one found']} one" if "two" in group else cells[0]
+        cells[0] = f"{cells[0]} both, {counts['one found']} one" if group == WORDS["pair"] else cells[0]
         rows.append([f"{sum(counts.values())} {group}", *cells])
     return rows
 

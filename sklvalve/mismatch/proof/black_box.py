@@ -25,6 +25,40 @@ _TUNED_ON = 600
 _GAMMAS, _WEIGHTS = (0.01, 0.05, 0.2), (1000.0, 10.0)
 
 
+def black_box_ahead(
+    recording: Recording, channel: str, spans: Sequence[slice], *, closed: bool
+) -> np.ndarray:
+    """Forecasts of a channel by a black box, each span by what is learnt from the rows before it.
+
+    Parameters
+    ----------
+    recording : Recording
+    channel : {"opening", "flow"}
+    spans : sequence of slice
+        The first one first.
+    closed : bool
+        Whether a controller answers the channel by the driver. An LS-SVM on lagged commands would learn the
+        controller backwards there, so responses of one sign take its place (`one_sign_predictions`).
+
+    Returns
+    -------
+    predicted : ndarray of shape (n,)
+        NaN outside the spans [SI].
+    """
+    n = len(recording)
+    made = np.full(n, np.nan)
+    if closed:
+        ahead = _of_one_sign(recording, channel, [span.start for span in spans])
+        for span, run in zip(spans, ahead, strict=True):
+            made[span] = run[span]
+        return made
+    settings = settings_of(recording, channel, np.arange(n) < spans[0].start)
+    for span in spans:
+        past = np.arange(n) < span.start
+        made[span] = black_box_prediction(recording, channel, past, at=span, settings=settings)
+    return made
+
+
 def black_box_prediction(
     recording: Recording,
     channel: str,
@@ -35,8 +69,8 @@ def black_box_prediction(
 ) -> np.ndarray:
     """Prediction of a channel by an LS-SVM that saw the `train` rows only.
 
-    Where a controller answers the channel by the driver it would learn the controller backwards:
-    `black_box_of_loop` takes its place.
+    Where a controller answers the channel by the driver it would learn the controller backwards
+    (`black_box_ahead`).
 
     Parameters
     ----------
@@ -115,21 +149,8 @@ def lagged_signals(recording: Recording, channel: str) -> np.ndarray:
     return np.column_stack(columns)
 
 
-def black_box_of_loop(recording: Recording, channel: str, origins: Sequence[int]) -> list[np.ndarray]:
-    """Predictions of a channel that a controller answers by the driver: by responses of one sign.
-
-    Parameters
-    ----------
-    recording : Recording
-    channel : {"opening", "flow"}
-    origins : sequence of int
-        Each learns from the rows before one of these, the first one first.
-
-    Returns
-    -------
-    predicted : list of ndarray of shape (n,)
-        [SI]
-    """
+def _of_one_sign(recording: Recording, channel: str, origins: Sequence[int]) -> list[np.ndarray]:
+    """Of each origin a prediction of all rows by responses of one sign, learnt from the rows before it."""
     driver, value = filled(recording[driver_of(recording, channel)]), filled(recording[channel])
     weight = None
     if channel == "flow" and "p1" in recording and "p2" in recording:

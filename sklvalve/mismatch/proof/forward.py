@@ -12,10 +12,9 @@ import numpy as np
 from sklvalve.mismatch.inference.hypothesis import Model
 from sklvalve.mismatch.inference.origins import spans_of
 from sklvalve.mismatch.inference.refitting import lines_of, refitted
-from sklvalve.mismatch.proof.black_box import black_box_of_loop, black_box_prediction, settings_of
+from sklvalve.mismatch.proof.black_box import black_box_ahead
 from sklvalve.mismatch.proof.feedback import ANSWERS_FROM, answers, driver_of
 from sklvalve.mismatch.residual.low_pass_residual import learn_residual
-from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.simulation import learnt_rest
 
@@ -87,25 +86,9 @@ def forward_in_time(
             made["corrected"][c] = made["nominal"][c]
     closed = {c: closed_loop(problem, nominal, c) for c in problem.channels}
     made["black_box"] = {
-        c: _black_box_ahead(problem.recording, c, spans, closed[c]) for c in problem.channels
+        c: black_box_ahead(problem.recording, c, spans, closed=closed[c]) for c in problem.channels
     }
     return Forward(made, spans, closed)
-
-
-def _black_box_ahead(recording: Recording, channel: str, spans: Sequence[slice], closed: bool) -> np.ndarray:
-    """Forecasts of one channel by the black box."""
-    n = len(recording)
-    made = np.full(n, np.nan)
-    if closed:
-        ahead = black_box_of_loop(recording, channel, [span.start for span in spans])
-        for span, run in zip(spans, ahead, strict=True):
-            made[span] = run[span]
-        return made
-    settings = settings_of(recording, channel, np.arange(n) < spans[0].start)
-    for span in spans:
-        past = np.arange(n) < span.start
-        made[span] = black_box_prediction(recording, channel, past, at=span, settings=settings)
-    return made
 
 
 def closed_loop(problem: Problem, nominal: Model, channel: str) -> bool:

@@ -12,7 +12,7 @@ import numpy as np
 
 from sklvalve.metrics import err_max, mape, rmse
 from sklvalve.mismatch.inference.refitting import lines_of, refitted
-from sklvalve.mismatch.proof.black_box import black_box_of_loop, black_box_prediction
+from sklvalve.mismatch.proof.black_box import black_box_ahead
 from sklvalve.mismatch.residual.low_pass_residual import learn_residual
 from sklvalve.mismatch.signals.model_free import model_free_noise
 from sklvalve.simulation.fitting import simulate_channels
@@ -138,10 +138,7 @@ def held_out_predictions(
         chain = problem.chain(model.terms, whole)
         made["corrected"][correction["channel"]] += learnt_rest(correction, chain, model.values)
     made["black_box"] = {
-        c: black_box_of_loop(whole, c, [used])[0]
-        if forward.closed[c]
-        else black_box_prediction(whole, c, ~held)
-        for c in problem.channels
+        c: black_box_ahead(whole, c, [slice(used, n)], closed=forward.closed[c]) for c in problem.channels
     }
     return made, held
 

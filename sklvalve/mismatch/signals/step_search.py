@@ -25,6 +25,8 @@ _TAIL = 0.025
 _LEFT = 1e-10
 # of its length, so much of a column must be no sum of the others, or it counts as one
 _INDEPENDENT = 1e-9
+# what a step's beginning changes of its whitened value is forgotten below this
+_FORGOTTEN = 1e-12
 
 
 class StepSearch:
@@ -181,10 +183,6 @@ def _net_gains(scores: np.ndarray) -> np.ndarray:
     return np.maximum(scores[:, 0], scores[:, 1] - 2.0 * _FOR_A_RESPONSE)
 
 
-# what a step's beginning changes of its whitened value is forgotten below this
-_FORGOTTEN = 1e-12
-
-
 @nb.njit(cache=True, nogil=True, fastmath={"reassoc", "contract", "nsz"})
 def _step_sums(
     rows: np.ndarray,
@@ -209,18 +207,10 @@ def _step_sums(
     for j in range(len(rows)):
         f = s = g = u = 0.0
         for k in range(max(rows[j] - begin, 0), n):
-            a, b = keep[k, 0], keep[k, 1]
-            f *= a
-            s *= b
-            g *= a
-            u *= b
-            if spread[k] == np.inf:
+            known = spread[k] != np.inf
+            left, too, f, s, g, u = _whitened(known, about[k], gain[k], keep[k], f, s, g, u)
+            if not known:
                 continue
-            left, too = 1.0 - f - s, about[k] - g - u
-            f += gain[k, 0] * left
-            s += gain[k, 1] * left
-            g += gain[k, 0] * too
-            u += gain[k, 1] * too
             weight = root[k] / spread[k]
             _add(sums[j], left * weight, too * weight, white[k], basis[k])
             off = abs(f - states[k, 2]) + abs(s - states[k, 3])
@@ -265,17 +255,27 @@ def _whitened_from_the_first(
     made = np.zeros((len(about), 6))
     f = s = g = u = 0.0
     for k in range(len(about)):
-        a, b = keep[k, 0], keep[k, 1]
-        f *= a
-        s *= b
-        g *= a
-        u *= b
-        if spread[k] != np.inf:
-            left, too = 1.0 - f - s, about[k] - g - u
-            f += gain[k, 0] * left
-            s += gain[k, 1] * left
-            g += gain[k, 0] * too
-            u += gain[k, 1] * too
-            made[k, 0], made[k, 1] = left, too
+        made[k, 0], made[k, 1], f, s, g, u = _whitened(
+            spread[k] != np.inf, about[k], gain[k], keep[k], f, s, g, u
+        )
         made[k, 2], made[k, 3], made[k, 4], made[k, 5] = f, s, g, u
     return made
+
+
+@nb.njit(cache=True, nogil=True, inline="always")
+def _whitened(
+    known: bool, about: float, gain: np.ndarray, keep: np.ndarray, f: float, s: float, g: float, u: float
+) -> tuple[float, float, float, float, float, float]:
+    """One row of a step of level and one of response, whitened but for its scale, and the states after it."""
+    f *= keep[0]
+    s *= keep[1]
+    g *= keep[0]
+    u *= keep[1]
+    left = too = 0.0
+    if known:
+        left, too = 1.0 - f - s, about - g - u
+        f += gain[0] * left
+        s += gain[1] * left
+        g += gain[0] * too
+        u += gain[1] * too
+    return left, too, f, s, g, u

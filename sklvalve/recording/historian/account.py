@@ -59,8 +59,8 @@ def of_base(
 ) -> dict:
     """The regular base, and which of its rows the recording has.
 
-    Its gap is counted in usual steps; `silence` [us] is the longest of all tags through which one by
-    exception is followed.
+    The gap of `settings` is counted in usual steps; `silence` [us] is the longest of all tags through which
+    one by exception is followed.
     """
     first, last = np.flatnonzero(held)[[0, -1]]
     within = held[first : last + 1] if settings.cuts else held

@@ -61,14 +61,18 @@ def rows_asked_for(
     places = np.flatnonzero(kept)
     first, last = timeline.stamps(base[places[[0, -1]]])
     seconds = (base[places] - base[places[0]]) / SECOND
-    # where times are seconds they count from a beginning of their own
-    offset = 0.0 if isinstance(first, str) else float(first)
-    zone = _zone_of(first, timeline)
-    # of an hour that is there twice the whole is kept
-    begin, end = _with_zone(settings.begin, zone), _with_zone(settings.end, zone, fold=1)
+    begin: object = settings.begin
+    end: object = settings.end
+    if isinstance(first, str):
+        offset, zone = 0.0, timeline.zone or datetime.fromisoformat(first).tzinfo
+        # of an hour that is there twice the whole is kept
+        begin, end = _day(begin) or _moment(begin, zone), _day(end) or _moment(end, zone, fold=1)
+    else:
+        # counted seconds begin where they were set to
+        offset, zone = float(first), None
 
     def seconds_of(time: object) -> float:
-        return seconds_at(_with_zone(time, zone, days=True), first, offset)
+        return seconds_at(time if zone is None else _moment(time, zone), first, offset)
 
     def span() -> str:
         return f"give a time between {first} and {last}"
@@ -81,26 +85,20 @@ def rows_asked_for(
     return some
 
 
-def _zone_of(first: object, timeline: Timeline) -> tzinfo | None:
-    """Time zone of times that lack an offset; None where the recording's own have none."""
-    if not isinstance(first, str):
-        return None
-    return timeline.zone or datetime.fromisoformat(first).tzinfo
-
-
-def _with_zone(time: object, zone: tzinfo | None, *, fold: int = 0, days: bool = False) -> object:
-    """A time that lacks an offset, in a zone; a day stays one unless days are asked for."""
-    if zone is None or not isinstance(time, str):
-        return time
+def _day(time: object) -> str | None:
+    """A day, in whatever way it is written, such as 20260302, as 2026-03-02; None of what is none."""
     try:
-        # other ways to write a day, such as 20260302, mean all of it as well
-        day = date.fromisoformat(time.strip()).isoformat()
-        if not days:
-            return day
-        moment = datetime.fromisoformat(day)
+        return date.fromisoformat(time.strip()).isoformat() if isinstance(time, str) else None
     except ValueError:
-        try:
-            moment = datetime.fromisoformat(time.strip())
-        except ValueError:
-            return time
-    return moment.replace(tzinfo=zone, fold=fold) if moment.tzinfo is None else moment
+        return None
+
+
+def _moment(time: object, zone: tzinfo | None, fold: int = 0) -> object:
+    """A time that lacks an offset in a zone, a day as its first moment; what is no time as it is."""
+    try:
+        moment = datetime.fromisoformat(time.strip()) if isinstance(time, str) else time
+    except ValueError:
+        return time
+    if isinstance(moment, datetime) and moment.tzinfo is None and zone is not None:
+        return moment.replace(tzinfo=zone, fold=fold)
+    return moment

@@ -52,6 +52,12 @@ def test_a_time_of_day_with_its_offset_and_one_end_alone(export):
     assert (made.stamps[0], made.stamps[-1]) == ("2024-06-29T00:00:00Z", "2024-06-29T23:50:00Z")
 
 
+@pytest.mark.parametrize("day", ["2024-06-29", " 2024-06-29", "20240629"])
+def test_a_day_is_whole_however_it_is_written_and_in_no_zone(export, day):
+    made = _made(export([stamp.isoformat()[:19] for stamp in TIMES]), begin=day, end=day)
+    assert (made.stamps[0], made.stamps[-1]) == ("2024-06-29T00:00:00", "2024-06-29T23:50:00")
+
+
 def test_counted_seconds(export):
     path = export([f"{100.0 + 5.0 * k:g}" for k in range(432)])
     made = _made(path, begin="200", end="300")
