@@ -23,7 +23,13 @@ from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.mismatch.data.gate import blocking, with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
-from sklvalve.mismatch.data.preparation import candidates, lasting, prepared_problem, rows_to_use
+from sklvalve.mismatch.data.preparation import (
+    candidates,
+    hidden_by_data,
+    lasting,
+    prepared_problem,
+    rows_to_use,
+)
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.behind import judged_behind
 from sklvalve.mismatch.decide.compare import compared
@@ -394,6 +400,8 @@ class MissingPhysicsFinder(BaseEstimator):
         flagged = flagged_rows(problem, judged)
         self.next_test_ = None if mend or spoilt else plan_of(problem, judged.findings)
         entries = [with_kinds(effect_entry(f, whole, problem), f) for f in judged.findings]
+        # what the data hid from the search, and what was found may be, is told there
+        told = {member["name"] for entry in entries for member in entry["members"]}
         content = content_of(
             whole,
             problem,
@@ -402,7 +410,7 @@ class MissingPhysicsFinder(BaseEstimator):
             flagged,
             {} if mend else fit_entries(problem, whole, judged, forward, flagged, seed),
             data=data,
-            not_testable=not_testable,
+            not_testable=[each for each in not_testable if each["name"] not in told],
             alpha=float(self.alpha),
             random_state=seed,
             mend=mend or spoilt,
@@ -476,6 +484,7 @@ class MissingPhysicsFinder(BaseEstimator):
     ) -> Judgement:
         """Search among the effects, and the judgement on what it finds."""
         alpha, considered = float(self.alpha), effects_to_search(effects, events)
+        hidden = hidden_by_data(problem, self.effects, data)
 
         def judge_on(
             bench: Problem, candidates: Sequence[Effect]
@@ -491,6 +500,7 @@ class MissingPhysicsFinder(BaseEstimator):
                 candidates,
                 threshold=self.evidence,
                 most=self.max_effects,
+                hidden=hidden,
                 report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
             )
             comparison = compared(explanation, self.evidence)

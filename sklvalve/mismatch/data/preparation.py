@@ -244,6 +244,26 @@ def candidates(
     return testable, _not_testable(problem.plain, testable, untestable)
 
 
+def hidden_by_data(
+    problem: Problem, wanted: str | Iterable[str | Effect], data: list[dict[str, Any]]
+) -> list[Effect]:
+    """Effects that a valve may have, and a recording cannot speak for because of what is wrong with its data.
+
+    None of them can be found. But what was found may be one of them: they stand in its place all the same.
+
+    Parameters
+    ----------
+    problem, wanted, data
+        As `candidates` takes them.
+
+    Returns
+    -------
+    hidden : list of Effect
+    """
+    seen = {effect.key for effect in candidates(problem, wanted, data)[0]}
+    return [effect for effect in candidates(problem, wanted, [])[0] if effect.key not in seen]
+
+
 def _asked(wanted: str | Iterable[str | Effect]) -> tuple[tuple[Effect, ...], set[str]]:
     """Effects of the catalogue and the caller's own, and the names of those to be considered."""
     wanted = [wanted] if isinstance(wanted, str) else list(wanted)

@@ -100,12 +100,12 @@ class Effect:
     separated_by : str
         The test that tells it from what it is confused with.
     hidden_by : mapping of str to tuple of str
-        Defects of the data with which the effect is not tested, because they hide it or look like it. A key
-        is a defect, its value the roles of the signals in which it does so, or ``"any"``. The defects are
-        ``compressed``, ``quantised``, ``frozen``, ``saturated``, ``clock_shift``; ``unmeasured``, which is
-        frozen from the first row to the last; and ``held``, an opening within a dead band too small to
-        matter. Exchanged columns, wrong units and a flow that was not measured hide every effect and are
-        not listed.
+        Defects of the data with which the effect is not searched for, because they hide it or look like it;
+        what was found may be it all the same. A key is a defect, its value the roles of the signals in which
+        it does so, or ``"any"``. The defects are ``compressed``, ``quantised``, ``frozen``, ``saturated``,
+        ``clock_shift``; ``unmeasured``, which is frozen from the first row to the last; and ``held``, an
+        opening within a dead band too small to matter. Exchanged columns, wrong units and a flow that was not
+        measured hide every effect and are not listed.
     standstill : bool
         Whether it is a stem that stands still: a frozen opening that may be a seized stem does not hide it.
     by_drop : {"", "always", "unseen", "onset"}

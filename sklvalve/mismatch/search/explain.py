@@ -97,6 +97,7 @@ def explain(
     *,
     threshold: float,
     most: int = 4,
+    hidden: Sequence[Effect] = (),
     report: Report | None = None,
 ) -> Explanation:
     """Search of the effects that the recording asks for.
@@ -113,6 +114,8 @@ def explain(
         Log likelihood that an effect must add beyond its price.
     most : int, default=4
         Largest number of effects.
+    hidden : sequence of Effect, default=()
+        No candidates, for data that hide them, but what is found may be one of them.
     report : callable, default=None
         Called with the share done.
 
@@ -124,7 +127,7 @@ def explain(
     problem, model = search.taken_up(problem, nominal)
     for last in (False, False, True):
         problem, model = _what_stands(problem, model, threshold)
-        findings = find_rivals(problem, model, effects, report, met=search.met)
+        findings = find_rivals(problem, model, (*effects, *hidden), report, met=search.met)
         better = _better_in_place(problem, findings)
         if better is None or last:
             break

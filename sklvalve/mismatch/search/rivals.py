@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from sklvalve.mismatch.constants import DETECTABLE
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in
 from sklvalve.mismatch.inference.posterior import distance, posterior, smallest_class
@@ -18,14 +19,12 @@ from sklvalve.mismatch.search.onset_sample import to_the_sample
 from sklvalve.mismatch.search.own_noise import fitted_with_its_noise, likelihood_across_noises
 from sklvalve.mismatch.search.relevance import may_be_instead
 from sklvalve.mismatch.search.scatter import OverTime
-from sklvalve.mismatch.search.screening import FITTED, screened
+from sklvalve.mismatch.search.screening import screened
 from sklvalve.simulation.parallel_map import parallel_map
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
 
-# rivals that come this near are fitted as well
-_WITHIN_REACH = 100.0
 # rivals at a smaller distance by the common noise are judged by their own, too
 _IN_REACH = 60.0
 
@@ -163,24 +162,16 @@ def _others_in_place(
     """Other effects in the place of one, each from the best of two calibrations, as (Term, Model)."""
     # that of the explanation in place, and that without it, which may have bent to make up for what it lacks
     bare = problem.judged(problem.simulate(other_terms, model.values))
-    best: dict[str, Model] = {}
-    fitted: set[str] = set()
+    rough: dict[str, Model] = {}
     for base in (bare, without):
-        # no race: a class is to hold all that cannot be told apart, not the best four alone
-        rough = screened(problem, base, others, onset=term.times, always=others)
-        promising = [
-            k < FITTED
-            or m.log_likelihood > model.log_likelihood - _WITHIN_REACH
-            or _alike(m.terms[-1].effect, term.effect)
-            for k, m in enumerate(rough)
-        ]
-        near = [m for m, fit in zip(rough, promising, strict=True) if fit]
-        far = [m for m, fit in zip(rough, promising, strict=True) if not fit]
-        _keep_the_best(best, (*parallel_map(lambda m: problem.fit(m.terms, start=m), near), *far))
-        fitted |= {m.terms[-1].effect.key for m in near}
+        _keep_the_best(rough, screened(problem, base, others, onset=term.times, always=others))
+    # no race: a class is to hold all that cannot be told apart, and what is screened ends in poor valleys
+    best: dict[str, Model] = {}
+    _keep_the_best(best, parallel_map(lambda m: problem.fit(m.terms, start=m), list(rough.values())))
     # the samples are the same whatever a fit began from: each effect is sampled once
-    ready = [best[key] for key in sorted(fitted)]
-    _keep_the_best(best, parallel_map(lambda m: to_the_sample(problem, sampled_fit(problem, m)), ready))
+    gain = model.log_likelihood - without.log_likelihood
+    near = [m for m in best.values() if distance(model.log_likelihood, m.log_likelihood, gain) < DETECTABLE]
+    _keep_the_best(best, parallel_map(lambda m: to_the_sample(problem, sampled_fit(problem, m)), near))
     return [(m.terms[-1], m) for m in best.values()]
 
 
@@ -205,10 +196,6 @@ def _at_other_times(
             start = replace(m, values=without.values | m.values)
             _keep_the_best(best, [problem.fit((*other_terms, other), start=start)])
     return [(m.terms[-1], m) for m in best.values()]
-
-
-def _alike(effect: Effect, other: Effect) -> bool:
-    return bool(effect.alike) and effect.alike == other.alike
 
 
 def _keep_the_best(best: dict[str, Model], models: Iterable[Model]) -> None:
