@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
-from sklvalve.mismatch.data.preparation import candidates, prepared_problem, rows_to_use
+from sklvalve.mismatch.data.preparation import candidates, hidden_by_data, prepared_problem, rows_to_use
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.inference.hypothesis import begun, is_in
 from sklvalve.mismatch.next_test.planning import planned
@@ -155,5 +155,6 @@ def _effects_to_weigh(
     wanted = {m["name"] for entry in finder.diagnosis_.content["effects"] for m in entry["members"]}
     wanted |= set(names)
     of_user = [] if isinstance(finder.effects, str) else [e for e in finder.effects if not isinstance(e, str)]
-    effects, _ = candidates(problem, [*sorted(wanted), *of_user], data)
-    return [e for e in effects if e.name in wanted]
+    asked = [*sorted(wanted), *of_user]
+    effects, _ = candidates(problem, asked, data)
+    return [e for e in (*effects, *hidden_by_data(problem, asked, data)) if e.name in wanted]

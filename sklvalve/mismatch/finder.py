@@ -484,7 +484,7 @@ class MissingPhysicsFinder(BaseEstimator):
     ) -> Judgement:
         """Search among the effects, and the judgement on what it finds."""
         alpha, considered = float(self.alpha), effects_to_search(effects, events)
-        hidden = hidden_by_data(problem, self.effects, data)
+        hidden = effects_to_search(hidden_by_data(problem, self.effects, data), events)
 
         def judge_on(
             bench: Problem, candidates: Sequence[Effect]

@@ -117,8 +117,8 @@ class Effect:
     family : str
         Effects of one family have the same equation: a hypothesis holds one of them at most.
     alike : str
-        Effects that look alike, however different their equations: each of them is fitted to the end where
-        another one stands.
+        Effects that look alike, however different their equations. Where slips or hunting of a stem speak
+        for themselves, ``"play"`` may stand beside them; no other effect of the stem may.
     may_begin : bool
         Whether it can come about while the valve runs; a wrong data sheet is wrong from the start.
     motor : bool
