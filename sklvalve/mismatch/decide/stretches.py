@@ -11,9 +11,10 @@ import numpy as np
 from sklvalve.mismatch.data.gathering import without_settling
 from sklvalve.mismatch.decide.detect import mismatch_p_value
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.rules import without_pattern
+from sklvalve.mismatch.decide.rules import noise, without_pattern
 from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.inference.hypothesis import Model
+from sklvalve.mismatch.residual.goodness_of_fit import imitates_any_time_profile, left_over
 from sklvalve.mismatch.residual.pulses import find_pulses
 from sklvalve.mismatch.residual.stem_residual import stem_residual
 from sklvalve.mismatch.search.events import simulated
@@ -61,7 +62,8 @@ def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgeme
     """A judgement made on stretches, with its simulations fitted to every row.
 
     Names, classes, and the test for any mismatch stay those of the stretches; parameters, their intervals,
-    onsets and what is learnt of an unknown effect's worth are of the whole.
+    onsets and what is learnt of an unknown effect's worth are of the whole. So is whether what was found
+    leaves too much over to be named.
 
     Parameters
     ----------
@@ -75,6 +77,44 @@ def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgeme
     -------
     judged : Judgement
     """
+    if _leaves_too_much(judged):
+        upheld = _fitted_to_all(problem, _as_found(judged), alpha)
+        left = left_over(upheld.problem, upheld.model, upheld.nominal)
+        if left is not None and not left.too_much:
+            return replace(upheld, rules=(*upheld.rules, noise(left.times, True)))
+    return _fitted_to_all(problem, judged, alpha)
+
+
+def _leaves_too_much(judged: Judgement) -> bool:
+    """Whether what was found has no name for what it leaves over alone.
+
+    At the beginning of a stretch nobody knows on which side play stands, and what that leaves over looks like
+    missing physics. In all rows it does so once.
+    """
+    leaves = judged.closest_leaves
+    return leaves is not None and leaves.too_much and not imitates_any_time_profile(judged.closest)
+
+
+def _as_found(judged: Judgement) -> Judgement:
+    """The judgement as it was before what is left over took the names."""
+    first = judged.closest[0]
+    model = next(r.model for r in first.rivals if r.term is first.term)
+    return replace(
+        judged,
+        verdict="named",
+        findings=judged.closest,
+        model=model,
+        unknown=None,
+        left=None,
+        closest=[],
+        closest_leaves=None,
+        suspected=None,
+        why=(),
+    )
+
+
+def _fitted_to_all(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
+    """A judgement made on stretches, with its simulations fitted to every row."""
     nominal, model = judged.nominal, judged.model
     nothing = model is nominal
     problem, model = _fitted(problem, simulated(model))

@@ -78,12 +78,15 @@ def may_explain(problem: Problem, model: Model, without: Model) -> bool:
 def may_be_instead(problem: Problem, model: Model, without: Model) -> bool:
     """Whether the last effect may be what stands in the place of another that counts.
 
-    That something is missing is told already. So it may be smaller than what counts, down to half of it, and
-    of a size that a data sheet leaves open: what explains the difference as well is no less possible for it.
+    Of one that began it is told already that something did: what made it may be shorter than a response that
+    would be told alone. And it may be smaller than what counts, down to half of it. But what a sheet leaves
+    open throughout is in a sound valve as well: it explains something else, and noise takes up the rest.
     """
+    term = model.terms[-1]
+    open_to_it = term.onset is not None or beyond_tolerance(problem, model, term)
     changed = _change_by_last(problem, model, without)
     sizes = {channel: size / _OF_A_RIVAL for channel, size in changed.items()}
-    return problem.counts(sizes) and not _absurd(model, model.terms[-1])
+    return open_to_it and problem.counts(sizes) and not _absurd(model, term)
 
 
 def _change_by_last(problem: Problem, model: Model, without: Model) -> dict[str, float]:

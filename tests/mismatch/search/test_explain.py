@@ -167,16 +167,22 @@ def test_play_is_found_alone_also_in_the_first_rows_of_a_recording():
     assert content["fit"]["flow"]["rmse"]["corrected"] < 0.3 * content["fit"]["flow"]["rmse"]["nominal"]
 
 
-@pytest.mark.parametrize("onset", [None, 400.0])
 @pytest.mark.parametrize(
-    ("size", "absurd", "able"),
-    # of half a percent that counts it makes more than half, or less
-    [(0.006, False, True), (0.006, True, False), (0.003, False, True), (0.002, False, False)],
+    ("onset", "beyond", "size", "absurd", "able"),
+    [
+        (None, True, 0.006, False, True),
+        (None, False, 0.006, False, False),
+        (400.0, False, 0.006, False, True),
+        (400.0, True, 0.006, True, False),
+        # of half a percent that counts it makes more than half, or less
+        (None, True, 0.003, False, True),
+        (400.0, True, 0.002, False, False),
+    ],
 )
-def test_a_rival_may_be_smaller_than_what_alone_is_told_and_as_a_sheet_leaves_open(
-    monkeypatch, onset, size, absurd, able
+def test_a_rival_of_what_began_may_be_shorter_and_smaller_than_what_alone_is_told(
+    monkeypatch, onset, beyond, size, absurd, able
 ):
-    monkeypatch.setattr(relevance, "beyond_tolerance", lambda *_: False)
+    monkeypatch.setattr(relevance, "beyond_tolerance", lambda *_: beyond)
     monkeypatch.setattr(relevance, "_absurd", lambda *_: absurd)
     model = SimpleNamespace(terms=(Term(LEAK, onset),))
     bench = SimpleNamespace(
