@@ -135,3 +135,16 @@ def test_rivals_and_what_comes_closest_are_simulated_in_the_whole(leaky):
 def test_too_few_rows_to_search_are_refused():
     with pytest.raises(ValueError, match="search_rows"):
         MissingPhysicsFinder(search_rows=100).fit(None)
+
+
+@pytest.mark.slow
+def test_play_whose_side_stretches_do_not_know_is_named_by_all_rows():
+    made = make_valve_recording("backlash", 0.04, n_samples=9000, n_later=0, loop="closed", random_state=2)
+    recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    finder = MissingPhysicsFinder(effects=["backlash", "seat_leakage"], search_rows=3840, random_state=0)
+    content = finder.fit(recording).diagnosis_.content
+    assert [member["name"] for member in content["effects"][0]["members"]] == ["backlash"]
+    (noise,) = [rule for rule in content["rules"] if rule["name"] == "noise"]
+    # by the stretches alone 5.4 times as much is left over as may be
+    assert noise["passed"] and noise["value"] < 1.0
+    assert content["effects"][0]["parameters"]["width"]["value"] == pytest.approx(0.04, rel=0.15)
