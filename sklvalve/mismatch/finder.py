@@ -45,6 +45,7 @@ from sklvalve.mismatch.decide.rehearsing import rehearsed
 from sklvalve.mismatch.decide.stretches import over_the_whole, stretches_of
 from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.mismatch.inference.calibrating import calibrated
+from sklvalve.mismatch.inference.hypothesis import is_in
 from sklvalve.mismatch.loop import diagnose_loop, is_loop, loop_content, loop_traces
 from sklvalve.mismatch.next_test.suggestions import plan_of
 from sklvalve.mismatch.result.by_itself import by_itself
@@ -500,7 +501,7 @@ class MissingPhysicsFinder(BaseEstimator):
                 candidates,
                 threshold=self.evidence,
                 most=self.max_effects,
-                hidden=hidden,
+                hidden=[e for e in hidden if not is_in(e, bench.held)],
                 report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
             )
             comparison = compared(explanation, self.evidence)

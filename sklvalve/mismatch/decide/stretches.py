@@ -92,7 +92,9 @@ def _leaves_too_much(judged: Judgement) -> bool:
     missing physics. In all rows it does so once.
     """
     leaves = judged.closest_leaves
-    return leaves is not None and leaves.too_much and not imitates_any_time_profile(judged.closest)
+    if judged.findings or not judged.closest or leaves is None:
+        return False
+    return leaves.too_much and not imitates_any_time_profile(judged.closest)
 
 
 def _as_found(judged: Judgement) -> Judgement:
@@ -103,8 +105,11 @@ def _as_found(judged: Judgement) -> Judgement:
         judged,
         verdict="named",
         findings=judged.closest,
-        model=model,
+        # of the hypothesis of the search what stood, and no more
+        model=replace(model, terms=tuple(finding.term for finding in judged.closest)),
         unknown=None,
+        kept=False,
+        errors=None,
         left=None,
         closest=[],
         closest_leaves=None,
