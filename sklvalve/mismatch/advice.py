@@ -155,6 +155,6 @@ def _effects_to_weigh(
     wanted = {m["name"] for entry in finder.diagnosis_.content["effects"] for m in entry["members"]}
     wanted |= set(names)
     of_user = [] if isinstance(finder.effects, str) else [e for e in finder.effects if not isinstance(e, str)]
-    asked = [*sorted(wanted), *of_user]
+    asked = [*sorted(wanted - {e.name for e in of_user}), *of_user]
     effects, _ = candidates(problem, asked, data)
-    return [e for e in (*effects, *hidden_by_data(problem, asked, data)) if e.name in wanted]
+    return [e for e in (*effects, *hidden_by_data(problem, asked, effects)) if e.name in wanted]

@@ -401,13 +401,14 @@ class MissingPhysicsFinder(BaseEstimator):
         flagged = flagged_rows(problem, judged)
         self.next_test_ = None if mend or spoilt else plan_of(problem, judged.findings)
         entries = [with_kinds(effect_entry(f, whole, problem), f) for f in judged.findings]
+        decision = decided(problem, judged, entries, data, float(self.alpha))
         # what the data hid from the search, and what was found may be, is told there
-        told = {member["name"] for entry in entries for member in entry["members"]}
+        told = {member["name"] for entry in decision.entries for member in entry["members"]}
         content = content_of(
             whole,
             problem,
             judged,
-            decided(problem, judged, entries, data, float(self.alpha)),
+            decision,
             flagged,
             {} if mend else fit_entries(problem, whole, judged, forward, flagged, seed),
             data=data,
@@ -485,7 +486,7 @@ class MissingPhysicsFinder(BaseEstimator):
     ) -> Judgement:
         """Search among the effects, and the judgement on what it finds."""
         alpha, considered = float(self.alpha), effects_to_search(effects, events)
-        hidden = effects_to_search(hidden_by_data(problem, self.effects, data), events)
+        hidden = effects_to_search(hidden_by_data(problem, self.effects, effects), events)
 
         def judge_on(
             bench: Problem, candidates: Sequence[Effect]

@@ -245,22 +245,24 @@ def candidates(
 
 
 def hidden_by_data(
-    problem: Problem, wanted: str | Iterable[str | Effect], data: list[dict[str, Any]]
+    problem: Problem, wanted: str | Iterable[str | Effect], testable: Iterable[Effect]
 ) -> list[Effect]:
     """Effects that a valve may have, and a recording cannot speak for because of what is wrong with its data.
 
-    None of them can be found. But what was found may be one of them: they stand in its place all the same.
+    None of them is searched for. But what was found may be one of them: they stand in its place all the same.
 
     Parameters
     ----------
-    problem, wanted, data
+    problem, wanted
         As `candidates` takes them.
+    testable : iterable of Effect
+        Those that it gives.
 
     Returns
     -------
     hidden : list of Effect
     """
-    seen = {effect.key for effect in candidates(problem, wanted, data)[0]}
+    seen = {effect.key for effect in testable}
     return [effect for effect in candidates(problem, wanted, [])[0] if effect.key not in seen]
 
 

@@ -2,6 +2,7 @@
 """Long recordings: what is searched of them, and that what is found holds for all rows."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +14,8 @@ from sklvalve.mismatch.decide import rules, stretches
 from sklvalve.mismatch.decide.detect import Evidence, covariates_of
 from sklvalve.mismatch.decide.judgement import Judgement
 from sklvalve.mismatch.decide.stretches import STRETCH, over_the_whole, stretches_of
-from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.inference.hypothesis import Model, Term
+from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
 from sklvalve.mismatch.residual.stem_residual import StemResidual
 from sklvalve.mismatch.result.contents import flagged_rows
@@ -135,6 +137,38 @@ def test_rivals_and_what_comes_closest_are_simulated_in_the_whole(leaky):
 def test_too_few_rows_to_search_are_refused():
     with pytest.raises(ValueError, match="search_rows"):
         MissingPhysicsFinder(search_rows=100).fit(None)
+
+
+def test_all_rows_are_asked_again_of_what_was_found_and_left_too_much_over_and_of_nothing_else():
+    too_much = LeftOver("flow", 0.03, 0.01, 0.01, 50.0)
+    found = [SimpleNamespace(term=Term(BY_KEY["backlash"]))]
+
+    def asked(closest, findings=(), leaves=too_much):
+        judged = SimpleNamespace(closest=closest, findings=list(findings), closest_leaves=leaves)
+        return stretches._leaves_too_much(judged)
+
+    assert asked(found)
+    # nothing was found; slips of the stem have a name beside it; no rule was asked; it leaves what it may
+    assert not asked([])
+    assert not asked(found, findings=found)
+    assert not asked(found, leaves=None)
+    assert not asked(found, leaves=LeftOver("flow", 0.01, 0.01, 0.01, 50.0))
+
+
+def test_what_all_rows_uphold_is_simulated_without_what_the_search_held_beside_it():
+    stands, dropped = (Term(BY_KEY[key]) for key in ("backlash", "clogging"))
+    model = Model((stands, dropped), None, {}, {}, -100.0, {})
+    finding = Finding(stands, [Rival(stands, model, 1.0, 0.0)], 50.0, {"flow": 0.03})
+    judged = Judgement(
+        None, "none_of_these", 1e-5, [], None, model, model, closest=[finding], kept=True, why=("refused",)
+    )
+    again = stretches._as_found(judged)
+    assert again.verdict == "named"
+    assert again.findings == [finding]
+    assert again.model.terms == (stands,)
+    assert again.closest == []
+    assert not again.kept
+    assert again.why == ()
 
 
 @pytest.mark.slow
