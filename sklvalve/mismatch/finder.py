@@ -386,12 +386,11 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("calibrating", 0.05)
         judged = blocked(problem) if mend else self._judged(problem, ours, effects, data, seed)
         problem = judged.problem
-        judged, spoilt = suppressed(judged, data, problem.recording)
-        judged = replace(judged, rules=(*judged.rules, rules.data(mend or spoilt)))
+        judged, by_effect = suppressed(judged, data, problem.recording)
+        spoilt = mend or by_effect
+        judged = replace(judged, rules=(*judged.rules, rules.data(spoilt)))
         self._say("forecasting rows ahead", 0.82)
-        judged, forward = (
-            (judged, None) if mend or spoilt else refereed(problem, known_before(problem, judged))
-        )
+        judged, forward = (judged, None) if spoilt else refereed(problem, known_before(problem, judged))
         judged = judged if mend else dated(problem, judged, float(self.alpha))
         self.evidence_ = judged.evidence
         self._leading = [leading_term(finding) for finding in judged.findings]
@@ -399,11 +398,9 @@ class MissingPhysicsFinder(BaseEstimator):
         self.corrected_simulation_ = _simulation_of(problem, judged.model, judged.correction, external)
         self._say("proving on held-out rows", 0.85)
         flagged = flagged_rows(problem, judged)
-        self.next_test_ = None if mend or spoilt else plan_of(problem, judged.findings)
+        self.next_test_ = None if spoilt else plan_of(problem, judged.findings)
         entries = [with_kinds(effect_entry(f, whole, problem), f) for f in judged.findings]
         decision = decided(problem, judged, entries, data, float(self.alpha))
-        # what the data hid from the search, and what was found may be, is told there
-        told = {member["name"] for entry in decision.entries for member in entry["members"]}
         content = content_of(
             whole,
             problem,
@@ -412,10 +409,10 @@ class MissingPhysicsFinder(BaseEstimator):
             flagged,
             {} if mend else fit_entries(problem, whole, judged, forward, flagged, seed),
             data=data,
-            not_testable=[each for each in not_testable if each["name"] not in told],
+            not_testable=_not_tested(not_testable, decision.entries),
             alpha=float(self.alpha),
             random_state=seed,
-            mend=mend or spoilt,
+            mend=spoilt,
             plan=self.next_test_,
         )
         simulations = self.nominal_simulation_, self.corrected_simulation_
@@ -524,6 +521,12 @@ class MissingPhysicsFinder(BaseEstimator):
         if isinstance(self.random_state, Integral):
             return int(self.random_state)
         return int(check_random_state(self.random_state).randint(2**31 - 1))
+
+
+def _not_tested(not_testable: list[dict], entries: list[dict]) -> list[dict]:
+    """What was no candidate; an effect that data hide, and that what was found may be, stands with that."""
+    names = {each["name"] for entry in entries for each in entry["members"]}
+    return [each for each in not_testable if each["name"] not in names]
 
 
 def _simulation_of(

@@ -78,7 +78,7 @@ def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgeme
     judged : Judgement
     """
     if _leaves_too_much(judged):
-        upheld = _fitted_to_all(problem, _as_found(judged), alpha)
+        upheld = _fitted_to_all(problem, _before_the_rule(judged), alpha)
         left = left_over(upheld.problem, upheld.model, upheld.nominal)
         if left is not None and not left.too_much:
             return replace(upheld, rules=(*upheld.rules, noise(left.times, True)))
@@ -97,7 +97,7 @@ def _leaves_too_much(judged: Judgement) -> bool:
     return leaves.too_much and not imitates_any_time_profile(judged.closest)
 
 
-def _as_found(judged: Judgement) -> Judgement:
+def _before_the_rule(judged: Judgement) -> Judgement:
     """The judgement as it was before what is left over took the names."""
     first = judged.closest[0]
     model = next(r.model for r in first.rivals if r.term is first.term)

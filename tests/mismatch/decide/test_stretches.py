@@ -162,7 +162,7 @@ def test_what_all_rows_uphold_is_simulated_without_what_the_search_held_beside_i
     judged = Judgement(
         None, "none_of_these", 1e-5, [], None, model, model, closest=[finding], kept=True, why=("refused",)
     )
-    again = stretches._as_found(judged)
+    again = stretches._before_the_rule(judged)
     assert again.verdict == "named"
     assert again.findings == [finding]
     assert again.model.terms == (stands,)
