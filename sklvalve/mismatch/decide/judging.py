@@ -103,7 +103,7 @@ class Case:
                 channels=self.channels,
             )
             stands = unknown is not None and _stands(self.problem, fitted, unknown)
-            new = left_since(self.problem, fitted)
+            new = left_since(self.problem, fitted, self.channels)
             if self.problem.history is not None:
                 # what the healthy valve left over tells chance better than what can be learnt of this one
                 strong = None if new is None else new.effect_size

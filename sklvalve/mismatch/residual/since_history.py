@@ -70,7 +70,7 @@ class LeftSince:
         return {"size": self.size, "noise": self.noise, "allowed": self.allowed, "rows": self.rows}
 
 
-def left_since(problem: Problem, model: Model) -> LeftSince | None:
+def left_since(problem: Problem, model: Model, channels: tuple[str, ...] | None = None) -> LeftSince | None:
     r"""What a hypothesis leaves over beyond the history's noise, where it stands out most.
 
     The residual passes the filter that makes white noise of the history's. Then the mean of any L rows has a
@@ -95,6 +95,8 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
         With a history.
     model : Model
         Whose calibration is one that the history lets expect.
+    channels : tuple of str, default=None
+        Those that are looked at; all of them unless told.
 
     Returns
     -------
@@ -108,7 +110,7 @@ def left_since(problem: Problem, model: Model) -> LeftSince | None:
     # a search may have learnt the noise from this very residual
     problem = problem.with_noise_of(model, cautious=True)
     bare = problem.baseline(model, (), model) if model.terms else None
-    by_channel = [_in_channel(problem, history, model, bare, c) for c in problem.channels]
+    by_channel = [_in_channel(problem, history, model, bare, c) for c in channels or problem.channels]
     seen = [each for each in by_channel if each is not None]
     return max(seen, key=lambda left: left.effect_size, default=None)
 

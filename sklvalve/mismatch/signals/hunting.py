@@ -21,7 +21,7 @@ _QUIET = 0.02
 # less than this share of it
 _LEAST, _NOISES, _OF_COMMAND = 0.005, 2.5, 0.3
 # windows of a resting stem that tell the noise: so many of all that rest by their command
-_RESTING = 0.2
+_RESTING = 0.05
 # so many windows, and this share of those in which the command rests
 _EVIDENT, _OFTEN = 10, 0.05
 
