@@ -66,6 +66,17 @@ def test_what_has_no_equation_stands_out_in_blocks_of_its_own_length(
     assert 0.3 * size * np.std(shape(len(after))) < beyond < 1.5 * size * np.std(shape(len(after)))
 
 
+def test_a_signal_that_is_not_asked_says_nothing(learnt, after):
+    beaten = changed(after, flow=after["flow"] + 0.02 * np.nanmax(after["flow"]) * _beat(len(after)))
+    problem, nominal = calibrated(prepared_problem(beaten, None, None, history=learnt))
+    model = problem.least_squares(nominal)
+    assert left_since(problem, model).channel == "flow"
+    assert left_since(problem, model).effect_size > 4.0
+    of_stem = left_since(problem, model, ("opening",))
+    assert of_stem.channel == "opening"
+    assert of_stem.effect_size < 4.0
+
+
 def test_a_search_that_learnt_the_noise_from_the_residual_changes_nothing(learnt, after):
     wandered = changed(after, flow=after["flow"] + 0.02 * np.nanmax(after["flow"]) * _wander(len(after)))
     problem, nominal = calibrated(prepared_problem(wandered, None, None, history=learnt))

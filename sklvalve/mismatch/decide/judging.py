@@ -21,7 +21,7 @@ from sklvalve.mismatch.decide.detect import (
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, too_much_left
+from sklvalve.mismatch.decide.reasons import differs_too, exceeds_noise, not_upheld, too_much_left
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
@@ -109,6 +109,15 @@ class Case:
                 strong = None if new is None else new.effect_size
             self._residuals[model] = _Residual(unknown if stands else None, strong, new)
         return self._residuals[model]
+
+    def left_where_they_act(self, findings: Sequence[Finding], model: Model) -> LeftSince | None:
+        """What is left over since the history in the signals that some findings change.
+
+        What is left of another signal is something else that is missing.
+        """
+        touched = {c for f in findings for c in self.problem.channels_touched(f.term.effect)}
+        channels = tuple(c for c in self.channels or self.problem.channels if c in touched)
+        return left_since(self.problem, self.problem.least_squares(model), channels) if channels else None
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
         """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""
@@ -246,6 +255,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
         evidence=weighed.evidence,
         suspects=_suspects(case.explanation),
         why=(why,) if why else (),
+        also=_elsewhere(case, findings, model, weighed.evidence) if findings else "",
         rules=tuple(asked),
         left=None if findings else _of_none(case, weighed),
     )
@@ -259,14 +269,23 @@ def _of_fit(
     if not asked[-1].passed:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         return asked, not_upheld(findings)
-    new = case.residual_of(model).new
+    new = case.left_where_they_act(findings, model)
     if new is None:
         return asked, ""
-    # an imitation leaves over what healthy valves do not
+    # an imitation leaves over what healthy valves do not, in the signals that it is to explain
     asked.append(
         rules.history_noise(p_value_of_residual(replace(evidence, residual=new.effect_size)), case.alpha)
     )
     return asked, "" if asked[-1].passed else exceeds_noise(new, findings, case.problem)
+
+
+def _elsewhere(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> str:
+    """What differs from the history in a signal that no finding changes, in words; empty without."""
+    new = case.residual_of(model).new
+    if new is None or any(new.channel in case.problem.channels_touched(f.term.effect) for f in findings):
+        return ""
+    rare = _is_rare(case, replace(evidence, residual=new.effect_size))
+    return differs_too(new, case.problem) if rare else ""
 
 
 def _of_none(case: Case, weighed: _Weighed) -> LeftSince | None:

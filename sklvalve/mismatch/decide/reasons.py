@@ -49,6 +49,15 @@ def exceeds_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem
     )
 
 
+def differs_too(left: LeftSince, problem: Problem) -> str:
+    """The sentence on a signal that no finding changes, and that differs from the history."""
+    size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
+    return (
+        f"The {left.channel} differs from the history too, by {size} within about {left.rows} rows, where "
+        f"its noise comes to {allowed}: something else has changed, and no effect that was tried explains it."
+    )
+
+
 def in_recorded(problem: Problem, channel: str, share: float) -> str:
     """A share of a channel's span in words, in the unit in which it was recorded."""
     recording = problem.recording
@@ -79,7 +88,7 @@ def reasons_of(
         return [data_to_correct]
     compared = [] if judgement.referee is None else list(judgement.referee.reasons)
     if judgement.verdict not in _NAMELESS:
-        return [*doubts, *compared]
+        return [*doubts, *filter(None, [judgement.also]), *compared]
     reasons = [*judgement.why, *doubts]
     if judgement.strays is not None:
         reasons.append(judgement.strays.reason)

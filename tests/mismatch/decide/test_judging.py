@@ -9,6 +9,8 @@ import pytest
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import judging
+from sklvalve.mismatch.decide.detect import Evidence
+from sklvalve.mismatch.residual.since_history import LeftSince
 from sklvalve.mismatch.search.explain import Tried
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
@@ -141,3 +143,36 @@ def test_what_shows_in_a_signal_of_its_own(signals, coupled, alone):
     first, second = (SimpleNamespace(term=SimpleNamespace(effect=name)) for name in shown)
     problem = SimpleNamespace(coupled=coupled, channels_touched=shown.__getitem__)
     assert judging._shows_alone(problem, second, [first]) is alone
+
+
+LEFT = LeftSince("opening", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)
+
+
+@pytest.mark.parametrize(
+    ("touched", "asked"),
+    [(("flow",), ("flow",)), (("opening", "flow"), ("opening", "flow")), ((), None)],
+    ids=["one signal", "both", "none"],
+)
+def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(monkeypatch, touched, asked):
+    monkeypatch.setattr(judging, "left_since", lambda problem, model, channels: channels)
+    problem = SimpleNamespace(
+        channels=("opening", "flow"), channels_touched=lambda _: touched, least_squares=lambda model: model
+    )
+    case = judging.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0)
+    finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
+    assert case.left_where_they_act([finding], None) == asked
+
+
+@pytest.mark.parametrize(
+    ("touched", "rare", "says"),
+    [(("flow",), True, True), (("flow",), False, False), (("opening",), True, False)],
+    ids=["elsewhere", "by chance", "where it acts"],
+)
+def test_what_differs_in_another_signal_is_said_beside_a_name(monkeypatch, touched, rare, says):
+    monkeypatch.setattr(judging, "_is_rare", lambda case, evidence: rare and evidence.residual == 5.0)
+    monkeypatch.setattr(judging, "differs_too", lambda left, problem: f"The {left.channel} differs too.")
+    problem = SimpleNamespace(channels_touched=lambda _: touched)
+    case = SimpleNamespace(problem=problem, residual_of=lambda model: SimpleNamespace(new=LEFT))
+    finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
+    words = judging._elsewhere(case, [finding], None, Evidence(0.0, 0.0, 1.0, None))
+    assert words == ("The opening differs too." if says else "")

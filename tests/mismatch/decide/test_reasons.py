@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.decide.judgement import Judgement
-from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, reasons_of, too_much_left
+from sklvalve.mismatch.decide.reasons import differs_too, exceeds_noise, not_upheld, reasons_of, too_much_left
 from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
 from sklvalve.mismatch.residual.since_history import LeftSince
@@ -67,6 +67,14 @@ def test_what_findings_leave_over_is_said_in_the_signals_own_unit():
         "With backlash the simulation's flow is still off by 1.5 m3/h within about 16 rows"
     )
     assert "noise and the errors of such a simulation come to 0.5 m3/h" in words
+
+
+def test_what_differs_beside_a_name_is_said_with_its_size():
+    left = LeftSince("flow", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)
+    words = differs_too(left, BENCH)
+    assert words.startswith("The flow differs from the history too, by 1.5 m3/h within about 16 rows")
+    assert "its noise comes to 0.5 m3/h" in words
+    assert reasons_of(_judged("named", also=words), None, BENCH) == [words]
 
 
 def test_moments_a_rest_and_a_change_are_reasons():

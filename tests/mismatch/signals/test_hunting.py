@@ -56,6 +56,17 @@ def test_many_windows_of_a_long_recording_are_few():
     assert not hunting.evident
 
 
+def test_a_quick_cycle_does_not_hide_behind_its_own_bends():
+    # six rows a cycle in nine windows of ten: bends of the series, and most windows, show no sensor
+    hunts = ROWS >= 120
+    hunting = find_hunting(REST, REST + np.where(hunts, swings(0.02, period=6.0), 0.0) + SENSOR)
+    assert hunting.rows.tolist() == list(range(120, 1200, 20))
+    assert hunting.evident
+    # white noise of the same size in as many rows is a sensor's
+    noisy = 0.02 / np.sqrt(2.0) * np.random.default_rng(5).standard_normal(1200)
+    assert not find_hunting(REST, REST + noisy + SENSOR).evident
+
+
 def test_windows_with_a_gap_are_left_out():
     opening = REST + swings(0.02)
     opening[45] = np.nan
