@@ -28,9 +28,8 @@ from sklvalve.watch.trend import Trend
 
 # share of the commissioning days that the simulation is calibrated on; the others are the reference
 _LEARNT = 0.5
-# days diagnosed when a valve calls: so many of those last seen, or more until their rows are as many as
-# those of the recordings by which the rates of a diagnosis are known
-_DIAGNOSED, _ENOUGH = 2, 3600
+# days that are diagnosed when a valve calls: those last seen
+_DIAGNOSED = 2
 
 
 @dataclass(frozen=True)
@@ -279,10 +278,10 @@ class _Run:
         self, days: Sequence[dt.date], history: ValveHistory, files: dict[dt.date, DayFiles]
     ) -> tuple[dict, str]:
         """Diagnosis of the last days of a change, against the history; and where its report lies."""
-        read = self._last_rows(days, files)
-        if not read:
+        read = [self._rows_of(files[day])[0] for day in days[-_DIAGNOSED:] if day in files]
+        if not any(each is not None for each in read):
             raise InputError(f"the rows of {days[-1]}, from which on it calls, are gone; put them back")
-        rows = join_recordings(read)
+        rows = join_recordings([each for each in read if each is not None])
         finder = MissingPhysicsFinder(n_jobs=1, random_state=self.seed, history=history).fit(rows)
         folder = self.store.reports(self.watched.tag, days[-1])
         folder.mkdir(parents=True, exist_ok=True)
@@ -290,17 +289,6 @@ class _Run:
         finder.diagnosis_.save(folder / "diagnosis.zip")
         place = (folder / "report.html").relative_to(self.store.folder)
         return finder.diagnosis_.to_dict(), place.as_posix()
-
-    def _last_rows(self, days: Sequence[dt.date], files: dict[dt.date, DayFiles]) -> list[Recording]:
-        """Rows of the days last seen, in their order."""
-        read: list[Recording] = []
-        for looked_at, day in enumerate(reversed(days)):
-            if looked_at >= _DIAGNOSED and sum(map(len, read)) >= _ENOUGH:
-                break
-            rows = self._rows_of(files[day])[0] if day in files else None
-            if rows is not None:
-                read.insert(0, rows)
-        return read
 
     def _ends(self, state: str) -> Watch:
         return Watch(self.watched.tag, state, tuple(self.said), self.read)

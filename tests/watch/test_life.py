@@ -414,23 +414,3 @@ def test_a_folder_of_something_else_is_no_state(data, tmp_path):
     (tmp_path / "state" / "watch.json").write_text("{")
     with pytest.raises(InputError, match="no JSON"):
         data.run()
-
-
-@pytest.mark.parametrize(
-    ("rows", "many"), [(86_400, 2), (1_800, 2), (900, 4), (300, 6)], ids=["full", "half", "short", "few"]
-)
-def test_short_days_are_diagnosed_together(rows, many):
-    run = module._Run.__new__(module._Run)
-    run._rows_of = lambda day: (np.full(rows, day), "")
-    days = [dt.date(2026, 3, k) for k in range(1, 7)]
-    read = run._last_rows(days, {day: day.day for day in days})
-    assert [int(each[0]) for each in read] == [day.day for day in days[-many:]]
-
-
-def test_a_day_whose_rows_are_gone_is_none_of_those_that_are_diagnosed():
-    run = module._Run.__new__(module._Run)
-    run._rows_of = lambda day: (None, "gone") if day == 5 else (np.full(900, day), "")
-    days = [dt.date(2026, 3, k) for k in range(1, 7)]
-    # the file of the fourth is gone, that of the fifth has no rows
-    read = run._last_rows(days, {day: day.day for day in days if day.day != 4})
-    assert [int(each[0]) for each in read] == [1, 2, 3, 6]
