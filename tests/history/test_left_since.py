@@ -75,6 +75,7 @@ def test_a_signal_that_is_not_asked_says_nothing(learnt, after):
     of_stem = left_since(problem, model, ("opening",))
     assert of_stem.channel == "opening"
     assert of_stem.effect_size < 4.0
+    assert left_since(problem, model, ()) is None
 
 
 def test_a_search_that_learnt_the_noise_from_the_residual_changes_nothing(learnt, after):

@@ -71,8 +71,8 @@ class Judgement:
         The same where it is one of the last rows, which were judged by themselves.
     why : tuple of str
         Checks that stopped a name, in words.
-    also : str
-        What differs from the history in a signal that no finding changes, in words.
+    also : LeftSince or None
+        What differs from the history in a signal that no finding of the search changes.
     comparison : Comparison
         All hypotheses that were compared.
     rules : tuple of Rule
@@ -101,7 +101,7 @@ class Judgement:
     change: Change | None = None
     event: Change | None = None
     why: tuple[str, ...] = ()
-    also: str = ""
+    also: LeftSince | None = None
     comparison: Comparison = EMPTY
     rules: tuple[Rule, ...] = ()
 

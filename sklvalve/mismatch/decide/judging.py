@@ -21,7 +21,7 @@ from sklvalve.mismatch.decide.detect import (
     p_value_of_what_counts,
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.reasons import differs_too, exceeds_noise, not_upheld, too_much_left
+from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, too_much_left
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
@@ -115,9 +115,12 @@ class Case:
 
         What is left of another signal is something else that is missing.
         """
+        if self.problem.history is None:
+            return None
         touched = {c for f in findings for c in self.problem.channels_touched(f.term.effect)}
-        channels = tuple(c for c in self.channels or self.problem.channels if c in touched)
-        return left_since(self.problem, self.problem.least_squares(model), channels) if channels else None
+        asked = self.problem.channels if self.channels is None else self.channels
+        asked = tuple(c for c in asked if c in touched)
+        return left_since(self.problem, self.problem.least_squares(model), asked)
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
         """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""
@@ -255,7 +258,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
         evidence=weighed.evidence,
         suspects=_suspects(case.explanation),
         why=(why,) if why else (),
-        also=_elsewhere(case, findings, model, weighed.evidence) if findings else "",
+        also=_elsewhere(case, findings, model, weighed.evidence) if findings else None,
         rules=tuple(asked),
         left=None if findings else _of_none(case, weighed),
     )
@@ -279,13 +282,12 @@ def _of_fit(
     return asked, "" if asked[-1].passed else exceeds_noise(new, findings, case.problem)
 
 
-def _elsewhere(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> str:
-    """What differs from the history in a signal that no finding changes, in words; empty without."""
+def _elsewhere(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> LeftSince | None:
+    """What differs from the history in a signal that no finding changes."""
     new = case.residual_of(model).new
     if new is None or any(new.channel in case.problem.channels_touched(f.term.effect) for f in findings):
-        return ""
-    rare = _is_rare(case, replace(evidence, residual=new.effect_size))
-    return differs_too(new, case.problem) if rare else ""
+        return None
+    return new if _is_rare(case, replace(evidence, residual=new.effect_size)) else None
 
 
 def _of_none(case: Case, weighed: _Weighed) -> LeftSince | None:

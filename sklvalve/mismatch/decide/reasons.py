@@ -49,13 +49,17 @@ def exceeds_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem
     )
 
 
-def differs_too(left: LeftSince, problem: Problem) -> str:
-    """The sentence on a signal that no finding changes, and that differs from the history."""
+def differs_too(judgement: Judgement, problem: Problem) -> list[str]:
+    """The sentence on a signal that nothing named changes, and that differs from the history; else none."""
+    left = judgement.also
+    touched = {c for f in judgement.findings for c in problem.channels_touched(f.term.effect)}
+    if left is None or left.channel in touched:
+        return []
     size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
-    return (
+    return [
         f"The {left.channel} differs from the history too, by {size} within about {left.rows} rows, where "
-        f"its noise comes to {allowed}: something else has changed, and no effect that was tried explains it."
-    )
+        f"its noise comes to {allowed}: something else has changed, and nothing that is named explains it."
+    ]
 
 
 def in_recorded(problem: Problem, channel: str, share: float) -> str:
@@ -88,7 +92,7 @@ def reasons_of(
         return [data_to_correct]
     compared = [] if judgement.referee is None else list(judgement.referee.reasons)
     if judgement.verdict not in _NAMELESS:
-        return [*doubts, *filter(None, [judgement.also]), *compared]
+        return [*doubts, *differs_too(judgement, problem), *compared]
     reasons = [*judgement.why, *doubts]
     if judgement.strays is not None:
         reasons.append(judgement.strays.reason)

@@ -68,6 +68,8 @@ def _without_spoilt(judgement: Judgement, spoilt: set[str]) -> Judgement:
     left = judgement.left if judgement.unknown is None else None
     if left is not None and left.channel in spoilt:
         judgement = replace(judgement, left=None, closest=[])
+    if judgement.also is not None and judgement.also.channel in spoilt:
+        judgement = replace(judgement, also=None)
     if judgement.pulses is not None and "flow" in spoilt:
         judgement = replace(judgement, pulses=None)
     return judgement

@@ -109,8 +109,9 @@ def left_since(problem: Problem, model: Model, channels: tuple[str, ...] | None 
         return None
     # a search may have learnt the noise from this very residual
     problem = problem.with_noise_of(model, cautious=True)
+    channels = problem.channels if channels is None else channels
     bare = problem.baseline(model, (), model) if model.terms else None
-    by_channel = [_in_channel(problem, history, model, bare, c) for c in channels or problem.channels]
+    by_channel = [_in_channel(problem, history, model, bare, c) for c in channels]
     seen = [each for each in by_channel if each is not None]
     return max(seen, key=lambda left: left.effect_size, default=None)
 

@@ -20,7 +20,7 @@ _QUIET = 0.02
 # the stem hunts that deviates by more than this [1], by so many times the sensor's noise, and its command by
 # less than this share of it
 _LEAST, _NOISES, _OF_COMMAND = 0.005, 2.5, 0.3
-# windows of a resting stem that tell the noise: so many of all that rest by their command
+# windows of a resting stem that tell the noise: so many of those in which the sensor is free to show it
 _RESTING = 0.05
 # so many windows, and this share of those in which the command rests
 _EVIDENT, _OFTEN = 10, 0.05
@@ -59,10 +59,11 @@ def find_hunting(command: ArrayLike, opening: ArrayLike) -> Hunting:
 
     with s the standard deviations of opening and command about their straight lines in a window of 20 rows.
     In a window the command, and in the one before it, moves by less than 2 % of travel. The noise
-    :math:`\sigma` is the lesser of what the bends of the whole series say of it and of s in the quieter
-    windows; a sensor that turns noisy for a while is taken for a stem that hunts. A positioner that works
-    against friction at rest or play makes such a cycle; so does one that is tuned too sharply, which is no
-    effect of the catalogue.
+    :math:`\sigma` is the lesser of what the bends of the whole series say of it and of s in the quietest
+    twentieth of the windows, without those that hold one value or are cut off at the end of the range; a
+    sensor that turns noisy for a while is taken for a stem that hunts. A positioner that works against
+    friction at rest or play makes such a cycle; so does one that is tuned too sharply, which is no effect of
+    the catalogue.
 
     Parameters
     ----------
@@ -89,13 +90,21 @@ def find_hunting(command: ArrayLike, opening: ArrayLike) -> Hunting:
     moved = np.ptp(u, axis=1)
     quiet = (moved < _QUIET) & (np.r_[0.0, moved[:-1]] < _QUIET)
     of_stem, of_command = _about_their_line(x), _about_their_line(u)
-    resting = of_stem[quiet & np.isfinite(of_stem)]
-    if not len(resting):
+    resting = quiet & np.isfinite(of_stem)
+    telling = resting & _shows_noise(x)
+    if not telling.any():
         return Hunting(np.zeros(0, dtype=int), np.zeros(0))
-    noise = min(sensor_noise(x.ravel()), float(np.quantile(resting, _RESTING)))
+    noise = min(sensor_noise(x.ravel()), float(np.quantile(of_stem[telling], _RESTING)))
     # comparisons with NaN are false
     hunts = quiet & (of_stem > max(_LEAST, _NOISES * noise)) & (of_command < _OF_COMMAND * of_stem)
-    return Hunting(np.flatnonzero(hunts) * _WINDOW, of_stem[hunts], len(resting))
+    return Hunting(np.flatnonzero(hunts) * _WINDOW, of_stem[hunts], int(resting.sum()))
+
+
+def _shows_noise(windows: np.ndarray) -> np.ndarray:
+    """Windows that neither hold one value nor are cut off at the lowest or highest reading of the series."""
+    ends = (np.nanmin(windows), np.nanmax(windows)) if np.isfinite(windows).any() else ()
+    at_an_end = np.isin(windows, ends).sum(axis=1) > 1
+    return (np.ptp(windows, axis=1) > 0.0) & ~at_an_end
 
 
 def _windows(series: np.ndarray) -> np.ndarray:

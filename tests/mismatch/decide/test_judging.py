@@ -149,30 +149,42 @@ LEFT = LeftSince("opening", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0
 
 
 @pytest.mark.parametrize(
-    ("touched", "asked"),
-    [(("flow",), ("flow",)), (("opening", "flow"), ("opening", "flow")), ((), None)],
-    ids=["one signal", "both", "none"],
+    ("touched", "channels", "asked"),
+    [
+        (("flow",), None, ("flow",)),
+        (("opening", "flow"), None, ("opening", "flow")),
+        (("opening", "flow"), ("flow",), ("flow",)),
+        (("opening",), ("flow",), ()),
+        (("opening",), (), ()),
+    ],
+    ids=["one signal", "both", "beside events", "none beside events", "without flow"],
 )
-def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(monkeypatch, touched, asked):
+def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
+    monkeypatch, touched, channels, asked
+):
     monkeypatch.setattr(judging, "left_since", lambda problem, model, channels: channels)
     problem = SimpleNamespace(
-        channels=("opening", "flow"), channels_touched=lambda _: touched, least_squares=lambda model: model
+        channels=("opening", "flow"),
+        channels_touched=lambda _: touched,
+        least_squares=lambda model: model,
+        history="learnt",
     )
-    case = judging.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0)
+    case = judging.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0, channels)
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
     assert case.left_where_they_act([finding], None) == asked
+    problem.history = None
+    assert case.left_where_they_act([finding], None) is None
 
 
 @pytest.mark.parametrize(
-    ("touched", "rare", "says"),
+    ("touched", "rare", "kept"),
     [(("flow",), True, True), (("flow",), False, False), (("opening",), True, False)],
     ids=["elsewhere", "by chance", "where it acts"],
 )
-def test_what_differs_in_another_signal_is_said_beside_a_name(monkeypatch, touched, rare, says):
+def test_what_differs_in_another_signal_is_kept_beside_a_name(monkeypatch, touched, rare, kept):
     monkeypatch.setattr(judging, "_is_rare", lambda case, evidence: rare and evidence.residual == 5.0)
-    monkeypatch.setattr(judging, "differs_too", lambda left, problem: f"The {left.channel} differs too.")
     problem = SimpleNamespace(channels_touched=lambda _: touched)
     case = SimpleNamespace(problem=problem, residual_of=lambda model: SimpleNamespace(new=LEFT))
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
-    words = judging._elsewhere(case, [finding], None, Evidence(0.0, 0.0, 1.0, None))
-    assert words == ("The opening differs too." if says else "")
+    new = judging._elsewhere(case, [finding], None, Evidence(0.0, 0.0, 1.0, None))
+    assert new is (LEFT if kept else None)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.decide.judgement import Judgement
-from sklvalve.mismatch.decide.reasons import differs_too, exceeds_noise, not_upheld, reasons_of, too_much_left
+from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, reasons_of, too_much_left
 from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
 from sklvalve.mismatch.residual.since_history import LeftSince
@@ -69,12 +69,19 @@ def test_what_findings_leave_over_is_said_in_the_signals_own_unit():
     assert "noise and the errors of such a simulation come to 0.5 m3/h" in words
 
 
-def test_what_differs_beside_a_name_is_said_with_its_size():
+@pytest.mark.parametrize("signals", [("opening",), ("opening", "flow")], ids=["another", "the same"])
+def test_what_differs_beside_a_name_is_said_with_its_size(signals):
     left = LeftSince("flow", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)
-    words = differs_too(left, BENCH)
-    assert words.startswith("The flow differs from the history too, by 1.5 m3/h within about 16 rows")
-    assert "its noise comes to 0.5 m3/h" in words
-    assert reasons_of(_judged("named", also=words), None, BENCH) == [words]
+    bench = SimpleNamespace(**vars(BENCH), channels_touched=lambda effect: signals)
+    stem = SimpleNamespace(term=SimpleNamespace(effect="dead_time"))
+    judged = _judged("named", findings=[stem], also=left)
+    said = reasons_of(judged, None, bench)
+    assert len(said) == ("flow" not in signals)
+    for words in said:
+        assert words.startswith("The flow differs from the history too, by 1.5 m3/h within about 16 rows")
+        assert "its noise comes to 0.5 m3/h" in words
+    # a name that is taken back takes it along
+    assert not any("too" in words for words in reasons_of(_judged("cannot_tell", also=left), None, bench))
 
 
 def test_moments_a_rest_and_a_change_are_reasons():

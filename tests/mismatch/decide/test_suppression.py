@@ -83,6 +83,14 @@ def test_name_stays_where_the_rest_goes():
     )
 
 
+@pytest.mark.parametrize("channel", ["flow", "opening"])
+def test_what_differs_beside_a_name_goes_where_a_historian_may_have_made_it(channel):
+    named = replace(judged("named"), also=SimpleNamespace(channel=channel))
+    kept, _ = suppressed(named, [finding("compressed", "flow")], HELD)
+    assert kept.verdict == "named"
+    assert (kept.also is None) is (channel == "flow")
+
+
 @pytest.mark.slow
 def test_flow_redrawn_by_lines_is_no_unknown_effect():
     made = make_valve_recording(random_state=71057, loop="closed", n_samples=2880, n_later=0)

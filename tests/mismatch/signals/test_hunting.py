@@ -67,6 +67,27 @@ def test_a_quick_cycle_does_not_hide_behind_its_own_bends():
     assert not find_hunting(REST, REST + noisy + SENSOR).evident
 
 
+@pytest.mark.parametrize("noise", [0.006, 0.009])
+@pytest.mark.parametrize("value", [0.0, 1.0, 0.2], ids=["shut", "open", "held"])
+def test_a_stem_at_a_stop_or_a_held_value_tells_nothing_of_the_sensor(noise, value):
+    # two visits of 75 rows; elsewhere white noise, in windows of which one in twenty is quieter by chance
+    opening = REST + noise * np.random.default_rng(8).standard_normal(1200)
+    for begin in (200, 700):
+        opening[begin : begin + 75] = value
+    assert not find_hunting(REST, opening).evident
+
+
+def test_readings_cut_off_at_the_end_of_the_range_tell_nothing_of_the_sensor():
+    # a nearly closed valve in a sixth of the rows
+    sensor = 0.008 * np.random.default_rng(8).standard_normal(1200)
+    opening = np.clip(np.where(ROWS % 600 < 100, -0.012, 0.4) + sensor, 0.0, 1.0)
+    assert not find_hunting(REST, opening).evident
+
+
+def test_without_a_window_that_tells_the_noise_nothing_hunts():
+    assert not find_hunting(REST, np.zeros(1200)).evident
+
+
 def test_windows_with_a_gap_are_left_out():
     opening = REST + swings(0.02)
     opening[45] = np.nan
