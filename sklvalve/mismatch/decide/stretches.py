@@ -61,9 +61,9 @@ def stretches_of(recording: Recording, most: int | None) -> Recording:
 def over_the_whole(problem: Problem, judged: Judgement, alpha: float) -> Judgement:
     """A judgement made on stretches, with its simulations fitted to every row.
 
-    Names, classes, and the test for any mismatch stay those of the stretches; parameters, their intervals,
-    onsets and what is learnt of an unknown effect's worth are of the whole. So is whether what was found
-    leaves too much over to be named.
+    Names, classes, the test for any mismatch, and what differs beside a name stay those of the stretches;
+    parameters, their intervals, onsets and what is learnt of an unknown effect's worth are of the whole. So
+    is whether what was found leaves too much over to be named.
 
     Parameters
     ----------
