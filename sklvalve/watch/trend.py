@@ -53,10 +53,9 @@ class Trend:
     onset: NDArray
     which: NDArray
 
-    def call(self, limit: float) -> int | None:
-        """Number of the first day on which the evidence reaches a limit; None where it never does."""
-        reached = np.flatnonzero(self.evidence >= limit)
-        return int(reached[0]) if len(reached) else None
+    def reached(self, limit: float) -> list[int]:
+        """Numbers of the days on which the evidence reaches a limit."""
+        return np.flatnonzero(self.evidence >= limit).tolist()
 
     def leading(self, day: int) -> tuple[str, str, dt.date]:
         """Key of the effect with most of the evidence on a day, the shape of its change and its onset."""

@@ -205,7 +205,10 @@ class _Run:
         history: ValveHistory,
         files: dict[dt.date, DayFiles],
     ) -> Watch:
-        """Whether the valve calls; a new call is diagnosed and kept."""
+        """Whether the valve calls; a new call is diagnosed and kept.
+
+        A day that cannot be diagnosed, as one outside the history's range, leaves its turn to the next one.
+        """
         standing = standing_of(self.watched.tag, self.store, self.epoch, records)
         if standing.calls:
             return self._looked_at_again(standing, history, files)
@@ -218,12 +221,18 @@ class _Run:
                 f"Only {trend.reference} days of its commissioning can be used; {FEWEST} are needed."
             )
             return self._ends("cannot tell")
-        day = trend.call(self.limit)
-        if day is None:
-            return self._ends("sound")
-        self.store.save_finding(self._called(trend, day, history, files))
-        # where nothing is missing the valve works in another way since, and is watched on from there
-        return self._judged(records, history, files)
+        why: list[str] = []
+        for day in trend.reached(self.limit):
+            try:
+                finding = self._called(trend, day, history, files)
+            except InputError as error:
+                why.append(f"{trend.days[day]}: {error}")
+                continue
+            self.store.save_finding(finding)
+            # where nothing is missing the valve works in another way since, and is watched on from there
+            return self._judged(records, history, files)
+        self.said += why[:1]
+        return self._ends("cannot tell" if why else "sound")
 
     def _looked_at_again(
         self, standing: Standing, history: ValveHistory, files: dict[dt.date, DayFiles]

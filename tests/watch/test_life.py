@@ -311,6 +311,28 @@ def test_a_look_whose_rows_are_gone_is_made_on_the_next_day_that_has_some(data, 
     assert data.run().state == "calls"
 
 
+def test_a_call_that_cannot_be_diagnosed_is_made_on_the_next_day_that_can(data, monkeypatch):
+    refused = set()
+
+    def fit(finder, recording):
+        if recording.source.split()[-1] in refused:
+            raise InputError("the opening is nowhere where the history has been")
+        return finder
+
+    monkeypatch.setattr(module.MissingPhysicsFinder, "fit", fit)
+    for k in range(20):
+        data.put(k)
+    days = [data.put(k, shift=8.0) for k in range(20, 32)]
+    refused.update(map(str, days))
+    told = data.run()
+    assert told.state == "cannot tell"
+    assert [said for said in told.said if "nowhere where the history has been" in said] == [told.said[-1]]
+    refused.remove(str(days[-1]))
+    assert data.run().state == "calls"
+    [finding] = module.Store(data.root / "state").findings("FV-1")
+    assert finding.called == str(days[-1])
+
+
 def test_a_call_whose_reference_days_come_again_empty_is_still_a_call(data, monkeypatch):
     unnamed(data, monkeypatch)
     for k in range(5, 10):
