@@ -386,8 +386,8 @@ class MissingPhysicsFinder(BaseEstimator):
         self._say("calibrating", 0.05)
         judged = blocked(problem) if mend else self._judged(problem, ours, effects, data, seed)
         problem = judged.problem
-        judged, by_effect = suppressed(judged, data, problem.recording)
-        spoilt = mend or by_effect
+        judged, by_data = suppressed(judged, data, problem.recording)
+        spoilt = mend or by_data
         judged = replace(judged, rules=(*judged.rules, rules.data(spoilt)))
         self._say("forecasting rows ahead", 0.82)
         judged, forward = (judged, None) if spoilt else refereed(problem, known_before(problem, judged))

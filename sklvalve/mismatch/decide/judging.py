@@ -52,8 +52,12 @@ _BESIDE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class _Residual:
-    """What a model leaves over: what follows from something, how strong, and what is new since a history."""
+    """What a model leaves over: what follows from something, how strong, and what is new since a history.
 
+    `fitted` is the model for the least error itself, of which it is left.
+    """
+
+    fitted: Model
     unknown: Unknown | None
     strong: float | None
     new: LeftSince | None
@@ -107,7 +111,7 @@ class Case:
             if self.problem.history is not None:
                 # what the healthy valve left over tells chance better than what can be learnt of this one
                 strong = None if new is None else new.effect_size
-            self._residuals[model] = _Residual(unknown if stands else None, strong, new)
+            self._residuals[model] = _Residual(fitted, unknown if stands else None, strong, new)
         return self._residuals[model]
 
     def left_where_they_act(self, findings: Sequence[Finding], model: Model) -> LeftSince | None:
@@ -115,12 +119,10 @@ class Case:
 
         What is left of another signal is something else that is missing.
         """
-        if self.problem.history is None:
-            return None
         touched = {c for f in findings for c in self.problem.channels_touched(f.term.effect)}
         asked = self.problem.channels if self.channels is None else self.channels
         asked = tuple(c for c in asked if c in touched)
-        return left_since(self.problem, self.problem.least_squares(model), asked)
+        return left_since(self.problem, self.residual_of(model).fitted, asked)
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
         """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""

@@ -162,12 +162,12 @@ LEFT = LeftSince("opening", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0
 def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
     monkeypatch, touched, channels, asked
 ):
-    monkeypatch.setattr(judging, "left_since", lambda problem, model, channels: channels)
+    monkeypatch.setattr(
+        judging, "left_since", lambda problem, model, channels: channels if problem.history else None
+    )
+    monkeypatch.setattr(judging.Case, "residual_of", lambda case, model: SimpleNamespace(fitted=model))
     problem = SimpleNamespace(
-        channels=("opening", "flow"),
-        channels_touched=lambda _: touched,
-        least_squares=lambda model: model,
-        history="learnt",
+        channels=("opening", "flow"), channels_touched=lambda _: touched, history="learnt"
     )
     case = judging.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0, channels)
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
