@@ -2,10 +2,13 @@
 """The same machine on arrays of another library, where they lie: on a GPU for one.
 
 Whatever follows the array API will do, scikit-learn's `array_api_dispatch` switched on. The equations are
-solved by one factorisation in the memory of the device, and once more for what is left of them.
+solved by one factorisation in the memory of the device, and once more for what is left of them. It must hold
+the kernel matrix and its factor, and nothing else of that size.
 """
 
 import warnings
+from contextlib import contextmanager
+from functools import partial
 
 import numpy as np
 from scipy.linalg import LinAlgWarning
@@ -56,6 +59,8 @@ def fitted(estimator, X, y, sample_weight):
     ------
     ValueError
         If the kernel is a callable, an option needs rows in numpy arrays, or the data are not finite.
+    MemoryError
+        If the memory of the device does not hold the kernel matrix and its factor.
     """
     # only newer releases of scikit-learn have these, and numpy arrays do not need them
     from sklearn.utils._array_api import _max_precision_float_dtype, move_to
@@ -79,8 +84,10 @@ def fitted(estimator, X, y, sample_weight):
     X, targets, weight = (xp.take(column, kept, axis=0) for column in (X, targets, weight))
     estimator._begin_anew(lambda: [_moments(xp, X, weight)])
     estimator._seen_ = estimator._spread_ = estimator.X_fit_ = None
-    gram = xp.take(X, kept, axis=1) if estimator.kernel == "precomputed" else _own_kernel(estimator, xp, X)
-    alpha, b, residual = _solved(xp, gram, targets, 1.0 / (estimator.C * weight), estimator)
+    with _memory_in_words(X.shape[0], xp.finfo(X.dtype).bits // 8):
+        given = estimator.kernel == "precomputed"
+        gram = xp.take(X, kept, axis=1) if given else _own_kernel(estimator, xp, X)
+        alpha, b, residual = _solved(xp, gram, targets, 1.0 / (estimator.C * weight), estimator)
     if estimator.kernel == "precomputed":
         here = xp.arange(all_rows.shape[0], device=X.device)[:, None] == kept[None, :]
         alpha = xp.astype(here, alpha.dtype) @ alpha
@@ -99,9 +106,9 @@ def predicted(estimator, X):
     X = validate_data(estimator, X, dtype=(xp.float64, xp.float32), reset=False)
     alpha = estimator.dual_coef_
     X, alpha = xp.astype(X, alpha.dtype, copy=False), xp.reshape(alpha, (alpha.shape[0], -1))
-    step, parts = max(1, _BLOCK // alpha.shape[0]), []
-    for start in range(0, X.shape[0], step):
-        values = X[start : min(start + step, X.shape[0]), :]
+    parts = []
+    for block in _blocks(X.shape[0], alpha.shape[0]):
+        values = X[block, :]
         if estimator._kernel_["kernel"] != "precomputed":
             values = _kernel(estimator, xp, values, estimator._right_)
         parts.append(values @ alpha + estimator.intercept_)
@@ -110,6 +117,27 @@ def predicted(estimator, X):
     if bool(xp.any(overflown)):
         raise_of_overflow(int(xp.count_nonzero(overflown)))
     return found[:, 0] if estimator.dual_coef_.ndim == 1 else found
+
+
+@contextmanager
+def _memory_in_words(rows, itemsize):
+    """Says in a sentence what a fit of so many rows needs where the device has too little memory."""
+    try:
+        yield
+    except (RuntimeError, MemoryError) as error:
+        if "OutOfMemory" not in type(error).__name__:
+            raise
+        raise MemoryError(
+            f"An exact fit of {rows} rows needs some {2.0 * itemsize * rows**2 / 2**30:.3g} GiB where the "
+            "arrays lie, for the kernel matrix and its factor; give fewer rows, or numpy arrays, which need "
+            "no matrix."
+        ) from error
+
+
+def _blocks(rows, columns):
+    """Slices of the rows of a matrix, none with more numbers than a block holds."""
+    step = max(1, _BLOCK // columns)
+    return [slice(start, min(start + step, rows)) for start in range(0, rows, step)]
 
 
 def _own_kernel(estimator, xp, X):
@@ -121,7 +149,19 @@ def _own_kernel(estimator, xp, X):
         squares = xp.sum(rows * rows, axis=1)[:, None]
         rows = xp.concat([rows, xp.ones_like(squares), -gamma * squares], axis=1)
     estimator._right_ = rows
-    return _kernel(estimator, xp, X, rows)
+    return _matrix(xp, X, lambda some: _kernel(estimator, xp, some, rows))
+
+
+def _matrix(xp, X, kernel):
+    """Kernel values of all rows with all, in blocks; written where they will lie, if the library can."""
+    n = X.shape[0]
+    gram = xp.empty((n, n), dtype=X.dtype, device=X.device)
+    try:
+        for block in _blocks(n, n):
+            gram[block, :] = kernel(X[block, :])
+    except TypeError:  # arrays that cannot be changed
+        return xp.concat([kernel(X[block, :]) for block in _blocks(n, n)])
+    return gram
 
 
 def _moved(estimator, xp, X):
@@ -155,14 +195,15 @@ def _kernel(estimator, xp, X, right):
 def _solved(xp, gram, y, ridge, estimator):
     """Dual weights, biases, and the worst residual relative to the target."""
     n = y.shape[0]
-    diagonal = xp.eye(n, dtype=gram.dtype, device=gram.device) * ridge[:, None]
-    matrix, free = gram + diagonal, estimator.bias == "free"
+    matrix, free = _with_ridge(xp, gram, ridge), estimator.bias == "free"
     shift = xp.mean(y, axis=0) if free else xp.zeros_like(y[0, :])
     right = xp.concat([y - shift, xp.ones_like(y[:, :1])], axis=1)
     try:
         solve = _solver_of(xp, matrix)
         x = solve(right)
     except (RuntimeError, np.linalg.LinAlgError) as error:
+        if "LinAlg" not in type(error).__name__:  # torch's own derives from RuntimeError
+            raise
         raise ValueError(
             "The kernel matrix plus 1/C on its diagonal is not positive definite: it is no kernel, or C is "
             "too large for it; lower C, or fit numpy arrays, which takes the least-squares solution."
@@ -194,12 +235,36 @@ def _solved(xp, gram, y, ridge, estimator):
     return alpha - ones * b, b + shift, worst
 
 
+def _with_ridge(xp, gram, ridge):
+    """The matrix with a ridge on its diagonal; it is changed where it lies, if the library can."""
+    flat = xp.reshape(gram, (-1,))
+    try:
+        flat[:: gram.shape[0] + 1] += ridge
+    except TypeError:  # arrays that cannot be changed
+        return gram + xp.eye(gram.shape[0], dtype=gram.dtype, device=gram.device) * ridge[:, None]
+    return xp.reshape(flat, gram.shape)
+
+
 def _solver_of(xp, matrix):
-    # the standard has no triangular solution; where the library has one it takes half the time
-    if hasattr(xp, "cholesky_solve"):
-        factor = xp.linalg.cholesky(matrix)
-        return lambda right: xp.cholesky_solve(right, factor)
-    return lambda right: xp.linalg.solve(matrix, right)
+    factor = xp.linalg.cholesky(matrix)
+    if not bool(xp.all(xp.isfinite(xp.linalg.diagonal(factor)))):  # cupy's way of saying so
+        raise np.linalg.LinAlgError("The matrix is not positive definite.")
+    lower, upper = _triangular(xp)
+    if lower is None:
+        return lambda right: xp.linalg.solve(matrix, right)
+    return lambda right: upper(factor.T, lower(factor, right))
+
+
+def _triangular(xp):
+    """Solutions of lower and upper triangular systems, which the standard lacks; None where xp has none."""
+    if hasattr(xp.linalg, "solve_triangular"):
+        solve = xp.linalg.solve_triangular
+        return partial(solve, upper=False), partial(solve, upper=True)
+    if "cupy" in xp.__name__:
+        from cupyx.scipy.linalg import solve_triangular
+
+        return partial(solve_triangular, lower=True), partial(solve_triangular, lower=False)
+    return None, None
 
 
 def _worst(xp, left, size):

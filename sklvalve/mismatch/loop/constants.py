@@ -15,11 +15,11 @@ MOST_AT_LIMIT = 0.2  # share of rows with the command at 0 or 100 %: no loop con
 NEAR_ZERO_FLOW = 0.02  # median flow over the greatest: the valve is shut most of the time
 HELD_ROWS = 6  # rows in which nothing recorded changes are a historian's hold, not the plant
 
-# Sign of the process gain. Of 197 drawn loops without a set-point the controller's sign is right in 99 % of
-# those from this share on and in 81 % of the others; with the set-point in 97 % of all.
-SURE_SIGN = 0.9  # share of the variance of the command's moves that a controller explains
-# Without it a value that follows the command at once would count as a controller.
-INTEGRAL_ACTION = 3.0  # standard errors of the integral action, below which there may be no controller
+# Standard errors of either action of the controller, beyond which both tell the sign of the process gain. Of
+# 1,492 drawn loops without a set-point and 743 with one (seeds from 120100 on), 1,252 and 705 are then sure,
+# and none is wrong. The rule before, a share of the command's moves, was sure in 950 and 573, and called 135
+# with a moving set-point sure, of which 11 were wrong.
+SURE_ACTION = 3.0
 
 # Bands [share of the command's movement, its span between the 1 % and 99 % quantiles].
 # A smaller band is the play that every valve has, and is never called sticking. Where a smaller band may

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Between the stem and what is measured: an unknown process that answers one way, and a controller."""
+"""Between the stem and what is measured: an unknown process that answers one way."""
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import lfilter
-
-from sklvalve.mismatch.loop.constants import INTEGRAL_ACTION
 
 #: Dead time [rows] and time constant [rows] of the responses. Rows are averaged to some 30 a period, so they
 #: span from at once to longer than a period whatever the sampling. Two lags one behind the other begin as
@@ -66,34 +64,6 @@ def forecast_command(command: NDArray, value: NDArray, setpoint: NDArray | None 
     forecast = design @ np.linalg.lstsq(design[order:], command[order:], rcond=None)[0]
     forecast[:order] = command[:order]
     return forecast
-
-
-def process_gain_sign(command: NDArray, value: NDArray, setpoint: NDArray | None = None) -> tuple[int, float]:
-    """Sign of the process gain: that with which this controller can hold the loop.
-
-    Parameters
-    ----------
-    command, value : ndarray of shape (n,)
-    setpoint : ndarray of shape (n,), optional
-
-    Returns
-    -------
-    sign : int
-        1 where the controller raises the command when the value is too low, else -1.
-    share : float
-        Of the variance of the command's moves that a controller explains; 0 without an integral action.
-    """
-    error = (value.mean() if setpoint is None else setpoint) - value
-    design = np.column_stack([np.diff(error), error[1:], np.ones(len(error) - 1)])
-    moves = np.diff(command)
-    gains = np.linalg.lstsq(design, moves, rcond=None)[0]
-    residual = moves - design @ gains
-    share = 1.0 - np.var(residual) / (np.var(moves) or 1.0)
-    # a value that follows the command at once explains its moves as well, but has no integral
-    standard_error = np.sqrt(np.var(residual) * np.linalg.pinv(design.T @ design)[1, 1])
-    if gains[1] * np.sign(gains[0]) <= INTEGRAL_ACTION * standard_error:
-        share = 0.0
-    return (1 if gains[0] >= 0.0 else -1), float(share)
 
 
 def responses(stem: NDArray, stem_forecast: NDArray, any_kind: bool) -> NDArray:

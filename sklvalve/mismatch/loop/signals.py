@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import sklvalve.mismatch.loop.constants as constants
+from sklvalve.mismatch.loop.controller import process_gain_sign
 from sklvalve.mismatch.loop.oscillation import filled, swing_spectrum
-from sklvalve.mismatch.loop.process import process_gain_sign
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.runs import runs
@@ -187,12 +187,10 @@ def _gain_signs(command: NDArray, value: NDArray, setpoint: NDArray | None, is_f
 
     A larger opening gives more flow, unless the controller surely shows the other sign.
     """
-    sign, share = process_gain_sign(command, value, setpoint)
-    if share >= constants.SURE_SIGN:
-        return (sign,)
-    if is_flow:
-        return (1,)
-    return (sign,) if setpoint is not None and np.ptp(setpoint) > 0.0 else (1, -1)
+    told = process_gain_sign(command, value, setpoint)
+    if told.sure:
+        return (told.sign,)
+    return (1,) if is_flow else (1, -1)
 
 
 def swing_rows(values: NDArray) -> float:
