@@ -36,8 +36,6 @@ class StretchResult:
         How often the command turns and goes back by 30 % of its movement.
     p_value : float
         How often a healthy loop gives as much evidence.
-    wide_band_gain : float
-        Of the best of all bands of 30 % or more [nats].
     small_band_gain : float
         Of the best smaller band [nats].
     response_gain : float
@@ -53,7 +51,6 @@ class StretchResult:
     band_share: float
     turns: int
     p_value: float
-    wide_band_gain: float
     small_band_gain: float
     response_gain: float
 
@@ -83,8 +80,6 @@ def examine_stretch(loop: LoopSignals) -> StretchResult:
         band_share=float(shares[comparison.sticking.index]),
         turns=turns,
         p_value=p_value_of(evidence, _is_fast(loop, comparison.sticking)) if counts else 1.0,
-        # bands that are never crossed count here: only a value that moves excludes them
-        wide_band_gain=float(np.max(screened[shares >= constants.WIDE_BAND], initial=-np.inf) - screened[0]),
         small_band_gain=float(small - command),
         response_gain=float(screened[0] - comparison.screening.without_response),
     )
