@@ -36,6 +36,7 @@ from sklvalve.mismatch.decide.compare import compared
 from sklvalve.mismatch.decide.dated import dated
 from sklvalve.mismatch.decide.decision import decided
 from sklvalve.mismatch.decide.detect import covariates_of
+from sklvalve.mismatch.decide.detection_limits import detection_limits
 from sklvalve.mismatch.decide.judging import Case, blocked, judge
 from sklvalve.mismatch.decide.kinds import with_kinds
 from sklvalve.mismatch.decide.known_before import known_before
@@ -506,7 +507,8 @@ class MissingPhysicsFinder(BaseEstimator):
             self._say("looking for the unknown", 0.8)
             case = Case(explanation, covariates, comparison, alpha, seed)
             judged = judge(case, events)
-            return explanation, covariates, replace(judged, comparison=comparison)
+            limits = detection_limits(case) if judged.verdict == "no_mismatch" else ()
+            return explanation, covariates, replace(judged, comparison=comparison, limits=limits)
 
         # slips and hunting name what makes them, whatever the rest of the stem does
         if events is not None:

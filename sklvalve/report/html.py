@@ -21,6 +21,7 @@ from sklvalve.report.since_history import section, settable
 from sklvalve.report.then_and_now import then_and_now_figures
 from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
+from sklvalve.report.unnoticed import UNNOTICED, unnoticed
 from sklvalve.report.words import either, lacks_sheet, verdict_words, with_units
 
 
@@ -117,6 +118,8 @@ def _words(d: dict) -> dict[str, Any]:
         "untestable": [
             (f"Without {needs}", either(names, "and")) for needs, names in rows.untestable_by_need(d)
         ],
+        "unnoticed": unnoticed(d),
+        "unnoticed_words": UNNOTICED,
         "data": rows.data_findings(d),
         "provenance": rows.provenance(d),
     }

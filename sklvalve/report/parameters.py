@@ -81,29 +81,58 @@ def shown_parameters(effect: dict, d: dict) -> list[Parameter]:
 
 
 def _shown(who: str, name: str, item: dict, d: dict) -> Parameter | None:
-    # a report without effects does without the simulation, which takes a second to import
-    from sklvalve.mismatch.result.known_effects import quantity_named
-
-    unit = item.get("unit") or "1"
-    quantity = quantity_named(who, name, unit)
-    if quantity is not None and quantity.silent:
+    told = _scale(who, name, item.get("unit") or "1", d)
+    if told is None:
         return None
-    told = quantity.shown if quantity is not None else None
-    words, shown, turn = (told.words, told.unit, told.turn) if told else _plain(name, unit, d)
+    words, shown, turn = told
     low, high = item.get("ci95") or (None, None)
     value, low, high = (_turned(v, turn) for v in (item["value"], low, high))
     unknown = tuple(item.get("unknown_ends") or ())
     return Parameter(words, value, low, high, shown, unknown)
 
 
+def shown_range(limit: dict, d: dict) -> tuple[str, float | None, float | None, str]:
+    """A range of a parameter as it is shown: its name, both ends, None where it has none, and its unit.
+
+    Parameters
+    ----------
+    limit : dict
+        ``name`` of an effect, its ``parameter`` and ``unit``, ``low`` and ``high``.
+    d : dict
+        The whole diagnosis, as in `shown_parameters`.
+    """
+    words, shown, turn = _scale(limit["name"], limit["parameter"], limit["unit"], d) or (
+        limit["parameter"],
+        limit["unit"],
+        1.0,
+    )
+    low, high = (_turned(limit[end], turn) for end in ("low", "high"))
+    # such as a time to stroke, which falls as the speed rises
+    falls = callable(turn) and turn(0.2) > turn(0.4)
+    return (words, high, low, shown) if falls else (words, low, high, shown)
+
+
+def _scale(who: str, name: str, unit: str, d: dict) -> tuple[str, str, float | Callable] | None:
+    """Words, unit and factor, or function, by which a parameter is shown; None where reports leave it out."""
+    # a report without effects does without the simulation, which takes a second to import
+    from sklvalve.mismatch.result.known_effects import quantity_named
+
+    quantity = quantity_named(who, name, unit)
+    if quantity is not None and quantity.silent:
+        return None
+    told = quantity.shown if quantity is not None else None
+    return (told.words, told.unit, told.turn) if told else _plain(name, unit, d)
+
+
 def _plain(name: str, unit: str, d: dict) -> tuple[str, str, float]:
     """Words, unit and factor of a parameter that does not say how it is shown; a flow as it is recorded."""
     words = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
     flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
-    quantity = quantity_of(unit)
+    each, per = (unit[:-2], " per hour") if unit.endswith("/s/h") else (unit, "")
+    quantity = quantity_of(each)
     if flow_unit and quantity in ("volume flow", "mass flow") and quantity_of(flow_unit) == quantity:
-        factor = float(from_si(to_si(1.0, unit, quantity), flow_unit, quantity))
-        return "offset" if name == "bias" else words, flow_unit, factor
+        factor = float(from_si(to_si(1.0, each, quantity), flow_unit, quantity))
+        return "offset" if name == "bias" else words, f"{flow_unit}{per}", factor
     return words, "" if unit == "1" else unit, 1.0
 
 

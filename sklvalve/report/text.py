@@ -10,6 +10,7 @@ from sklvalve.report import compared, proof, rows
 from sklvalve.report.headline import glance, headline
 from sklvalve.report.sentence import summary_sentence
 from sklvalve.report.since_history import TITLE, allowances_words, section
+from sklvalve.report.unnoticed import UNNOTICED, unnoticed
 from sklvalve.report.words import either, with_units
 
 __all__ = ["summary_sentence", "to_markdown", "to_text"]
@@ -83,6 +84,9 @@ def to_text(d: dict, *, width: int = _WIDTH) -> str:
     lines += _block(_error_lines(d, line))
     lines += _block([line("Not testable" if first else "", words) for first, words in _numbered(_by_need(d))])
     lines += _block(
+        [line("Unnoticed" if first else "", words) for first, words in _numbered(_unnoticed_lines(d))]
+    )
+    lines += _block(
         [
             line("Data" if first else "", f"{role}, {finding}: {detail}")
             for first, (role, finding, detail) in _numbered(rows.data_findings(d))
@@ -146,6 +150,9 @@ def to_markdown(d: dict) -> str:
     if rows.untestable(d):
         lines = [f"- {_safe(words)}" for words in _by_need(d)]
         parts.append("### Not testable\n\n" + "\n".join(lines))
+    if unnoticed(d):
+        lines = [UNNOTICED, "", *(f"- {_safe(where)}: {_safe(words)}." for where, words in unnoticed(d))]
+        parts.append("### Unnoticed\n\n" + "\n".join(lines))
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
         parts.append("### Data\n\n" + table)
@@ -185,6 +192,12 @@ def _numbered(items: list) -> list:
 def _by_need(d: dict) -> list[str]:
     """Effects by what would be needed to test them."""
     return [f"Without {needs}: {either(names, 'and')}." for needs, names in rows.untestable_by_need(d)]
+
+
+def _unnoticed_lines(d: dict) -> list[str]:
+    """What would have gone unnoticed; nothing where something was found."""
+    told = [f"{where}: {words}." for where, words in unnoticed(d)]
+    return [UNNOTICED, *told] if told else []
 
 
 def _error_lines(d: dict, line: Callable[[str, str], str]) -> list[str]:

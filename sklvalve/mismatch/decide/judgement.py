@@ -12,6 +12,7 @@ from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validat
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.detect import Evidence
+    from sklvalve.mismatch.decide.detection_limits import DetectionLimit
     from sklvalve.mismatch.decide.referee import Referee
     from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
@@ -77,6 +78,8 @@ class Judgement:
         All hypotheses that were compared.
     rules : tuple of Rule
         Those that were asked, in turn.
+    limits : tuple of DetectionLimit
+        What of each effect would have gone unnoticed, where nothing was found.
     """
 
     problem: Problem
@@ -104,6 +107,7 @@ class Judgement:
     also: LeftSince | None = None
     comparison: Comparison = EMPTY
     rules: tuple[Rule, ...] = ()
+    limits: tuple[DetectionLimit, ...] = ()
 
     def without_names(self, verdict: str) -> Judgement:
         """The same with another verdict and no finding; what was found shows where it is all the same.

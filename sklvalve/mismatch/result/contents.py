@@ -115,6 +115,7 @@ def content_of(
         "fit": fit,
         "proof": "later_rows" if len(whole) > len(problem.recording) else "forward",
         "not_testable": not_testable,
+        "detection_limits": plain_records(judgement.limits if decision.verdict == "no_mismatch" else ()),
         "next_test": mend or next_test(classes, judgement.verdict, unexplained, problem, plan),
         "data": [{k: d[k] for k in ("finding", "role", "detail")} for d in data],
         "provenance": _provenance(whole, problem, random_state),

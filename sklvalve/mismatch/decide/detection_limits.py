@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What a recording in which nothing was found would have shown, and what it would not.
+
+"Nothing is missing" is said of a recording: of its noise, of what its data sheet or history leaves open, and
+of how its valve moved. Each effect is put into the calibrated simulation at several sizes, the calibration
+answers, and what is left is held against the rules that every difference must pass. The least size that
+passes them all is the effect's limit of detection.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.stats import chi2
+
+from sklvalve.mismatch.decide.detect import in_counts, law_for, p_value_of_looks
+from sklvalve.mismatch.decide.null_reference import survival
+from sklvalve.mismatch.inference.hypothesis import Model, Term
+from sklvalve.mismatch.inference.linearised import Linearised
+from sklvalve.mismatch.search.relevance import beyond_tolerance, standardized_effect_size
+from sklvalve.mismatch.search.scatter import OverTime
+from sklvalve.mismatch.search.screening import Trial
+from sklvalve.simulation.given import ACTUATOR_STAGES
+from sklvalve.simulation.parallel_map import parallel_map
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.decide.judging import Case
+    from sklvalve.mismatch.decide.null_reference import Covariates
+    from sklvalve.mismatch.effects import Effect
+    from sklvalve.mismatch.effects.base import Quantity
+    from sklvalve.mismatch.inference.problem import Problem
+
+# sizes tried lie so far below what is physically possible, and so many of them on the way there
+_DECADES, _SIZES = 3.0, 7
+# no strength is looked for beyond this
+_STRONGEST = 1e4
+# halvings in which the edge of what a data sheet leaves open is found
+_HALVINGS = 20
+
+
+@dataclass(frozen=True)
+class DetectionLimit:
+    """What of one effect would have gone unnoticed, were it there throughout the recording.
+
+    Attributes
+    ----------
+    name, form : str
+        Of the effect, and of this form of it.
+    parameter, unit : str
+        What its size is.
+    low, high : float or None
+        Sizes from `low` to `high` would not have been noticed [unit]; None where no size beyond, as far as it
+        is physically possible, would have been either.
+    """
+
+    name: str
+    form: str
+    parameter: str
+    unit: str
+    low: float | None
+    high: float | None
+
+
+def detection_limits(case: Case) -> tuple[DetectionLimit, ...]:
+    """What of each effect would have gone unnoticed.
+
+    Parameters
+    ----------
+    case : Case
+        In which nothing was found.
+
+    Returns
+    -------
+    limits : tuple of DetectionLimit
+        In the order of the candidates, without those of which any size would have been noticed.
+    """
+    problem, nominal, effects = case.problem, case.explanation.nominal, case.explanation.effects
+    touched = {e.key: problem.channels_touched(e) for e in effects}
+    lines = {t: Linearised(problem, nominal, t) for t in dict.fromkeys(touched.values()) if t}
+    needed = _needed(problem, case.covariates, case.alpha)
+    looks = [
+        _Look(problem, nominal, lines[touched[e.key]], e, needed, case.alpha)
+        for e in effects
+        if touched[e.key]
+    ]
+    found = parallel_map(_Look.limit, looks)
+    return tuple(limit for limit in found if limit is not None)
+
+
+def _needed(problem: Problem, covariates: Covariates, alpha: float) -> dict[str, float]:
+    """Look at what acts throughout -> strength that few healthy recordings have, alpha of them."""
+    law = law_for(problem)
+
+    def excess(strength: float, look: str) -> float:
+        nothing = dict.fromkeys(law.tables, 1.0)
+        seen = {look: survival(law.tables[look], strength, covariates)}
+        return float(np.log(p_value_of_looks(nothing | seen, law) / alpha))
+
+    looks = [look for look in ("throughout", "stem") if look in law.tables]
+    return {
+        look: float(brentq(excess, 0.0, _STRONGEST, args=(look,), xtol=1e-3))
+        if excess(_STRONGEST, look) < 0.0
+        else np.inf
+        for look in looks
+    }
+
+
+class _Look:
+    """One effect in the calibrated simulation, and how far each size of it is from being noticed.
+
+    Parameters are those of `detection_limits`, with the simulation linearised for what the effect changes.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        nominal: Model,
+        line: Linearised,
+        effect: Effect,
+        needed: dict[str, float],
+        alpha: float,
+    ) -> None:
+        self.problem, self.nominal, self.term = problem, nominal, Term(effect)
+        self.trial = Trial(problem, nominal, line, self.term)
+        self.quantity = self.trial.quantities[0]
+        apart = "stem" in needed and effect.stage in ACTUATOR_STAGES
+        self.needed = needed["stem" if apart else "throughout"]
+        # of its parameters and its time, as `p_value_of_what_counts` has it
+        self.clear = float(np.sqrt(chi2.isf(alpha, len(effect.parameters) + 1)))
+
+    def limit(self) -> DetectionLimit | None:
+        """What would have gone unnoticed; None where any size of the effect would have been noticed."""
+        at, middle = _sizes(self.quantity)
+        margins = self._margins(at)
+        middle = int(np.argmin(margins)) if middle is None else middle
+        if self._noticed(at[middle], margins[middle]):
+            return None
+        below, above = (
+            self._end(at[side], margins[side]) for side in (slice(middle, None, -1), slice(middle, None))
+        )
+        effect, quantity = self.term.effect, self.quantity
+        return DetectionLimit(effect.name, effect.key, quantity.name, quantity.unit, below, above)
+
+    def _end(self, at: np.ndarray, margins: np.ndarray) -> float | None:
+        """The size on the way from first to last from which on the effect is noticed; None without one."""
+        for k in range(1, len(at)):
+            if self._noticed(at[k], margins[k]):
+                inside = at[k - 1] if margins[k - 1] >= 1.0 else _crossing(at, margins, k)
+                return _value(self.quantity, self._edge(inside, at[k]))
+        return None
+
+    def _noticed(self, at: float, margin: float) -> bool:
+        return margin >= 1.0 and beyond_tolerance(self.problem, self._model(at, {}), self.term)
+
+    def _edge(self, inside: float, outside: float) -> float:
+        """Where what a data sheet leaves open ends, on the way from one size to another that lies beyond."""
+        for _ in range(_HALVINGS):
+            if self._noticed(inside, 1.0):
+                return inside
+            between = 0.5 * (inside + outside)
+            inside, outside = (inside, between) if self._noticed(between, 1.0) else (between, outside)
+        return outside
+
+    def _margins(self, at: np.ndarray) -> np.ndarray:
+        """Of each size how far it is beyond all that it must pass, as a ratio: at 1 it is noticed."""
+        vector = self.trial.misfit.vector
+        name = f"{self.trial.key}.{self.quantity.name}"
+        made = self.trial.simulated([vector.pack({name: _value(self.quantity, each)}) for each in at])
+        return np.array([self._margin(x, *each) for x, each in zip(at, made, strict=True)])
+
+    def _margin(self, at: float, predictions: dict[str, np.ndarray], errors: np.ndarray) -> float:
+        _, deviation = self.trial.line.share_of(errors)
+        model = self._model(at, predictions)
+        counts = in_counts(self.problem.change(model, self.nominal), self.problem)
+        # what stretches of this recording disagree by, in the direction of the effect
+        over_time = OverTime.of(self.problem, self.nominal, model)
+        strength = standardized_effect_size(over_time.deviations(0.5 / deviation**2), counts)
+        relevant = (1.0 - 1.0 / counts) / deviation if counts > 1.0 else 0.0
+        return float(min(strength / self.needed, relevant / self.clear))
+
+    def _model(self, at: float, predictions: dict[str, np.ndarray]) -> Model:
+        """The calibrated simulation with the effect, simulated and not fitted."""
+        vector = self.trial.misfit.vector
+        name = f"{self.trial.key}.{self.quantity.name}"
+        values = vector.values(vector.pack({name: _value(self.quantity, at)}))
+        return Model(
+            (self.term,),
+            self.trial.chain,
+            self.nominal.values | values,
+            self.nominal.predictions | predictions,
+            np.nan,
+            {},
+        )
+
+
+def _sizes(quantity: Quantity) -> tuple[np.ndarray, int | None]:
+    """Sizes to try, in the scale of a fit, and the place at which the effect vanishes, if that is known."""
+    low, high = _scaled(quantity, quantity.low), _scaled(quantity, quantity.high)
+    if quantity.null is None:
+        return np.linspace(low, high, _SIZES), None
+    if quantity.log and quantity.null <= 0.0:
+        return np.linspace(low, high, _SIZES), 0
+    null = _scaled(quantity, quantity.null)
+    ways = np.logspace(-_DECADES, 0.0, _SIZES)
+    below, above = (ways * (end - null) for end in (low, high))
+    below, above = (way[np.abs(way) > 0.0] for way in (below, above))
+    return null + np.concatenate([below[::-1], [0.0], above]), len(below)
+
+
+def _crossing(at: np.ndarray, margins: np.ndarray, k: int) -> float:
+    """Where a margin passes 1 before place k: it grows as a power of the distance from the first place."""
+    before, behind = at[k - 1] - at[0], at[k] - at[0]
+    if before == 0.0 or margins[k - 1] <= 0.0:
+        return float(at[0] + behind / margins[k]) if before == 0.0 else float(at[k])
+    power = np.log(margins[k] / margins[k - 1]) / np.log(behind / before)
+    return float(at[0] + before * margins[k - 1] ** (-1.0 / power))
+
+
+def _scaled(quantity: Quantity, value: float) -> float:
+    return float(np.log(value)) if quantity.log else value
+
+
+def _value(quantity: Quantity, at: float) -> float:
+    return float(np.clip(np.exp(at) if quantity.log else at, quantity.low, quantity.high))
