@@ -25,6 +25,7 @@ from scipy.signal import lfilter
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.recording import InputError
 from sklvalve.recording.from_file import read_recording
+from sklvalve.recording.units import quantity_of, to_si
 
 SHARES = (0.5, 0.8, 1.25, 2.0)
 
@@ -94,10 +95,19 @@ def hidden(folder, with_history):
     [(_, told)], [name] = truth["parameters"].items(), truth["effects"]
     for limit in found["detection_limits"]:
         if (limit["name"], limit["parameter"]) == (name, told["parameter"]):
-            low, high = limit["low"], limit["high"]
-            inside = (low is None or told["value"] >= low) and (high is None or told["value"] <= high)
-            return folder.name, name, told["value"], low, high, inside
-    return folder.name, name, told["value"], None, None, None
+            low, high, size = limit["low"], limit["high"], _in_unit(told, limit["unit"])
+            inside = (low is None or size >= low) and (high is None or size <= high)
+            return folder.name, name, size, low, high, inside
+    why = "not tested" if any(each["name"] == name for each in found["not_testable"]) else "another form"
+    return folder.name, name, told["value"], why, "", None
+
+
+def _in_unit(told, unit):
+    """A true size in the unit of the package, where the plant has one of its own."""
+    if told["unit"] == unit:
+        return told["value"]
+    each, per = (unit[:-2], told["unit"][:-2]) if unit.endswith("/s/h") else (unit, told["unit"])
+    return float(to_si(told["value"], per, quantity_of(each)))
 
 
 def _throughout(folder):

@@ -21,6 +21,7 @@ from sklvalve.report.since_history import section, settable
 from sklvalve.report.then_and_now import then_and_now_figures
 from sklvalve.report.trends import trends
 from sklvalve.report.unexplained import unexplained_figure
+from sklvalve.report.unnoticed import HEAD as unnoticed_head
 from sklvalve.report.unnoticed import UNNOTICED, unnoticed
 from sklvalve.report.words import either, lacks_sheet, verdict_words, with_units
 
@@ -120,6 +121,7 @@ def _words(d: dict) -> dict[str, Any]:
         ],
         "unnoticed": unnoticed(d),
         "unnoticed_words": UNNOTICED,
+        "unnoticed_head": unnoticed_head,
         "data": rows.data_findings(d),
         "provenance": rows.provenance(d),
     }

@@ -125,7 +125,7 @@ def _scale(who: str, name: str, unit: str, d: dict) -> tuple[str, str, float | C
 
 
 def _plain(name: str, unit: str, d: dict) -> tuple[str, str, float]:
-    """Words, unit and factor of a parameter that does not say how it is shown; a flow as it is recorded."""
+    """Words, unit and factor of a parameter that does not say how it is shown; flows and pressures as recorded."""
     words = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
     flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
     each, per = (unit[:-2], " per hour") if unit.endswith("/s/h") else (unit, "")
@@ -133,6 +133,12 @@ def _plain(name: str, unit: str, d: dict) -> tuple[str, str, float]:
     if flow_unit and quantity in ("volume flow", "mass flow") and quantity_of(flow_unit) == quantity:
         factor = float(from_si(to_si(1.0, each, quantity), flow_unit, quantity))
         return "offset" if name == "bias" else words, f"{flow_unit}{per}", factor
+    units = d.get("units") or {}
+    pressure_unit = units.get("p1") or units.get("p2") or ""
+    if quantity == quantity_of(pressure_unit) == "pressure":
+        # of a difference: a gauge's zero is none of it
+        high, low = (float(to_si(value, pressure_unit, quantity)) for value in (1.0, 0.0))
+        return words, pressure_unit, 1.0 / (high - low)
     return words, "" if unit == "1" else unit, 1.0
 
 

@@ -151,7 +151,7 @@ def to_markdown(d: dict) -> str:
         lines = [f"- {_safe(words)}" for words in _by_need(d)]
         parts.append("### Not testable\n\n" + "\n".join(lines))
     if unnoticed(d):
-        lines = [UNNOTICED, "", *(f"- {_safe(where)}: {_safe(words)}." for where, words in unnoticed(d))]
+        lines = [UNNOTICED, "", *(f"- {_safe(each.where)}: {_safe(each.words)}." for each in unnoticed(d))]
         parts.append("### Unnoticed\n\n" + "\n".join(lines))
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
@@ -196,7 +196,7 @@ def _by_need(d: dict) -> list[str]:
 
 def _unnoticed_lines(d: dict) -> list[str]:
     """What would have gone unnoticed; nothing where something was found."""
-    told = [f"{where}: {words}." for where, words in unnoticed(d)]
+    told = [f"{each.where}: {each.words}." for each in unnoticed(d)]
     return [UNNOTICED, *told] if told else []
 
 

@@ -2,17 +2,35 @@
 """What would have gone unnoticed where nothing was found, in words."""
 
 from itertools import groupby
+from typing import NamedTuple
 
 from sklvalve.report.parameters import shown_range
 from sklvalve.report.words import BLOCKS, either, number, spoken
 
 #: Before the lists of `unnoticed`.
 UNNOTICED = "Were one of these there throughout the recording, and no larger, it would have gone unnoticed."
+#: Heads of the rows of `Unnoticed`.
+HEAD = ("effect", "unnoticed", "given as")
 _ANY = "at any size"
 
 
-def unnoticed(d: dict) -> list[tuple[str, str]]:
-    """What would have gone unnoticed, block by block: (where, effects with the sizes up to which).
+class Unnoticed(NamedTuple):
+    """What of one block would have gone unnoticed: rows of effect, sizes, and what the size is."""
+
+    where: str
+    rows: list[tuple[str, str, str]]
+
+    @property
+    def words(self) -> str:
+        """The same as a list."""
+        words = [f"{effect} {sizes}{f' ({what})' if what else ''}" for effect, sizes, what in self.rows]
+        told = [each for each, (_, sizes, _) in zip(words, self.rows, strict=True) if sizes != _ANY]
+        never = [effect for effect, sizes, _ in self.rows if sizes == _ANY]
+        return "; ".join(told + ([f"{_ANY} {either(never, 'and')}"] if never else []))
+
+
+def unnoticed(d: dict) -> list[Unnoticed]:
+    """What would have gone unnoticed, block by block.
 
     Parameters
     ----------
@@ -21,40 +39,36 @@ def unnoticed(d: dict) -> list[tuple[str, str]]:
 
     Returns
     -------
-    lists : list of (str, str)
+    lists : list of Unnoticed
         Empty where something was found.
     """
     # a report without limits does without the simulation, which takes a second to import
-    limits = d.get("detection_limits") or []
-    if not limits:
+    if not d.get("detection_limits"):
         return []
     from sklvalve.mismatch.result.known_effects import forms_of
 
     first: dict[str, dict] = {}
-    for limit in limits:
+    for limit in d["detection_limits"]:
         # forms of one effect are one effect to a reader
         first.setdefault(limit["name"], limit)
-    by_block = {name: next(f.block for f in forms_of(name)) for name in first if forms_of(name)}
-    order = sorted(by_block, key=lambda name: list(BLOCKS).index(by_block[name]))
-    told = []
-    for block, names in groupby(order, key=by_block.__getitem__):
-        each = {name: _size(first[name], d) for name in names}
-        words = [f"{spoken(name)} {size}" for name, size in each.items() if size != _ANY]
-        never = [spoken(name) for name, size in each.items() if size == _ANY]
-        words += [f"{_ANY} {either(never, 'and')}"] if never else []
-        told.append((BLOCKS[block].capitalize(), "; ".join(words)))
-    return told
+    blocks = {name: forms[0].block for name in first if (forms := forms_of(name))}
+    order = sorted(blocks, key=lambda name: list(BLOCKS).index(blocks[name]))
+    return [
+        Unnoticed(BLOCKS[block].capitalize(), [(spoken(name), *_sizes(first[name], d)) for name in names])
+        for block, names in groupby(order, key=blocks.__getitem__)
+    ]
 
 
-def _size(limit: dict, d: dict) -> str:
-    """Sizes of one effect that would have gone unnoticed, in words."""
-    name, low, high, unit = shown_range(limit, d)
-    of = f" ({name.rstrip(',')})" if name else ""
+def _sizes(limit: dict, d: dict) -> tuple[str, str]:
+    """Sizes of one effect that would have gone unnoticed, and what the size is."""
+    what, low, high, unit = shown_range(limit, d)
     unit = f" {unit}" if unit else ""
     if low is None and high is None:
-        return _ANY
+        return _ANY, ""
     if low is None:
-        return f"up to {number(high, 2)}{unit}{of}"
-    if high is None:
-        return f"from {number(low, 2)}{unit} on{of}"
-    return f"from {number(low, 2)} to {number(high, 2)}{unit}{of}"
+        sizes = f"up to {number(high, 2)}{unit}"
+    elif high is None:
+        sizes = f"from {number(low, 2)}{unit} on"
+    else:
+        sizes = f"from {number(low, 2)} to {number(high, 2)}{unit}"
+    return sizes, what.rstrip(",")

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What would have gone unnoticed where nothing was found."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from sklvalve.mismatch import MissingPhysicsFinder
+from sklvalve.mismatch.constants import SHARE_WRONG
+from sklvalve.mismatch.decide.detection_limits import _crossing, _sizes, _value
+from sklvalve.mismatch.effects.base import Quantity
+from sklvalve.mismatch.result.known_effects import forms_of
+from sklvalve.simulation import Tolerance
+
+
+@pytest.fixture(scope="module")
+def limits(found_healthy):
+    return {limit["form"]: limit for limit in found_healthy.diagnosis_.to_dict()["detection_limits"]}
+
+
+def test_a_limit_lies_around_no_effect_at_all(limits):
+    assert {"seat_leakage", "backlash", "flow_meter_gain", "stiction", "sensor_lag"} <= set(limits)
+    for limit in limits.values():
+        form = next(form for form in forms_of(limit["name"]) if form.key == limit["form"])
+        declared = [q for q in form.parameters if q.name == limit["parameter"]]
+        low = -np.inf if limit["low"] is None else limit["low"]
+        high = np.inf if limit["high"] is None else limit["high"]
+        assert low < high
+        for quantity in declared:
+            if quantity.null is not None and not (quantity.log and quantity.null == 0.0):
+                assert low <= quantity.null <= high
+
+
+@pytest.mark.parametrize(("share", "noticed"), [(0.3, False), (3.0, True)])
+def test_a_meter_that_reads_wrong_is_noticed_beyond_its_limit(healthy, limits, share, noticed):
+    size = share * limits["flow_meter_gain"]["high"]
+    signals = {**healthy.signals, "flow": healthy["flow"] * (1.0 + size)}
+    found = MissingPhysicsFinder().fit(replace(healthy, signals=signals)).diagnosis_
+    assert (found.verdict != "no_mismatch") == noticed
+
+
+def test_what_a_data_sheet_leaves_open_is_never_noticed(limits):
+    # and what a simulation gets wrong of an effect's size
+    open_to_it = (1.0 + SHARE_WRONG) * Tolerance().capacity
+    assert limits["capacity_error"]["low"] <= -open_to_it
+    assert limits["capacity_error"]["high"] >= open_to_it
+    assert limits["backlash"]["high"] >= (1.0 + SHARE_WRONG) * Tolerance().play
+
+
+def test_where_something_is_found_nothing_is_said_of_limits(found_leaking):
+    assert found_leaking.diagnosis_.to_dict()["detection_limits"] == []
+
+
+def test_sizes_lie_on_both_sides_of_no_effect():
+    at, middle = _sizes(Quantity("bias", "1", -0.5, 2.0, (0.1,)))
+    assert at[middle] == 0.0
+    assert (np.diff(at) > 0.0).all()
+    assert_allclose([at[0], at[-1]], [-0.5, 2.0])
+    ratio = Quantity("ratio", "1", 0.5, 8.0, (1.2,), log=True, null=1.0)
+    at, middle = _sizes(ratio)
+    assert_allclose([_value(ratio, x) for x in (at[0], at[middle], at[-1])], [0.5, 1.0, 8.0])
+    # a gap that closes at no size that a logarithm has
+    at, middle = _sizes(Quantity("width", "1", 0.002, 0.4, (0.02,), log=True))
+    assert middle == 0
+    assert_allclose(np.exp(at[[0, -1]]), [0.002, 0.4])
+    # a limit of speed has no size at which it vanishes
+    assert _sizes(Quantity("speed", "1/s", 0.001, 1.0, (0.1,), log=True, null=None))[1] is None
+
+
+def test_a_margin_that_grows_as_a_power_is_crossed_where_it_is_one():
+    at = np.array([0.0, 0.1, 1.0])
+    for power in (0.5, 1.0, 2.0):
+        assert_allclose(_crossing(at, (at / 0.4) ** power, 2), 0.4)
+    assert_allclose(_crossing(at, at / 0.04, 1), 0.04)
