@@ -125,7 +125,7 @@ def _scale(who: str, name: str, unit: str, d: dict) -> tuple[str, str, float | C
 
 
 def _plain(name: str, unit: str, d: dict) -> tuple[str, str, float]:
-    """Words, unit and factor of a parameter that does not say how it is shown; flows and pressures as recorded."""
+    """Words, unit and factor of a parameter that says nothing of them; flow and pressure as recorded."""
     words = " ".join({"kv": "Kv"}.get(word, word) for word in name.split("_"))
     flow_unit = ((d.get("fit") or {}).get("flow") or {}).get("unit")
     each, per = (unit[:-2], " per hour") if unit.endswith("/s/h") else (unit, "")

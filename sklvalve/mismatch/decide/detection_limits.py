@@ -35,8 +35,8 @@ if TYPE_CHECKING:
 
 # sizes tried lie so far below what is physically possible, and so many of them on the way there
 _DECADES, _SIZES = 3.0, 7
-# no strength is looked for beyond this
-_STRONGEST = 1e4
+# no effect size is looked for beyond this
+_LARGEST = 1e4
 # halvings in which the edge of what a data sheet leaves open is found
 _HALVINGS = 20
 
@@ -86,23 +86,22 @@ def detection_limits(case: Case) -> tuple[DetectionLimit, ...]:
         for e in effects
         if touched[e.key]
     ]
-    found = parallel_map(_Look.limit, looks)
-    return tuple(limit for limit in found if limit is not None)
+    return tuple(limit for limit in parallel_map(_Look.limit, looks) if limit is not None)
 
 
 def _needed(problem: Problem, covariates: Covariates, alpha: float) -> dict[str, float]:
-    """Look at what acts throughout -> strength that few healthy recordings have, alpha of them."""
+    """Look at what acts throughout -> effect size that few healthy recordings have, alpha of them."""
     law = law_for(problem)
 
-    def excess(strength: float, look: str) -> float:
+    def excess(effect_size: float, look: str) -> float:
         nothing = dict.fromkeys(law.tables, 1.0)
-        seen = {look: survival(law.tables[look], strength, covariates)}
+        seen = {look: survival(law.tables[look], effect_size, covariates)}
         return float(np.log(p_value_of_looks(nothing | seen, law) / alpha))
 
     looks = [look for look in ("throughout", "stem") if look in law.tables]
     return {
-        look: float(brentq(excess, 0.0, _STRONGEST, args=(look,), xtol=1e-3))
-        if excess(_STRONGEST, look) < 0.0
+        look: float(brentq(excess, 0.0, _LARGEST, args=(look,), xtol=1e-3))
+        if excess(_LARGEST, look) < 0.0
         else np.inf
         for look in looks
     }
@@ -177,9 +176,9 @@ class _Look:
         counts = in_counts(self.problem.change(model, self.nominal), self.problem)
         # what stretches of this recording disagree by, in the direction of the effect
         over_time = OverTime.of(self.problem, self.nominal, model)
-        strength = standardized_effect_size(over_time.deviations(0.5 / deviation**2), counts)
+        effect_size = standardized_effect_size(over_time.deviations(0.5 / deviation**2), counts)
         relevant = (1.0 - 1.0 / counts) / deviation if counts > 1.0 else 0.0
-        return float(min(strength / self.needed, relevant / self.clear))
+        return float(min(effect_size / self.needed, relevant / self.clear))
 
     def _model(self, at: float, predictions: dict[str, np.ndarray]) -> Model:
         """The calibrated simulation with the effect, simulated and not fitted."""

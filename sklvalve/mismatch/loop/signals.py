@@ -187,9 +187,9 @@ def _gain_signs(command: NDArray, value: NDArray, setpoint: NDArray | None, is_f
 
     A larger opening gives more flow, unless the controller surely shows the other sign.
     """
-    told = process_gain_sign(command, value, setpoint)
-    if told.sure:
-        return (told.sign,)
+    process = process_gain_sign(command, value, setpoint)
+    if process.sure:
+        return (process.sign,)
     return (1,) if is_flow else (1, -1)
 
 
