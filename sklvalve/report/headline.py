@@ -167,7 +167,7 @@ def _sureness(d: dict) -> str:
         parts.append(_named_sureness(faults_first(named_effects(d))))
     if no_sign(d):
         parts.append("No sign of a fault.")
-        parts += ["What would have gone unnoticed is listed below."] if d.get("detection_limits") else []
+        parts += ["What might have gone unnoticed is listed below."] if d.get("detection_limits") else []
     elif p_value is not None:
         parts.append(f"A difference as large comes by chance in {_times(p_value)} ({p_words(p_value)}).")
     if d["verdict"] == "none_of_these":

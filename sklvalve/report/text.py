@@ -195,7 +195,7 @@ def _by_need(d: dict) -> list[str]:
 
 
 def _unnoticed_lines(d: dict) -> list[str]:
-    """What would have gone unnoticed; nothing where something was found."""
+    """What might have gone unnoticed; nothing where something was found."""
     told = [f"{each.where}: {each.words}." for each in unnoticed(d)]
     return [UNNOTICED, *told] if told else []
 

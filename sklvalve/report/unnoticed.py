@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What would have gone unnoticed where nothing was found, in words."""
+"""What might have gone unnoticed where nothing was found, in words."""
 
 from itertools import groupby
 from typing import NamedTuple
@@ -8,14 +8,17 @@ from sklvalve.report.parameters import shown_range
 from sklvalve.report.words import BLOCKS, either, number, spoken
 
 #: Before the lists of `unnoticed`.
-UNNOTICED = "Were one of these there throughout the recording, and no larger, it would have gone unnoticed."
+UNNOTICED = (
+    "Were one of these there throughout the recording, and no larger, it might have gone unnoticed. A larger "
+    "one would most likely have been noticed."
+)
 #: Heads of the rows of `Unnoticed`.
 HEAD = ("effect", "unnoticed", "given as")
 _ANY = "at any size"
 
 
 class Unnoticed(NamedTuple):
-    """What of one block would have gone unnoticed: rows of effect, sizes, and what the size is."""
+    """What of one block might have gone unnoticed: rows of effect, sizes, and what the size is."""
 
     where: str
     rows: list[tuple[str, str, str]]
@@ -30,7 +33,7 @@ class Unnoticed(NamedTuple):
 
 
 def unnoticed(d: dict) -> list[Unnoticed]:
-    """What would have gone unnoticed, block by block.
+    """What might have gone unnoticed, block by block.
 
     Parameters
     ----------
@@ -60,7 +63,7 @@ def unnoticed(d: dict) -> list[Unnoticed]:
 
 
 def _sizes(limit: dict, d: dict) -> tuple[str, str]:
-    """Sizes of one effect that would have gone unnoticed, and what the size is."""
+    """Sizes of one effect that might have gone unnoticed, and what the size is."""
     what, low, high, unit = shown_range(limit, d)
     unit = f" {unit}" if unit else ""
     if low is None and high is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What would have gone unnoticed, in words."""
+"""What might have gone unnoticed, in words."""
 
 from types import SimpleNamespace
 
@@ -98,9 +98,9 @@ def test_text_markdown_and_page_say_it():
     )
     text = " ".join(to_text(d).split())
     assert f"Unnoticed {UNNOTICED} In the valve: backlash up to 1 % of travel (play)." in text
-    assert "What would have gone unnoticed is listed below." in text
+    assert "What might have gone unnoticed is listed below." in text
     assert "- In the valve: backlash up to 1 % of travel (play)." in to_markdown(d)
     assert "Unnoticed" not in to_text(diagnosis([]))
 
     page = render(SimpleNamespace(traces={}, to_dict=lambda: d))
-    assert "What would have gone unnoticed" in page
+    assert "What might have gone unnoticed" in page

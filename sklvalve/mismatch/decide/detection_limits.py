@@ -4,7 +4,7 @@
 "Nothing is missing" is said of a recording: of its noise, of what its data sheet or history leaves open, and
 of how its valve moved. Each effect is put into the calibrated simulation at several sizes, the calibration
 answers, and what is left is held against the rules that every difference must pass. The least size that
-passes them all is the effect's limit of detection.
+passes them all is the effect's limit of detection. Other looks, such as that of a black box, may notice less.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _HALVINGS = 20
 
 @dataclass(frozen=True)
 class DetectionLimit:
-    """What of one effect would have gone unnoticed, were it there throughout the recording.
+    """What of one effect might have gone unnoticed, were it there throughout the recording.
 
     Attributes
     ----------
@@ -52,7 +52,7 @@ class DetectionLimit:
     parameter, unit : str
         What its size is.
     low, high : float or None
-        Sizes from `low` to `high` would not have been noticed [unit]; None where no size beyond, as far as it
+        Sizes from `low` to `high` might not have been noticed [unit]; None where no size beyond, as far as it
         is physically possible, would have been either.
     """
 
@@ -65,7 +65,7 @@ class DetectionLimit:
 
 
 def detection_limits(case: Case) -> tuple[DetectionLimit, ...]:
-    """What of each effect would have gone unnoticed.
+    """What of each effect might have gone unnoticed.
 
     Parameters
     ----------
@@ -131,10 +131,14 @@ class _Look:
         self.clear = float(np.sqrt(chi2.isf(alpha, len(effect.parameters) + 1)))
 
     def limit(self) -> DetectionLimit | None:
-        """What would have gone unnoticed; None where any size of the effect would have been noticed."""
+        """What might have gone unnoticed; None where any size of the effect would have been noticed."""
         at, middle = _sizes(self.quantity)
         margins = self._margins(at)
-        middle = int(np.argmin(margins)) if middle is None else middle
+        if middle is None:
+            middle = int(np.argmin(margins))
+            if margins[middle] > 0.0:
+                # it says where something is and not how much: at no size it vanishes
+                return None
         if self._noticed(at[middle], margins[middle]):
             return None
         below, above = (

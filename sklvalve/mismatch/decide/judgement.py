@@ -79,7 +79,7 @@ class Judgement:
     rules : tuple of Rule
         Those that were asked, in turn.
     limits : tuple of DetectionLimit
-        What of each effect would have gone unnoticed, where nothing was found.
+        What of each effect might have gone unnoticed, where nothing was found.
     """
 
     problem: Problem

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What would have gone unnoticed where nothing was found."""
+"""What might have gone unnoticed where nothing was found."""
 
 from dataclasses import replace
 
