@@ -3,7 +3,7 @@
 
 Whatever follows the array API will do, scikit-learn's `array_api_dispatch` switched on. The equations are
 solved by one factorisation in the memory of the device, and once more for what is left of them. It must hold
-the kernel matrix and its factor, and nothing else of that size.
+the kernel matrix and its factor, and nothing else of that size; beside a precomputed one that as well.
 """
 
 import warnings
@@ -88,9 +88,9 @@ def fitted(estimator, X, y, sample_weight):
         given = estimator.kernel == "precomputed"
         gram = xp.take(X, kept, axis=1) if given else _own_kernel(estimator, xp, X)
         alpha, b, residual = _solved(xp, gram, targets, 1.0 / (estimator.C * weight), estimator)
-    if estimator.kernel == "precomputed":
-        here = xp.arange(all_rows.shape[0], device=X.device)[:, None] == kept[None, :]
-        alpha = xp.astype(here, alpha.dtype) @ alpha
+        if given:
+            here = xp.arange(all_rows.shape[0], device=X.device)[:, None] == kept[None, :]
+            alpha = xp.astype(here, alpha.dtype) @ alpha
     estimator.dual_coef_ = alpha[:, 0] if y.ndim == 1 else alpha
     estimator.intercept_ = float(b[0]) if y.ndim == 1 else b
     estimator.solver_, estimator.n_iter_, estimator.residual_ = "cholesky", 1, residual

@@ -101,15 +101,20 @@ def shown_range(limit: dict, d: dict) -> tuple[str, float | None, float | None, 
     d : dict
         The whole diagnosis, as in `shown_parameters`.
     """
-    words, shown, turn = _scale(limit["name"], limit["parameter"], limit["unit"], d) or (
-        limit["parameter"],
-        limit["unit"],
-        1.0,
-    )
+    who, name, unit = limit["name"], limit["parameter"], limit["unit"]
+    words, shown, turn = _scale(who, name, unit, d) or (name, unit, 1.0)
     low, high = (_turned(limit[end], turn) for end in ("low", "high"))
-    # such as a time to stroke, which falls as the speed rises
-    falls = callable(turn) and turn(0.2) > turn(0.4)
-    return (words, high, low, shown) if falls else (words, low, high, shown)
+    return (words, high, low, shown) if _falls(who, name, unit, turn) else (words, low, high, shown)
+
+
+def _falls(who: str, name: str, unit: str, turn: float | Callable[[float], float]) -> bool:
+    """Whether what is shown falls as the parameter rises, as the time of a stroke does with its speed."""
+    from sklvalve.mismatch.result.known_effects import quantity_named
+
+    quantity = quantity_named(who, name, unit)
+    if quantity is None or not callable(turn):
+        return not callable(turn) and turn < 0.0
+    return turn(quantity.low) > turn(quantity.high)
 
 
 def _scale(who: str, name: str, unit: str, d: dict) -> tuple[str, str, float | Callable] | None:

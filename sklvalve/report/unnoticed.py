@@ -50,16 +50,28 @@ def unnoticed(d: dict) -> list[Unnoticed]:
         return []
     from sklvalve.mismatch.result.known_effects import forms_of
 
-    first: dict[str, dict] = {}
+    widest: dict[tuple[str, str], dict] = {}
     for limit in d["detection_limits"]:
-        # forms of one effect are one effect to a reader
-        first.setdefault(limit["name"], limit)
-    blocks = {name: forms[0].block for name in first if (forms := forms_of(name))}
-    order = sorted(blocks, key=lambda name: list(BLOCKS).index(blocks[name]))
+        # forms of one effect are one effect to a reader, who is told of the one that hides best
+        key = limit["name"], limit["parameter"]
+        widest[key] = _wider(widest[key], limit) if key in widest else limit
+    blocks = {name: forms[0].block for name, _ in widest if (forms := forms_of(name))}
+    order = sorted(
+        (key for key in widest if key[0] in blocks), key=lambda key: list(BLOCKS).index(blocks[key[0]])
+    )
     return [
-        Unnoticed(BLOCKS[block].capitalize(), [(spoken(name), *_sizes(first[name], d)) for name in names])
-        for block, names in groupby(order, key=blocks.__getitem__)
+        Unnoticed(BLOCKS[block].capitalize(), [(spoken(key[0]), *_sizes(widest[key], d)) for key in keys])
+        for block, keys in groupby(order, key=lambda key: blocks[key[0]])
     ]
+
+
+def _wider(one: dict, other: dict) -> dict:
+    """A limit that holds the sizes of two; an end that is None has nothing beyond it."""
+    low, high = ([each[end] for each in (one, other)] for end in ("low", "high"))
+    return one | {
+        "low": None if None in low else min(low),
+        "high": None if None in high else max(high),
+    }
 
 
 def _sizes(limit: dict, d: dict) -> tuple[str, str]:

@@ -91,7 +91,9 @@ def test_one_target_a_gamma_for_each_column_and_a_given_matrix(xp):
     np.testing.assert_allclose(back(found.predict(xp.asarray(X))), known.predict(X), atol=1e-8)
     matrix = np.exp(-0.1 * ((X[:, None] - X) ** 2).sum(axis=2))
     known = LSSVMRegressor("precomputed").fit(matrix, y[:, 0], weight)
-    found = LSSVMRegressor("precomputed").fit(*map(xp.asarray, (matrix, y[:, 0], weight)))
+    there = xp.asarray(matrix)
+    found = LSSVMRegressor("precomputed").fit(there, *map(xp.asarray, (y[:, 0], weight)))
+    assert (back(there) == matrix).all()
     np.testing.assert_allclose(back(found.predict(xp.asarray(matrix))), known.predict(matrix), atol=1e-8)
     assert (back(found.dual_coef_)[weight == 0.0] == 0.0).all()
 

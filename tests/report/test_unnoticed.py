@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from sklvalve.mismatch.effects.base import Effect, Quantity, Shown
 from sklvalve.report import to_markdown, to_text
 from sklvalve.report.html import render
 from sklvalve.report.unnoticed import UNNOTICED, unnoticed
@@ -72,10 +73,31 @@ def test_forms_of_one_effect_are_one_and_blocks_come_in_their_order():
             "high": 0.01,
         },
         {"name": "backlash", "form": "other", "parameter": "width", "unit": "1", "low": None, "high": 0.3},
+        {"name": "backlash", "form": "third", "parameter": "share", "unit": "1", "low": 0.5, "high": None},
     ]
     assert unnoticed(diagnosis(limits)) == [
-        ("In the valve", [("backlash", "up to 1 % of travel", "play")]),
+        (
+            "In the valve",
+            [("backlash", "up to 30 % of travel", "play"), ("backlash", "from 50 % on", "air that passes")],
+        ),
         ("In the measurement", [("a slow sensor", "up to 6 s", "lag")]),
+    ]
+
+
+def test_a_scale_that_falls_turns_the_range_round():
+    class Stretched(Effect):
+        name = key = "stretched_for_a_test"
+        block = "valve"
+        parameters = (
+            Quantity(
+                "ratio", "1", 1.02, 2.0, (1.2,), null=1.0, shown=Shown("time", "s", lambda v: 1 / (v - 0.2))
+            ),
+        )
+
+    # kept: a class that is gone is known no more
+    assert Stretched.name
+    assert told("stretched_for_a_test", "ratio", "1", None, 1.2) == [
+        "stretched for a test from 1 s on (time)"
     ]
 
 

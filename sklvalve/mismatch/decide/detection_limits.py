@@ -37,8 +37,10 @@ if TYPE_CHECKING:
 _DECADES, _SIZES = 3.0, 7
 # no effect size is looked for beyond this
 _LARGEST = 1e4
-# halvings in which the edge of what a data sheet leaves open is found
-_HALVINGS = 20
+# halvings in which a limit is found between two sizes, and the edge of what a data sheet leaves open
+_HALVINGS, _HALVINGS_OF_EDGE = 5, 20
+# stages of the chain in which a recorded signal is read: an effect there undoes what a sensor does wrong
+_READ = ("pressures", "position_sensor")
 
 
 @dataclass(frozen=True)
@@ -127,6 +129,7 @@ class _Look:
         self.quantity = self.trial.quantities[0]
         apart = "stem" in needed and effect.stage in ACTUATOR_STAGES
         self.needed = needed["stem" if apart else "throughout"]
+        self.reads = effect.stage in _READ or effect.in_loop
         # of its parameters and its time, as `p_value_of_what_counts` has it
         self.clear = float(np.sqrt(chi2.isf(alpha, len(effect.parameters) + 1)))
 
@@ -151,16 +154,30 @@ class _Look:
         """The size on the way from first to last from which on the effect is noticed; None without one."""
         for k in range(1, len(at)):
             if self._noticed(at[k], margins[k]):
-                inside = at[k - 1] if margins[k - 1] >= 1.0 else _crossing(at, margins, k)
-                return _value(self.quantity, self._edge(inside, at[k]))
+                crossed = self._crossing(at[k - 1 : k + 1], margins[k - 1 : k + 1])
+                return _value(self.quantity, self._edge(crossed, at[k]))
         return None
 
+    def _crossing(self, between: np.ndarray, margins: np.ndarray) -> float:
+        """Where on the way from one size to another the margin passes 1."""
+        (inside, outside), (before, behind) = between, margins
+        if before >= 1.0:
+            return float(inside)
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (inside + outside)
+            [margin] = self._margins(np.array([middle]))
+            if margin < 1.0:
+                inside, before = middle, margin
+            else:
+                outside, behind = middle, margin
+        return float(inside + (outside - inside) * (1.0 - before) / (behind - before))
+
     def _noticed(self, at: float, margin: float) -> bool:
-        return margin >= 1.0 and beyond_tolerance(self.problem, self._model(at, {}), self.term)
+        return bool(margin >= 1.0 and beyond_tolerance(self.problem, self._model(at, {}), self.term))
 
     def _edge(self, inside: float, outside: float) -> float:
         """Where what a data sheet leaves open ends, on the way from one size to another that lies beyond."""
-        for _ in range(_HALVINGS):
+        for _ in range(_HALVINGS_OF_EDGE):
             if self._noticed(inside, 1.0):
                 return inside
             between = 0.5 * (inside + outside)
@@ -169,25 +186,34 @@ class _Look:
 
     def _margins(self, at: np.ndarray) -> np.ndarray:
         """Of each size how far it is beyond all that it must pass, as a ratio: at 1 it is noticed."""
-        vector = self.trial.misfit.vector
-        name = f"{self.trial.key}.{self.quantity.name}"
-        made = self.trial.simulated([vector.pack({name: _value(self.quantity, each)}) for each in at])
+        made = self._simulated(at)
         return np.array([self._margin(x, *each) for x, each in zip(at, made, strict=True)])
 
+    def _simulated(self, at: np.ndarray) -> list[tuple[dict[str, np.ndarray], np.ndarray]]:
+        """Of each size predictions with the effect, and the errors without it of a recording that has it."""
+        vector, name = self.trial.misfit.vector, f"{self.trial.key}.{self.quantity.name}"
+        healthy, quantity = self.trial.line.errors, self.quantity
+        # a sensor's error put into the simulation of a healthy signal is the opposite one of the recording
+        opposite = self.reads and quantity.null is not None
+        null = _scaled(quantity, quantity.null) if quantity.null is not None and opposite else 0.0
+        sizes = [_value(quantity, 2.0 * null - each if opposite else each) for each in at]
+        made = self.trial.simulated([vector.pack({name: size}) for size in sizes])
+        return [(p, errors if opposite else 2.0 * healthy - errors) for p, errors in made]
+
     def _margin(self, at: float, predictions: dict[str, np.ndarray], errors: np.ndarray) -> float:
-        _, deviation = self.trial.line.share_of(errors)
+        line = self.trial.line
+        gain = max(line.answered(errors)[0] - line.cost, 0.0)
         model = self._model(at, predictions)
         counts = in_counts(self.problem.change(model, self.nominal), self.problem)
         # what stretches of this recording disagree by, in the direction of the effect
         over_time = OverTime.of(self.problem, self.nominal, model)
-        effect_size = standardized_effect_size(over_time.deviations(0.5 / deviation**2), counts)
-        relevant = (1.0 - 1.0 / counts) / deviation if counts > 1.0 else 0.0
+        effect_size = standardized_effect_size(over_time.deviations(gain), counts)
+        relevant = (1.0 - 1.0 / counts) * np.sqrt(2.0 * gain) if counts > 1.0 else 0.0
         return float(min(effect_size / self.needed, relevant / self.clear))
 
     def _model(self, at: float, predictions: dict[str, np.ndarray]) -> Model:
         """The calibrated simulation with the effect, simulated and not fitted."""
-        vector = self.trial.misfit.vector
-        name = f"{self.trial.key}.{self.quantity.name}"
+        vector, name = self.trial.misfit.vector, f"{self.trial.key}.{self.quantity.name}"
         values = vector.values(vector.pack({name: _value(self.quantity, at)}))
         return Model(
             (self.term,),
@@ -206,20 +232,11 @@ def _sizes(quantity: Quantity) -> tuple[np.ndarray, int | None]:
         return np.linspace(low, high, _SIZES), None
     if quantity.log and quantity.null <= 0.0:
         return np.linspace(low, high, _SIZES), 0
-    null = _scaled(quantity, quantity.null)
+    null = min(max(_scaled(quantity, quantity.null), low), high)
     ways = np.logspace(-_DECADES, 0.0, _SIZES)
     below, above = (ways * (end - null) for end in (low, high))
     below, above = (way[np.abs(way) > 0.0] for way in (below, above))
     return null + np.concatenate([below[::-1], [0.0], above]), len(below)
-
-
-def _crossing(at: np.ndarray, margins: np.ndarray, k: int) -> float:
-    """Where a margin passes 1 before place k: it grows as a power of the distance from the first place."""
-    before, behind = at[k - 1] - at[0], at[k] - at[0]
-    if before == 0.0 or margins[k - 1] <= 0.0:
-        return float(at[0] + behind / margins[k]) if before == 0.0 else float(at[k])
-    power = np.log(margins[k] / margins[k - 1]) / np.log(behind / before)
-    return float(at[0] + before * margins[k - 1] ** (-1.0 / power))
 
 
 def _scaled(quantity: Quantity, value: float) -> float:

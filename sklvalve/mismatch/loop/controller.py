@@ -34,7 +34,8 @@ def process_gain_sign(command: NDArray, value: NDArray, setpoint: NDArray | None
     A controller with proportional and integral action has both of one sign, and a value that merely follows
     the command has not. The rest :math:`d` of the command is a wander under white noise, the likeliest of
     `FILTERS`: the law of a controller holds for levels whatever the rows, and for differences of rows only
-    where it acts no faster than they come.
+    where it acts no faster than they come. Valid in closed loops: a value that answers a command and comes
+    back by itself looks like a controller of the other sign.
 
     Parameters
     ----------
@@ -52,7 +53,7 @@ def process_gain_sign(command: NDArray, value: NDArray, setpoint: NDArray | None
     columns = np.stack([error, np.cumsum(error) - 0.5 * error])
     columns /= np.maximum(columns.std(axis=1, keepdims=True), np.finfo(float).tiny)
     actions, scatter = min((_actions(command, columns, each) for each in FILTERS), key=lambda fit: fit[2])[:2]
-    sure = actions[0] * actions[1] > 0.0 and bool(np.all(np.abs(actions) > SURE_ACTION * scatter))
+    sure = bool(actions[0] * actions[1] > 0.0 and np.all(np.abs(actions) > SURE_ACTION * scatter))
     return GainSign(1 if actions[0] >= 0.0 else -1, sure)
 
 

@@ -9,7 +9,7 @@ from numpy.testing import assert_allclose
 
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.constants import SHARE_WRONG
-from sklvalve.mismatch.decide.detection_limits import _crossing, _sizes, _value
+from sklvalve.mismatch.decide.detection_limits import _sizes, _value
 from sklvalve.mismatch.effects.base import Quantity
 from sklvalve.mismatch.result.known_effects import forms_of
 from sklvalve.simulation import Tolerance
@@ -67,10 +67,3 @@ def test_sizes_lie_on_both_sides_of_no_effect():
     assert_allclose(np.exp(at[[0, -1]]), [0.002, 0.4])
     # a limit of speed has no size at which it vanishes
     assert _sizes(Quantity("speed", "1/s", 0.001, 1.0, (0.1,), log=True, null=None))[1] is None
-
-
-def test_a_margin_that_grows_as_a_power_is_crossed_where_it_is_one():
-    at = np.array([0.0, 0.1, 1.0])
-    for power in (0.5, 1.0, 2.0):
-        assert_allclose(_crossing(at, (at / 0.4) ** power, 2), 0.4)
-    assert_allclose(_crossing(at, at / 0.04, 1), 0.04)
