@@ -190,7 +190,7 @@ class _Look:
         return np.array([self._margin(x, *each) for x, each in zip(at, made, strict=True)])
 
     def _simulated(self, at: np.ndarray) -> list[tuple[dict[str, np.ndarray], np.ndarray]]:
-        """Of each size predictions with the effect, and the errors without it of a recording that has it."""
+        """Of each size predictions with the effect, and what it changes in the errors of a recording."""
         vector, name = self.trial.misfit.vector, f"{self.trial.key}.{self.quantity.name}"
         healthy, quantity = self.trial.line.errors, self.quantity
         # a sensor's error put into the simulation of a healthy signal is the opposite one of the recording
@@ -198,18 +198,25 @@ class _Look:
         null = _scaled(quantity, quantity.null) if quantity.null is not None and opposite else 0.0
         sizes = [_value(quantity, 2.0 * null - each if opposite else each) for each in at]
         made = self.trial.simulated([vector.pack({name: size}) for size in sizes])
-        return [(p, errors if opposite else 2.0 * healthy - errors) for p, errors in made]
+        return [(p, errors - healthy if opposite else healthy - errors) for p, errors in made]
 
-    def _margin(self, at: float, predictions: dict[str, np.ndarray], errors: np.ndarray) -> float:
-        line = self.trial.line
-        gain = max(line.answered(errors)[0] - line.cost, 0.0)
+    def _margin(self, at: float, predictions: dict[str, np.ndarray], change: np.ndarray) -> float:
         model = self._model(at, predictions)
         counts = in_counts(self.problem.change(model, self.nominal), self.problem)
         # what stretches of this recording disagree by, in the direction of the effect
         over_time = OverTime.of(self.problem, self.nominal, model)
+        gain = self._gain(change)
         effect_size = standardized_effect_size(over_time.deviations(gain), counts)
         relevant = (1.0 - 1.0 / counts) * np.sqrt(2.0 * gain) if counts > 1.0 else 0.0
         return float(min(effect_size / self.needed, relevant / self.clear))
+
+    def _gain(self, change: np.ndarray) -> float:
+        """Log likelihood that the effect gains on the simulation where the recording has it."""
+        line = self.trial.line
+        # what the recording already has of it, unnoticed, is none of its noise
+        share = -line.share_of(line.errors + change)[0]
+        noise = line.errors - share * change
+        return max(line.answered(noise + change)[0] - line.answered(noise)[0], 0.0)
 
     def _model(self, at: float, predictions: dict[str, np.ndarray]) -> Model:
         """The calibrated simulation with the effect, simulated and not fitted."""

@@ -16,9 +16,9 @@ NEAR_ZERO_FLOW = 0.02  # median flow over the greatest: the valve is shut most o
 HELD_ROWS = 6  # rows in which nothing recorded changes are a historian's hold, not the plant
 
 # Standard errors of either action of the controller, beyond which both tell the sign of the process gain. Of
-# drawn closed loops, 1,492 without a set-point and 743 with one (seeds from 120100 on), 1,252 and 705 are sure,
-# and none is wrong. The rule before, a share of the command's moves, was sure in 950 and 573, and called 135
-# with a moving set-point sure, of which 11 were wrong.
+# drawn closed loops, 1,492 without a set-point and 743 with one (seeds from 120100 on), 1,252 and 705 are
+# sure, and none is wrong. The rule before, a share of the command's moves, was sure in 950 and 573, and
+# called 135 with a moving set-point sure, of which 11 were wrong.
 SURE_ACTION = 3.0
 
 # Bands [share of the command's movement, its span between the 1 % and 99 % quantiles].
