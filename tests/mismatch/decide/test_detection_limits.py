@@ -33,12 +33,32 @@ def test_a_limit_lies_around_no_effect_at_all(limits):
                 assert low <= quantity.null <= high
 
 
-@pytest.mark.parametrize(("share", "noticed"), [(0.3, False), (3.0, True)])
-def test_a_meter_that_reads_wrong_is_noticed_beyond_its_limit(healthy, limits, share, noticed):
-    size = share * limits["flow_meter_gain"]["high"]
-    signals = {**healthy.signals, "flow": healthy["flow"] * (1.0 + size)}
-    found = MissingPhysicsFinder().fit(replace(healthy, signals=signals)).diagnosis_
-    assert (found.verdict != "no_mismatch") == noticed
+CHANGES = {
+    "flow_meter_gain": lambda r, size: {"flow": r["flow"] * (1.0 + size)},
+    "flow_meter_bias": lambda r, size: {"flow": r["flow"] + size},
+    "outlet_pressure_bias": lambda r, size: {"p2": r["p2"] + size},
+}
+
+
+@pytest.mark.parametrize(
+    ("form", "end"),
+    [
+        ("flow_meter_gain", "low"),
+        ("flow_meter_bias", "high"),
+        ("outlet_pressure_bias", "low"),
+        ("outlet_pressure_bias", "high"),
+    ],
+)
+def test_a_sensor_that_reads_wrong_is_noticed_beyond_its_limit(healthy, limits, form, end):
+    limit = limits[form][end]
+    for share, noticed in ((0.4, False), (3.0, True)):
+        signals = {**healthy.signals, **CHANGES[form](healthy, share * limit)}
+        found = MissingPhysicsFinder().fit(replace(healthy, signals=signals)).diagnosis_
+        assert (found.verdict != "no_mismatch") == noticed
+        if not noticed:
+            # what is there, unnoticed, is within what is said to go unnoticed
+            again = {each["form"]: each for each in found.to_dict()["detection_limits"]}[form]
+            assert again["low"] <= share * limit <= again["high"]
 
 
 def test_what_a_data_sheet_leaves_open_is_never_noticed(limits):
