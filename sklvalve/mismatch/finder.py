@@ -507,7 +507,9 @@ class MissingPhysicsFinder(BaseEstimator):
             self._say("looking for the unknown", 0.8)
             case = Case(explanation, covariates, comparison, alpha, seed)
             judged = judge(case, events)
-            limits = detection_limits(case) if judged.verdict == "no_mismatch" else ()
+            # where no effect is looked for none could have been noticed
+            asked = self.max_effects and judged.verdict == "no_mismatch"
+            limits = detection_limits(case) if asked else ()
             return explanation, covariates, replace(judged, comparison=comparison, limits=limits)
 
         # slips and hunting name what makes them, whatever the rest of the stem does

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Effects of electric actuators, and how a recording shows the errors that its motor leaves alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -109,6 +111,11 @@ def test_recording_shows_the_errors_that_its_motor_leaves_alone(recording):
 
 def test_without_a_dead_band_there_is_no_threshold():
     assert seen_thresholds(record(band=0.0, turning=0.0)) is None
+
+
+def test_a_command_at_rest_shows_no_threshold(recording):
+    still = replace(recording, signals={**recording.signals, "command": np.full(len(recording), 0.5)})
+    assert seen_thresholds(still) is None
 
 
 def test_all_three_effects_of_a_motor_are_fitted(bench):

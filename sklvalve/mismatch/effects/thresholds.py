@@ -38,7 +38,7 @@ def seen_thresholds(recording: Recording) -> tuple[tuple[float, float], tuple[fl
         return None
     steps = np.flatnonzero(np.abs(np.diff(command)) > 1e-6) + 1
     many = max(round(_ANSWERS_WITHIN / recording.sample_time), 1)
-    ends = np.append(steps[1:], len(x) - 1)
+    ends = np.append(steps, len(x) - 1)[1:]
     seen: dict[bool, list[tuple[float, bool]]] = {False: [], True: []}
     last = 0.0
     for k, end in zip(steps.tolist(), ends.tolist(), strict=True):

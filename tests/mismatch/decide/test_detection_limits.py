@@ -73,6 +73,11 @@ def test_where_something_is_found_nothing_is_said_of_limits(found_leaking):
     assert found_leaking.diagnosis_.to_dict()["detection_limits"] == []
 
 
+def test_where_no_effect_is_looked_for_nothing_is_said_of_limits(healthy):
+    found = MissingPhysicsFinder(max_effects=0).fit(healthy).diagnosis_.to_dict()
+    assert (found["verdict"], found["detection_limits"]) == ("no_mismatch", [])
+
+
 def test_sizes_lie_on_both_sides_of_no_effect():
     at, middle = _sizes(Quantity("bias", "1", -0.5, 2.0, (0.1,)))
     assert at[middle] == 0.0
