@@ -9,8 +9,9 @@ from sklvalve.report.words import BLOCKS, either, number, spoken
 
 #: Before the lists of `unnoticed`.
 UNNOTICED = (
-    "Were one of these there throughout the recording, and no larger, it might have gone unnoticed. A larger "
-    "one would most likely have been noticed."
+    "Were one of these there throughout the recording, and no larger, it would most likely have gone "
+    "unnoticed. In tests half of what was a quarter larger was noticed, and four of five of what was twice "
+    "as large."
 )
 #: Heads of the rows of `Unnoticed`.
 HEAD = ("effect", "unnoticed", "given as")
