@@ -38,7 +38,9 @@ _DECADES, _SIZES = 3.0, 7
 # no effect size is looked for beyond this
 _LARGEST = 1e4
 # halvings in which a limit is found between two sizes, and the edge of what a data sheet leaves open
-_HALVINGS, _HALVINGS_OF_EDGE = 5, 20
+_HALVINGS, _HALVINGS_OF_EDGE = 3, 20
+#: Predictions with an effect, and what it changes in the errors of a recording.
+_Made = tuple[dict[str, np.ndarray], np.ndarray]
 # stages of the chain in which a recorded signal is read: an effect there undoes what a sensor does wrong
 _READ = ("pressures", "position_sensor")
 
@@ -136,41 +138,44 @@ class _Look:
     def limit(self) -> DetectionLimit | None:
         """What might have gone unnoticed; None where any size of the effect would have been noticed."""
         at, middle = _sizes(self.quantity)
-        margins = self._margins(at)
+        made = self._simulated(at)
         if middle is None:
+            margins = [self._margin(x, *each) for x, each in zip(at, made, strict=True)]
             middle = int(np.argmin(margins))
             if margins[middle] > 0.0:
                 # it says where something is and not how much: at no size it vanishes
                 return None
-        if self._noticed(at[middle], margins[middle]):
+        if self._noticed(at[middle], self._margin(at[middle], *made[middle])):
             return None
-        below, above = (
-            self._end(at[side], margins[side]) for side in (slice(middle, None, -1), slice(middle, None))
-        )
+        below = self._end(at[middle::-1], made[middle::-1])
+        above = self._end(at[middle:], made[middle:])
         effect, quantity = self.term.effect, self.quantity
         return DetectionLimit(effect.name, effect.key, quantity.name, quantity.unit, below, above)
 
-    def _end(self, at: np.ndarray, margins: np.ndarray) -> float | None:
+    def _end(self, at: np.ndarray, made: list[_Made]) -> float | None:
         """The size on the way from first to last from which on the effect is noticed; None without one."""
-        for k in range(1, len(at)):
-            if self._noticed(at[k], margins[k]):
-                crossed = self._crossing(at[k - 1 : k + 1], margins[k - 1 : k + 1])
+        before = 0.0
+        for k, simulated in enumerate(made):
+            margin = self._margin(at[k], *simulated)
+            if k and self._noticed(at[k], margin):
+                crossed = self._crossing(at[k - 1], at[k], before, margin)
                 return _value(self.quantity, self._edge(crossed, at[k]))
+            before = margin
         return None
 
-    def _crossing(self, between: np.ndarray, margins: np.ndarray) -> float:
-        """Where on the way from one size to another the margin passes 1."""
-        (inside, outside), (before, behind) = between, margins
+    def _crossing(self, inside: float, outside: float, before: float, behind: float) -> float:
+        """Where the margin passes 1, on the way from one size to another whose margins are known."""
         if before >= 1.0:
-            return float(inside)
+            return inside
         for _ in range(_HALVINGS):
             middle = 0.5 * (inside + outside)
-            [margin] = self._margins(np.array([middle]))
+            [simulated] = self._simulated(np.array([middle]))
+            margin = self._margin(middle, *simulated)
             if margin < 1.0:
                 inside, before = middle, margin
             else:
                 outside, behind = middle, margin
-        return float(inside + (outside - inside) * (1.0 - before) / (behind - before))
+        return inside + (outside - inside) * (1.0 - before) / (behind - before)
 
     def _noticed(self, at: float, margin: float) -> bool:
         return bool(margin >= 1.0 and beyond_tolerance(self.problem, self._model(at, {}), self.term))
@@ -184,12 +189,7 @@ class _Look:
             inside, outside = (inside, between) if self._noticed(between, 1.0) else (between, outside)
         return outside
 
-    def _margins(self, at: np.ndarray) -> np.ndarray:
-        """Of each size how far it is beyond all that it must pass, as a ratio: at 1 it is noticed."""
-        made = self._simulated(at)
-        return np.array([self._margin(x, *each) for x, each in zip(at, made, strict=True)])
-
-    def _simulated(self, at: np.ndarray) -> list[tuple[dict[str, np.ndarray], np.ndarray]]:
+    def _simulated(self, at: np.ndarray) -> list[_Made]:
         """Of each size predictions with the effect, and what it changes in the errors of a recording."""
         vector, name = self.trial.misfit.vector, f"{self.trial.key}.{self.quantity.name}"
         healthy, quantity = self.trial.line.errors, self.quantity
@@ -201,14 +201,21 @@ class _Look:
         return [(p, errors - healthy if opposite else healthy - errors) for p, errors in made]
 
     def _margin(self, at: float, predictions: dict[str, np.ndarray], change: np.ndarray) -> float:
+        """How far a size is beyond all that it must pass, as a ratio: from 1 on it is noticed."""
         model = self._model(at, predictions)
         counts = in_counts(self.problem.change(model, self.nominal), self.problem)
-        # what stretches of this recording disagree by, in the direction of the effect
-        over_time = OverTime.of(self.problem, self.nominal, model)
         gain = self._gain(change)
-        effect_size = standardized_effect_size(over_time.deviations(gain), counts)
         relevant = (1.0 - 1.0 / counts) * np.sqrt(2.0 * gain) if counts > 1.0 else 0.0
-        return float(min(effect_size / self.needed, relevant / self.clear))
+
+        def margin(deviations: float) -> float:
+            effect_size = standardized_effect_size(deviations, counts)
+            return float(min(effect_size / self.needed, relevant / self.clear))
+
+        at_most = margin(np.sqrt(2.0 * gain))
+        if at_most < 1.0:
+            return at_most
+        # what stretches of this recording disagree by, in the direction of the effect
+        return margin(OverTime.of(self.problem, self.nominal, model).deviations(gain))
 
     def _gain(self, change: np.ndarray) -> float:
         """Log likelihood that the effect gains on the simulation where the recording has it."""
