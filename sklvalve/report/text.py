@@ -150,9 +150,9 @@ def to_markdown(d: dict) -> str:
     if rows.untestable(d):
         lines = [f"- {_safe(words)}" for words in _by_need(d)]
         parts.append("### Not testable\n\n" + "\n".join(lines))
-    if unnoticed(d):
-        lines = [UNNOTICED, "", *(f"- {_safe(each.where)}: {_safe(each.words)}." for each in unnoticed(d))]
-        parts.append("### Unnoticed\n\n" + "\n".join(lines))
+    if _unnoticed_lines(d):
+        first, *lists = map(_safe, _unnoticed_lines(d))
+        parts.append("### Unnoticed\n\n" + "\n".join([first, "", *(f"- {words}" for words in lists)]))
     if rows.data_findings(d):
         table = _table(("signal", "finding", "detail"), rows.data_findings(d))
         parts.append("### Data\n\n" + table)
