@@ -33,7 +33,6 @@ from threadpoolctl import threadpool_limits
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import candidates, prepared_problem
 from sklvalve.mismatch.decide.detect import Evidence, mismatch_p_value
@@ -48,7 +47,8 @@ from sklvalve.mismatch.decide.null_reference import (
 from sklvalve.mismatch.decide.suppression import suppressed
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.residual.since_history import left_since
-from sklvalve.recording import Recording, Valve, screen_recording
+from sklvalve.recording import Recording, Valve
+from sklvalve.recording.measured import screened
 from sklvalve.simulation.parallel_map import with_threads
 
 KINDS = ("wander", "heavy tails", "noise that grows with the flow", "noisy pressures")
@@ -143,7 +143,7 @@ def prepared(recording, before):
     """The recording without the rows that its data spoil, what was found of them, and its history."""
     # learnt as `sklvalve learn` does it: from where a diagnosis of the history ended
     history = None if before is None else MissingPhysicsFinder(n_jobs=1).history_of([before])
-    data = with_seized_stems(screen_recording(recording), recording)
+    data = screened(recording)
     return masked(recording, recording, data)[1], data, history
 
 

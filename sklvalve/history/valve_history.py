@@ -39,6 +39,7 @@ from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.history.sources import Source
 from sklvalve.history.state.settings import settings_of
 from sklvalve.recording import Recording, Valve
+from sklvalve.recording.measured import as_measured
 from sklvalve.simulation.calibration import choose_trim, spans_of
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import chain_for
@@ -147,7 +148,8 @@ class ValveHistory(BaseEstimator):
         require_sound_settings(self.tolerance, self.allowance)
         recordings = recordings_of(X, self.valve)
         require_learnable(recordings)
-        joined = sampled(recordings)
+        measured = [as_measured(recording) for recording in recordings]
+        joined = sampled(measured)
         self.valve_ = self.valve or joined.valve
         tolerance = self.tolerance or Tolerance()
         self.trim_ = choose_trim(joined, self.valve_, tolerance)
@@ -161,7 +163,7 @@ class ValveHistory(BaseEstimator):
         self.range_ = OperatingRange()
         self.by_itself_: ByItself | None = None
         self.rehearsals_: list[Rehearsal] = []
-        return self._learn(recordings, self.onsets or {}, calibrated=True)
+        return self._learn(recordings, measured, self.onsets or {}, calibrated=True)
 
     @whole_or_nothing
     def update(self, X: Recording | Iterable[Recording]) -> ValveHistory:
@@ -187,22 +189,29 @@ class ValveHistory(BaseEstimator):
             require_same_signals(self, recording)
         # seconds of a further recording may have another zero; dates have not
         dated = all(isinstance(recording.stamps[0], str) for recording in recordings)
-        return self._learn(recordings, (self.onsets or {}) if dated else {})
+        measured = [as_measured(recording) for recording in recordings]
+        return self._learn(recordings, measured, (self.onsets or {}) if dated else {})
 
     def _learn(
-        self, recordings: Sequence[Recording], onsets: dict[str, Any], *, calibrated: bool = False
+        self,
+        recordings: Sequence[Recording],
+        measured: Sequence[Recording],
+        onsets: dict[str, Any],
+        *,
+        calibrated: bool = False,
     ) -> ValveHistory:
+        """Learn from recordings as they were measured; their rows are known again by what was recorded."""
         tolerance = self.tolerance or Tolerance()
         self.recordings_ = [*self.recordings_, *require_further(recordings, self.recordings_)]
         self.windows_ = list(self.windows_)
-        for recording in recordings:
+        for recording in measured:
             for piece in pieces_of(recording):
                 self.windows_ += windows_of(
                     self._chain(piece, onsets), self._groups_, self.values_, tolerance
                 )
         if calibrated:
             self.windows_ = self._centred()
-        self.range_ = self.range_.merged(OperatingRange.of(recordings))
+        self.range_ = self.range_.merged(OperatingRange.of(measured))
         self.prior_ = self._expected()
         return self
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 from sklearn.utils.validation import check_is_fitted
 from threadpoolctl import threadpool_limits
 
-from sklvalve.mismatch.data.gate import with_seized_stems
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import candidates, hidden_by_data, prepared_problem, rows_to_use
@@ -17,7 +16,8 @@ from sklvalve.mismatch.effects import EVENTS
 from sklvalve.mismatch.inference.hypothesis import begun, is_in
 from sklvalve.mismatch.next_test.planning import planned
 from sklvalve.mismatch.search.rivals import find_rivals
-from sklvalve.recording import InputError, screen_recording
+from sklvalve.recording import InputError
+from sklvalve.recording.measured import screened
 from sklvalve.simulation import ValveSimulation
 
 if TYPE_CHECKING:
@@ -135,7 +135,7 @@ def _problem_of(
     ours = finder.simulation if isinstance(finder.simulation, ValveSimulation) else None
     whole = gathered(X, simulation=ours, external=finder.simulation if ours is None else None)
     recording = whole.slice(0, rows_to_use(whole, until))
-    data = with_seized_stems(screen_recording(recording), recording)
+    data = screened(recording)
     _, recording = masked(recording, recording, data)
     return prepared_problem(recording, ours, finder.tolerance), data
 

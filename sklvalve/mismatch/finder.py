@@ -20,7 +20,7 @@ from sklvalve.history import ValveHistory
 from sklvalve.history.compatible import require_compatible
 from sklvalve.history.learnable import is_learnable, recordings_of, require_learnable, require_no_loop
 from sklvalve.history.rehearsal import Rehearsal
-from sklvalve.mismatch.data.gate import blocking, with_seized_stems
+from sklvalve.mismatch.data.gate import blocking
 from sklvalve.mismatch.data.gathering import gathered
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.mismatch.data.preparation import (
@@ -65,6 +65,7 @@ from sklvalve.recording import (
     require_diagnosable,
     screen_recording,
 )
+from sklvalve.recording.measured import screened
 from sklvalve.simulation import Tolerance, ValveSimulation
 from sklvalve.simulation.chain import clock_of
 from sklvalve.simulation.parallel_map import with_threads
@@ -317,7 +318,7 @@ class MissingPhysicsFinder(BaseEstimator):
         history = self._history()
         if history is not None:
             require_compatible(history, recording, None if ours is None else ours.valve)
-        data = with_seized_stems(screen_recording(recording), recording)
+        data = screened(recording)
         whole, recording = masked(whole, recording, data)
         problem = prepared_problem(recording, ours, self.tolerance, history=history)
         return self._fit_valve(whole, problem, ours, external, data)
@@ -348,7 +349,7 @@ class MissingPhysicsFinder(BaseEstimator):
     def _held_against(self, history: ValveHistory, recording: Recording) -> Rehearsal | None:
         """A part of a history held against another part; None where its data spoil it."""
         stretches = stretches_of(recording, self.search_rows)
-        data = with_seized_stems(screen_recording(stretches), stretches)
+        data = screened(stretches)
         if blocking(data):
             return None
         _, stretches = masked(stretches, stretches, data)

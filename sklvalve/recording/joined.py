@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from sklvalve.recording.dead_bands import DeadBand
 from sklvalve.recording.errors import InputError
 from sklvalve.recording.recording import Piece, Recording
 from sklvalve.recording.same_valve import sheet_difference
@@ -75,7 +76,22 @@ def join_recordings(recordings: Iterable[Recording]) -> Recording:
         pieces=tuple(
             Piece(r.source, r.sha256, float(begin), assumed) for begin, r in zip(begins, several, strict=True)
         ),
+        bands=_joined_bands(several, begins),
     )
+
+
+def _joined_bands(several: list[Recording], begins: list[float]) -> dict[str, tuple[DeadBand, ...]]:
+    """Dead bands of recordings by role, each on the common clock and within its own recording."""
+    bands: dict[str, tuple[DeadBand, ...]] = {}
+    for begin, recording in zip(begins, several, strict=True):
+        first, last = recording.time[0], recording.time[-1]
+        for role, each in recording.bands.items():
+            moved = tuple(
+                DeadBand(begin + max(b.begins, first) - first, begin + min(b.ends, last) - first, b.size)
+                for b in each
+            )
+            bands[role] = bands.get(role, ()) + moved
+    return bands
 
 
 def _is_same(one: Recording, other: Recording) -> bool:

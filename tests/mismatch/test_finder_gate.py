@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch import MissingPhysicsFinder
-from sklvalve.mismatch.data.gate import effects_switched_off, with_seized_stems, without_findings
+from sklvalve.mismatch.data.gate import effects_switched_off
 from sklvalve.mismatch.data.masking import masked
 from sklvalve.recording import InputError, require_diagnosable, screen_recording
+from sklvalve.recording.measured import with_seized_stems, without_findings
 from sklvalve.report import to_text
 from sklvalve.report.html import render
 from sklvalve.simulation import ValveSimulation

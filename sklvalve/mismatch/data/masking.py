@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from sklvalve.mismatch.data.gate import tells_a_band, with_seized_stems, without_findings
 from sklvalve.mismatch.data.gathering import settled
-from sklvalve.recording import InputError, Recording, require_diagnosable, screen_recording
+from sklvalve.recording import InputError, Recording, require_diagnosable
+from sklvalve.recording.measured import screened, tells_a_band, without_findings
 
 
 def masked(whole: Recording, recording: Recording, data: list[dict[str, Any]]) -> tuple[Recording, Recording]:
@@ -42,7 +42,7 @@ def masked(whole: Recording, recording: Recording, data: list[dict[str, Any]]) -
         _require_enough(cleaned, data)
     if used == len(whole):
         return cleaned, cleaned
-    everywhere = with_seized_stems(screen_recording(whole), whole)
+    everywhere = screened(whole)
     still = [each for each in everywhere if each["finding"] in ("frozen", "saturated")]
     known = [d for d in data if d["finding"] == "clock_shift" or tells_a_band(d)]
     return settled(without_findings(whole, still + known)), cleaned

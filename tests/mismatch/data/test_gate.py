@@ -7,10 +7,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from sklvalve.mismatch.data.gate import blocking, effects_switched_off, without_findings
+from sklvalve.mismatch.data.gate import blocking, effects_switched_off
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.recording import Recording
 from sklvalve.recording.dead_bands import DeadBand, band_of, step_of
+from sklvalve.recording.measured import without_findings
 from sklvalve.simulation.fitting import residual_of
 from sklvalve.simulation.noise_of_pieces import noise_of
 
