@@ -14,6 +14,7 @@ from sklvalve.history.sources import Source, shared, sources_of
 from sklvalve.recording import InputError, Recording, join_recordings, require_diagnosable
 from sklvalve.recording.diagnosable import FEWEST_ROWS, is_loop
 from sklvalve.recording.errors import shown
+from sklvalve.recording.measured import as_measured
 from sklvalve.simulation.simulation import as_recording
 from sklvalve.simulation.tolerance import Tolerance
 
@@ -74,6 +75,33 @@ def require_learnable(recordings: Sequence[Recording]) -> None:
         require_diagnosable(joined)
     except InputError as error:
         raise InputError(f"no history can be learnt from this: {error}") from None
+
+
+def measured_of(recordings: Iterable[Recording]) -> list[Recording]:
+    """Recordings as their sensors measured them, without those that say nothing of the valve.
+
+    Parameters
+    ----------
+    recordings : iterable of Recording
+
+    Returns
+    -------
+    measured : list of Recording
+        Each as `as_measured` leaves it.
+
+    Raises
+    ------
+    InputError
+        If none says anything.
+    """
+    recordings = list(recordings)
+    measured = [each for each in map(as_measured, recordings) if each is not None]
+    if not measured:
+        raise InputError(
+            f"{recordings[0].source}: the opening or the flow holds one value from the first row to the "
+            "last, so that nothing can be learnt of the valve; give a recording in which both move"
+        )
+    return measured
 
 
 def is_learnable(recording: Recording) -> bool:

@@ -19,6 +19,7 @@ from sklvalve.history.allowance import Allowance
 from sklvalve.history.by_itself import ByItself
 from sklvalve.history.compatible import require_same_signals, require_same_valve
 from sklvalve.history.learnable import (
+    measured_of,
     recordings_of,
     require_further,
     require_learnable,
@@ -39,7 +40,6 @@ from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.history.sources import Source
 from sklvalve.history.state.settings import settings_of
 from sklvalve.recording import Recording, Valve
-from sklvalve.recording.measured import as_measured
 from sklvalve.simulation.calibration import choose_trim, spans_of
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import chain_for
@@ -148,7 +148,7 @@ class ValveHistory(BaseEstimator):
         require_sound_settings(self.tolerance, self.allowance)
         recordings = recordings_of(X, self.valve)
         require_learnable(recordings)
-        measured = [as_measured(recording) for recording in recordings]
+        measured = measured_of(recordings)
         joined = sampled(measured)
         self.valve_ = self.valve or joined.valve
         tolerance = self.tolerance or Tolerance()
@@ -189,7 +189,7 @@ class ValveHistory(BaseEstimator):
             require_same_signals(self, recording)
         # seconds of a further recording may have another zero; dates have not
         dated = all(isinstance(recording.stamps[0], str) for recording in recordings)
-        measured = [as_measured(recording) for recording in recordings]
+        measured = measured_of(recordings)
         return self._learn(recordings, measured, (self.onsets or {}) if dated else {})
 
     def _learn(

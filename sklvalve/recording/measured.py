@@ -25,7 +25,7 @@ _MOST_BLANK = {"frozen": 1.0, "saturated": 0.6}
 COUNTS = 0.005
 
 
-def as_measured(recording: Recording) -> Recording:
+def as_measured(recording: Recording) -> Recording | None:
     """A recording as a diagnosis uses it: screened, and without what its sensors did not measure.
 
     Parameters
@@ -34,10 +34,18 @@ def as_measured(recording: Recording) -> Recording:
 
     Returns
     -------
-    recording : Recording
-        As `without_findings` leaves it.
+    recording : Recording or None
+        As `without_findings` leaves it; None where the opening or the flow stands still from the first row to
+        the last, so that the recording says nothing of its valve.
     """
-    return without_findings(recording, screened(recording))
+    data = screened(recording)
+    return None if any(map(_stands, data)) else without_findings(recording, data)
+
+
+def _stands(finding: Defect) -> bool:
+    """Whether what a simulation predicts stood still all the time, as that of a seized stem may not."""
+    still = finding["finding"] == "frozen" and finding["role"] in ("opening", "flow") and not finding["rows"]
+    return still and not finding.get("seized")
 
 
 def screened(recording: Recording) -> list[Defect]:
