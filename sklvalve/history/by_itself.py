@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 #: What a verdict may be, and how long a text beside it.
 LONGEST = 2_000
@@ -25,6 +25,8 @@ class ByItself:
         Whether all that was named is among the effects that the history holds.
     checked : bool, default=True
         Whether it was checked how often such names are right, for all that was named.
+    rivals : dict, default={}
+        Name of an effect that was named first -> the names that these recordings do not tell it from.
     """
 
     verdict: str
@@ -32,6 +34,7 @@ class ByItself:
     reason: str = ""
     held: bool = False
     checked: bool = True
+    rivals: dict[str, list[str]] = field(default_factory=dict)
 
     @property
     def doubt(self) -> int:

@@ -69,6 +69,34 @@ def test_what_a_history_held_and_has_gone_since_is_named_rightly(a_line):
     assert wrongly_named(a_line("", "named", "clogging", history=same) | {"method": line["method"]})
 
 
+@pytest.mark.parametrize(
+    ("true", "verdict", "classes", "held", "word"),
+    [
+        ("clogging", "no_mismatch", [], ["clogging"], "right"),
+        ("clogging", "no_mismatch", [], ["erosion/clogging"], "right"),
+        ("clogging", "no_mismatch", [], ["erosion"], "wrong name"),
+        ("clogging", "no_mismatch", [], [], "missed"),
+        ("clogging", "named", ["erosion"], ["clogging"], "wrong name"),
+        ("clogging", "cannot_tell", [], ["clogging"], "cannot tell"),
+        ("clogging+erosion", "no_mismatch", [], ["erosion", "clogging"], "both found"),
+        ("clogging+erosion", "no_mismatch", [], ["erosion/clogging"], "neither"),
+    ],
+)
+def test_what_the_history_had_already_is_no_change_and_found_where_that_is_told(
+    a_line, true, verdict, classes, held, word
+):
+    line = a_line(true, verdict, *classes, history={"holds": "same", "effects": true.split("+")})
+    line["found"]["held"] = [names.split("/") for names in held]
+    assert judge(line) == word
+
+
+def test_what_a_sound_history_is_told_to_have_had_is_a_wrong_name(a_line):
+    line = a_line("", "no_mismatch", history={"holds": None, "effects": []})
+    assert judge(line) == "right"
+    line["found"]["held"] = [["clogging"]]
+    assert wrongly_named(line)
+
+
 def test_each_name_needs_a_class_of_its_own(a_line):
     one, both = a_line("a+b", "named", "a/b"), a_line("a+b", "named", "b/a", "a/c")
     assert len(found_names(one)) == 1

@@ -40,7 +40,10 @@ def test_it_is_not_known_unless_it_was_asked(learnt):
     assert learnt.to_state()["clean"] == {}
 
 
-@pytest.mark.parametrize("found", [SOUND, replace(NEVER_CHECKED, held=False), OPEN])
+RIVALS = ByItself("named", "Likely fault: drift.", rivals={"flow_meter_drift": ["clogging", "erosion"]})
+
+
+@pytest.mark.parametrize("found", [SOUND, replace(NEVER_CHECKED, held=False), OPEN, RIVALS])
 def test_it_comes_back(learnt, found):
     history = copy.deepcopy(learnt)
     history.by_itself_ = found
@@ -73,13 +76,14 @@ def test_of_two_histories_the_one_that_leaves_more_open_is_told(learnt, learnt_a
     assert first.merge(second).by_itself_ == both
 
 
-def test_a_file_that_does_not_say_whether_names_were_checked_is_read(learnt):
+@pytest.mark.parametrize(("key", "without"), [("checked", False), ("rivals", {})])
+def test_a_file_that_does_not_say_so_much_is_read(learnt, key, without):
     history = copy.deepcopy(learnt)
     history.by_itself_ = replace(LEAKS, held=False)
     state = history.to_state()
-    del state["clean"]["checked"]
+    del state["clean"][key]
     require_sound_history(state, ())
-    assert not ValveHistory.from_state(history.valve_, state).by_itself_.checked
+    assert getattr(ValveHistory.from_state(history.valve_, state).by_itself_, key) == without
 
 
 LIES = {
@@ -88,6 +92,9 @@ LIES = {
     "held by nothing": {"verdict": "named", "held": True},
     "held, and no truth value": {"held": 1},
     "checked, and no truth value": {"checked": "yes"},
+    "no classes": {"rivals": ["clogging"]},
+    "a class that is none": {"rivals": {"clogging": "erosion"}},
+    "a name of control": {"rivals": {"clogging": ["\x1b[2J"]}},
     "no words": {"finding": 3},
     "words of control": {"finding": "\x1b[2J"},
     "a book": {"reason": "x" * 3_000},

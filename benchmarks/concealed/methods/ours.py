@@ -29,6 +29,11 @@ def diagnose(recording, *, folder=None, **settings):
     finder = MissingPhysicsFinder(n_jobs=1, **settings).fit(recording)
     content, traces = finder.diagnosis_.to_dict(), finder.diagnosis_.traces
     found = {key: content[key] for key in _TOLD if key in content}
+    if "since_history" in content:
+        # what is no change since, and told beside the verdict: names by class, as in what was found
+        since = content["since_history"]
+        rivals = (since["by_itself"] or {}).get("rivals", {})
+        found["held"] = [[each["name"], *rivals.get(each["name"], [])] for each in since["held"]]
     # with it a change of the rules can be tried on the scores, without a search
     found["comparison"] = [row for row in content.get("comparison", ()) if row["rank"] <= _RANKS]
     nominal = getattr(finder, "nominal_simulation_", None)

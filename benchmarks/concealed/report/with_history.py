@@ -21,7 +21,7 @@ from benchmarks.concealed.scoring.lines import (
     size_step,
     told_mismatch,
 )
-from benchmarks.concealed.scoring.outcome import judge, wrongly_named
+from benchmarks.concealed.scoring.outcome import judge, told_before, wrongly_named
 from benchmarks.concealed.scoring.rates import rate_of
 
 HEAD = ["", "without", "with", "only without", "only with", "McNemar p"]
@@ -36,7 +36,7 @@ def _healthy(line):
 
 
 def _noticed(line):
-    return bool(told_mismatch(line))
+    return bool(told_mismatch(line)) or told_before(line)
 
 
 def _judged(word):

@@ -164,6 +164,11 @@ def told_mismatch(line):
     return None if failed(line) else verdict_of(line) != "no_mismatch"
 
 
+def held_classes(line):
+    """Names by class of what is told as there in the history already."""
+    return [] if failed(line) else [set(names) for names in line["found"].get("held") or ()]
+
+
 def entries_of(line):
     """What was found, the strongest first: one entry a thing."""
     return [] if failed(line) else line["found"].get("effects") or []

@@ -7,6 +7,7 @@ from benchmarks.concealed.scoring.lines import (
     changed_names,
     classes_of,
     failed,
+    held_classes,
     kind_of,
     refused,
     true_names,
@@ -30,14 +31,26 @@ def wrongly_named(line):
     a history that had another effect, the name of that is true of the change.
     """
     true = changed_names(line)
-    return any(not names & true for names in classes_of(line))
+    # what a history held is told of the time before
+    earlier = set((line["truth"].get("history") or {}).get("effects") or ())
+    return any(not names & true for names in classes_of(line)) or any(
+        not names & earlier for names in held_classes(line)
+    )
 
 
 def found_names(line):
     """True names that are held by classes of the verdict ``named``, each by a class of its own."""
-    if verdict_of(line) != "named":
-        return set()
-    true, classes = sorted(true_names(line)), classes_of(line)
+    return _found_in(classes_of(line), line) if verdict_of(line) == "named" else set()
+
+
+def told_before(line):
+    """Whether all that is true is told as what the history had already, and no change since is told."""
+    true = true_names(line)
+    return bool(true) and verdict_of(line) == "no_mismatch" and _found_in(held_classes(line), line) == true
+
+
+def _found_in(classes, line):
+    true = sorted(true_names(line))
     best: set = set()
     # few names and few classes: every way of giving each name a class can be tried
     slots = classes + [set()] * len(true)
@@ -54,7 +67,8 @@ def judge(line):
     ``named`` holds it and no class beside it is wrong, ``wrong name`` where any class holds no true name, and
     else what was said instead: ``cannot tell``, ``none of these``, ``missed``. Several effects: ``both
     found`` where each is held by a class of its own, ``one found``, ``neither``. Outside the catalogue:
-    ``right`` is ``none_of_these`` without any name. Exchanged or mislabelled columns: ``right`` where that is
+    ``right`` is ``none_of_these`` without any name. What a history had already is no change since: told as
+    that beside ``no_mismatch``, it is found. Exchanged or mislabelled columns: ``right`` where that is
     said, or no name is given. ``failed`` where the diagnosis broke.
     """
     kind, verdict = kind_of(line), verdict_of(line)
@@ -71,7 +85,7 @@ def judge(line):
         plain = {"none_of_these": "right", "cannot_tell": "cannot tell", "no_mismatch": "missed"}
         # a name that is not wrong is that of what a history held
         return plain.get(verdict, "missed" if classes_of(line) else "wrong name")
-    found = found_names(line)
+    found = true if told_before(line) else found_names(line)
     if len(true) > 1:
         return "both found" if found == true else "one found" if found else "neither"
     if found:

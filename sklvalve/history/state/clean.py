@@ -12,9 +12,9 @@ from sklvalve.history.by_itself import LONGEST, VERDICTS, ByItself
 if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
 
-_KEYS = {"verdict", "finding", "reason", "held", "checked"}
-# of a history learnt before this was kept nobody knows whether its names were checked
-_BEFORE = {"checked": False}
+_KEYS = {"verdict", "finding", "reason", "held", "checked", "rivals"}
+# what is known of a history learnt before this was kept: not whether its names were checked, and no rivals
+_BEFORE: dict[str, Any] = {"checked": False, "rivals": {}}
 
 
 def told(history: ValveHistory) -> dict[str, Any]:
@@ -39,5 +39,14 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
     for words in (part["finding"], part["reason"]):
         if not isinstance(words, str) or len(words) > LONGEST or not words.isprintable():
             raise ValueError("what it holds by itself is not in words")
+    rivals = part["rivals"]
+    if not isinstance(rivals, dict) or not all(map(_are_names, [list(rivals), *rivals.values()])):
+        raise ValueError("what it holds by itself is no class of names")
     if part["held"] and (part["verdict"] != "named" or not effects):
         raise ValueError("what it holds by itself is no effect of it")
+
+
+def _are_names(names: Any) -> bool:
+    return isinstance(names, list) and all(
+        isinstance(name, str) and len(name) <= LONGEST and name.isprintable() for name in names
+    )

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def by_itself(diagnosis: Diagnosis, held: bool) -> ByItself:
-    """Verdict, finding and reasons of a diagnosis.
+    """Verdict, finding, reasons and names of a diagnosis.
 
     Parameters
     ----------
@@ -27,4 +27,5 @@ def by_itself(diagnosis: Diagnosis, held: bool) -> ByItself:
     # a line each, whatever a caller's own effect is called
     finding, reason = (" ".join(words.split())[:LONGEST] for words in texts)
     checked = all(entry["probability"] is not None for entry in content["effects"])
-    return ByItself(diagnosis.verdict, finding, reason, held, checked)
+    classes = [[each["name"] for each in entry["members"]] for entry in content["effects"]]
+    return ByItself(diagnosis.verdict, finding, reason, held, checked, {c[0]: c[1:] for c in classes})

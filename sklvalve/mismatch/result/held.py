@@ -13,7 +13,7 @@ from sklvalve.history.then import Expected, expected_of
 from sklvalve.mismatch.describe.intervals import interval_of
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.result.effect_entry import in_recorded_unit
-from sklvalve.mismatch.result.known_effects import quantity_named
+from sklvalve.mismatch.result.known_effects import forms_of, quantity_named
 
 if TYPE_CHECKING:
     from sklvalve.history import ValveHistory
@@ -50,11 +50,21 @@ def held_entries(
     """
     expected = {each.name: each for each in expected_of(history)}
     keys = {effect.key for effect in history.effects}
-    return [_entry(whole, problem, term, model, expected) for term in problem.held if term.effect.key in keys]
+    rivals = history.by_itself_.rivals if history.by_itself_ is not None else {}
+    return [
+        _entry(whole, problem, term, model, expected, rivals.get(term.effect.name, []))
+        for term in problem.held
+        if term.effect.key in keys
+    ]
 
 
 def _entry(
-    whole: Recording, problem: Problem, term: Term, model: Model, expected: dict[str, Expected]
+    whole: Recording,
+    problem: Problem,
+    term: Term,
+    model: Model,
+    expected: dict[str, Expected],
+    rivals: list[str],
 ) -> dict[str, Any]:
     first = term.effect.quantities(model.chain)[0]
     key = f"{term.effect.key}.{first.name}"
@@ -77,7 +87,7 @@ def _entry(
         "now": {"value": converted[3], "ci95": sorted(converted[4:]) or None},
         "change": change,
     }
-    return entry | {"sentence": _sentence(entry, term, first)}
+    return entry | {"sentence": _sentence(entry, term, first, rivals)}
 
 
 def _held_as_term(problem: Problem, term: Term, model: Model) -> tuple[Problem, Model]:
@@ -105,10 +115,13 @@ def _change(
     return "changed" if left and not (null is not None and ends[0] <= null <= ends[1]) else "gone"
 
 
-def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity) -> str:
+def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity, rivals: list[str]) -> str:
     words, (then, now) = _shown(entry, quantity)
     name = term.effect.spoken
-    began = f"{name[:1].upper()}{name[1:]} was there in the history already"
+    others = [next((form.words for form in forms_of(each)), "") or each.replace("_", " ") for each in rivals]
+    # said of one name, it would be surer than the history is
+    beside = f" (or {', '.join(others)}: the history does not tell which)" if others else ""
+    began = f"{name[:1].upper()}{name[1:]}{beside} was there in the history already"
     if entry["change"] is None:
         return f"{began} ({words} {then}); this recording does not tell what it is now."
     if entry["change"] == "none":

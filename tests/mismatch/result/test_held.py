@@ -66,6 +66,8 @@ def test_what_was_there_and_is_as_it_was_is_no_mismatch():
     said = f"The history was not sound: {finding} What is told here is what changed since."
     assert said in content["reasons"]
     assert held["sentence"] not in content["reasons"]
+    both = "Clogging that caps the opening (or reducers or fittings at the valve, pressure loss of the line: "
+    assert held["sentence"].startswith(f"{both}the history does not tell which) was there")
     assert said in " ".join(to_text(content).split())
     assert content["provenance"]["history"]["verdict"] == "named"
     assert content["provenance"]["history"]["effects"][0] == "clogging"
