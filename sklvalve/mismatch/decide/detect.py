@@ -124,7 +124,7 @@ def effect_sizes(explanation: Explanation, problem: Problem) -> dict[str, dict[s
     """
     law = law_for(problem)
     by_look: dict[str, dict[str, float]] = {look: {} for look in OF_EFFECTS if look in law.tables}
-    seen: list[tuple[str, Tried | Finding]] = [*explanation.tried.items()]
+    seen: list[tuple[str, Tried | Finding]] = [*explanation.tried.items(), *explanation.acting.items()]
     seen += [(f.term.effect.key, f) for f in explanation.findings]
     for key, each in seen:
         look, size = _look_and_effect_size(each, problem, law)

@@ -21,6 +21,7 @@ from sklvalve.mismatch.search.restart import much_is_left, restarted
 from sklvalve.mismatch.search.rivals import find_rivals, without_rival
 from sklvalve.mismatch.search.scatter import OverTime
 from sklvalve.mismatch.search.settling import settled_fit
+from sklvalve.simulation.given import ACTUATOR_STAGES
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.effects import Effect
@@ -80,6 +81,9 @@ class Explanation:
         Effect key -> its best single fit as `Tried`, at the first step.
     effects : tuple of Effect
         The candidates.
+    acting : dict
+        Effect key -> what it would gain as the first one that acts throughout, whether or not it fits better
+        with a beginning: of the stem's effects beyond tolerance the likeliest, and of the others.
     """
 
     problem: Problem
@@ -88,6 +92,7 @@ class Explanation:
     findings: list[Finding]
     tried: dict[str, Tried] = field(default_factory=dict)
     effects: tuple[Effect, ...] = ()
+    acting: dict[str, Tried] = field(default_factory=dict)
 
 
 def explain(
@@ -144,7 +149,7 @@ def explain(
         # one hypothesis, wherever its fit was begun
         nominal = model = max(nominal, model, key=lambda m: m.log_likelihood)
     findings = [search.with_its_beginning(problem, f, model, f.term) for f in findings]
-    return Explanation(problem, nominal, model, findings, search.tried, tuple(effects))
+    return Explanation(problem, nominal, model, findings, search.tried, tuple(effects), search.acting)
 
 
 def _what_stands(problem: Problem, model: Model, threshold: float) -> tuple[Problem, Model]:
@@ -166,6 +171,8 @@ class _Search:
     ----------
     tried : dict
         Effect key -> what the effect would gain as the first one.
+    acting : dict
+        As `Explanation` has it.
     throughout : Model or None
         The likeliest with one effect, or with none, that acts throughout.
     gain_throughout : float
@@ -180,6 +187,7 @@ class _Search:
         self.effects, self.threshold = effects, threshold
         self.most, self.report = most, report
         self.tried: dict[str, Tried] = {}
+        self.acting: dict[str, Tried] = {}
         self.throughout: Model | None = None
         self.gain_throughout = 0.0
         self.nominal: Model | None = None
@@ -215,16 +223,17 @@ class _Search:
     ) -> tuple[Problem, Model, Model | None]:
         """A hypothesis so far, and with one effect more that matters; else None."""
         done = len(model.terms) / (self.most + 1)
-        candidates, throughout = extended(problem, model, self.effects, self.report, done)
+        candidates, acting = extended(problem, model, self.effects, self.report, done)
         if first:
             calibrated = self._calibrated_anew(problem, model, candidates)
             if calibrated is not model:
                 problem = problem.with_noise_of(calibrated, cautious=True)
                 model = problem.fit((), start=calibrated)
-                candidates, throughout = extended(problem, model, self.effects, self.report, done)
-            self.nominal, self.throughout = model, throughout
-            self.gain_throughout = throughout.log_likelihood - model.log_likelihood
-        if first:
+                candidates, acting = extended(problem, model, self.effects, self.report, done)
+            self.nominal = model
+            self.throughout = max((model, *acting[:1]), key=lambda m: m.log_likelihood)
+            self.gain_throughout = self.throughout.log_likelihood - model.log_likelihood
+            self._note_what_acts(problem, acting, model)
             # what a data sheet leaves open is no mismatch, however clear it is
             beyond = [m for m in candidates if beyond_tolerance(problem, m, m.terms[-1])]
             for m in beyond:
@@ -238,11 +247,19 @@ class _Search:
 
     def _note(self, problem: Problem, model: Model, without: Model) -> None:
         """Keep what the only effect of a hypothesis gains."""
-        gain, term = model.log_likelihood - without.log_likelihood, model.terms[-1]
-        sizes = problem.change(model, problem.baseline(model, without.terms, without))
-        over_time = OverTime.of(problem, model, without)
-        tried = Tried(gain, sizes, stage=term.effect.stage, over_time=over_time)
-        self.tried[term.effect.key] = self.with_its_beginning(problem, tried, model, term)
+        term, gained = model.terms[-1], _gained(problem, model, without)
+        self.tried[term.effect.key] = self.with_its_beginning(problem, gained, model, term)
+
+    def _note_what_acts(self, problem: Problem, acting: Sequence[Model], without: Model) -> None:
+        """Keep what is gained by the likeliest effect that acts throughout, of the stem's and of the others.
+
+        One that fits better with a beginning gains by that only what it gains beyond.
+        """
+        for of_stem in (True, False):
+            some = (m for m in acting if (m.terms[-1].effect.stage in ACTUATOR_STAGES) == of_stem)
+            best = next((m for m in some if beyond_tolerance(problem, m, m.terms[-1])), None)
+            if best is not None:
+                self.acting[best.terms[-1].effect.key] = _gained(problem, best, without)
 
     def _calibrated_anew(self, problem: Problem, nominal: Model, candidates: Sequence[Model]) -> Model:
         """The simulation without effects from where the best of these have led its calibration, if better.
@@ -280,6 +297,13 @@ class _Search:
             ]
         nothing = problem.with_noise_of(model, cautious=True), None
         return max(counting, key=lambda one: penalised_across_noises(*one)) if counting else nothing
+
+
+def _gained(problem: Problem, model: Model, without: Model) -> Tried:
+    """What the only effect of a hypothesis gains."""
+    sizes = problem.change(model, problem.baseline(model, without.terms, without))
+    stage, over_time = model.terms[-1].effect.stage, OverTime.of(problem, model, without)
+    return Tried(model.log_likelihood - without.log_likelihood, sizes, stage=stage, over_time=over_time)
 
 
 def _in_reach(problem: Problem, candidates: Sequence[Model], model: Model) -> list[Model]:

@@ -27,10 +27,10 @@ _FROM_WHAT_IS_KNOWN = 2
 
 def extended(
     problem: Problem, model: Model, effects: Sequence[Effect], report: Report | None, done: float
-) -> tuple[list[Model], Model]:
+) -> tuple[list[Model], list[Model]]:
     """Hypotheses with one effect more, best first: all screened, the most promising fitted.
 
-    And the likeliest of those whose effect acts throughout, or the hypothesis so far.
+    Of each effect the best one; and all whose effect acts throughout, the likeliest first.
     """
     usable = [e for e in effects if not is_in(e, model.terms)]
     shown = report and (lambda share: report(done + 0.1 * share))
@@ -45,9 +45,9 @@ def extended(
         if report:
             report(done + 0.1 + 0.1 * len(refined) / FITTED)
     acting = [m for m in (*every, *refined) if m.terms[-1].onset is None]
-    throughout = max((model, *acting), key=lambda m: m.log_likelihood)
     tried = refined + rough[FITTED:]
-    return sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True), throughout
+    best = sorted(tried, key=lambda m: penalised_likelihood(problem, m), reverse=True)
+    return best, sorted(acting, key=lambda m: m.log_likelihood, reverse=True)
 
 
 def _of_a_sound_stem(
