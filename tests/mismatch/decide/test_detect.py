@@ -45,6 +45,12 @@ CIRCUMSTANCES = st.builds(
 )
 STRENGTHS = st.floats(0.0, 200.0)
 BY_KEY = {effect.key: effect for effect in CATALOGUE}
+
+
+def _explanation(tried, *findings, acting=None):
+    return SimpleNamespace(tried=tried, acting=acting or {}, findings=list(findings))
+
+
 BENCH = SimpleNamespace(least=lambda channel: {"flow": 0.005, "opening": 0.01}[channel], history=None)
 
 
@@ -72,13 +78,13 @@ def test_stretches_that_disagree_take_from_the_strength_of_an_effect():
     sizes = {"flow": 0.02}
     tried = {"clogging": Tried(50.0, sizes), "erosion": Tried(50.0, sizes, over_time=OverTime(9.0, 50.0))}
     found = Finding(Term(BY_KEY["seat_leakage"]), [], 50.0, sizes, over_time=OverTime(9.0, 50.0))
-    explanation = SimpleNamespace(tried=tried, findings=[found])
+    explanation = _explanation(tried, found)
     strengths = effect_sizes(explanation, BENCH)["throughout"]
     assert strengths["clogging"] == pytest.approx(effect_size(10.0, 4.0))
     assert strengths["erosion"] == strengths["seat_leakage"] < 0.5 * strengths["clogging"]
     weak, strong = Tried(8.0, {"flow": 0.005}), Tried(50.0, {"flow": 0.02})
     tried = {"clogging": weak, "erosion": strong, "dead_time": Tried(-9.0, {"opening": 0.5})}
-    searched = SimpleNamespace(tried=tried, findings=[])
+    searched = _explanation(tried)
     alone = {
         "clogging": effect_size(4.0, 1.0),
         "erosion": effect_size(10.0, 4.0),
@@ -89,7 +95,7 @@ def test_stretches_that_disagree_take_from_the_strength_of_an_effect():
     searched.findings = [Finding(eroded, [], 5000.0, {"flow": 0.02})]
     found = alone | {"erosion": effect_size(100.0, 4.0)}
     assert effect_sizes(searched, BENCH)["throughout"] == pytest.approx(found)
-    assert effect_sizes(SimpleNamespace(tried={}, findings=[]), BENCH) == {"throughout": {}, "within": {}}
+    assert effect_sizes(_explanation({}), BENCH) == {"throughout": {}, "within": {}}
 
 
 def test_what_begins_counts_by_what_it_gains_by_beginning():
@@ -98,9 +104,17 @@ def test_what_begins_counts_by_what_it_gains_by_beginning():
         "erosion": Tried(50.0, {"flow": 0.02}),
     }
     begun = Finding(Term(BY_KEY["clogging"], 900.0), [], 9000.0, {"flow": 0.02}, by_beginning=72.0)
-    seen = effect_sizes(SimpleNamespace(tried=tried, findings=[begun]), BENCH)
+    seen = effect_sizes(_explanation(tried, begun), BENCH)
     assert seen["within"] == {"clogging": pytest.approx(effect_size(12.0, 4.0))}
     assert seen["throughout"] == {"erosion": pytest.approx(effect_size(10.0, 4.0))}
+
+
+def test_what_fits_better_with_a_beginning_counts_as_acting_throughout_too():
+    tried = {"clogging": Tried(60.0, {"flow": 0.03}, by_beginning=10.0)}
+    acting = {"clogging": Tried(50.0, {"flow": 0.02})}
+    seen = effect_sizes(_explanation(tried, acting=acting), BENCH)
+    assert seen["within"] == {"clogging": pytest.approx(effect_size(np.sqrt(20.0), 6.0))}
+    assert seen["throughout"] == {"clogging": pytest.approx(effect_size(10.0, 4.0))}
 
 
 @pytest.mark.parametrize("table", TABLES)
@@ -255,12 +269,11 @@ def test_healthy_recording_is_one_among_many_and_a_leak_is_not(found_healthy, fo
 
 
 def test_what_drives_the_stem_is_looked_at_by_itself_beside_a_history():
-    searched = SimpleNamespace(
-        tried={
+    searched = _explanation(
+        {
             "friction": Tried(50.0, {"opening": 0.02}, stage="actuator"),
             "erosion": Tried(8.0, {"flow": 0.02}, stage="capacity"),
-        },
-        findings=[],
+        }
     )
     known = SimpleNamespace(least=BENCH.least, history=SimpleNamespace(rehearsals_=[]))
     apart, together = effect_sizes(searched, known), effect_sizes(searched, BENCH)

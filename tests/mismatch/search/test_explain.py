@@ -154,6 +154,16 @@ def test_what_the_data_hide_is_no_candidate_and_stands_in_the_place_of_what_is_f
     assert asked == {"search": (CLOGGING,), "rivals": (CLOGGING, LEAK)}
 
 
+def test_what_begins_is_seen_acting_throughout_too():
+    made = make_valve_recording(
+        "seat_leakage", 0.1, onset=400.0, n_samples=1200, n_later=0, loop="wide", random_state=2
+    )
+    recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    seen = MissingPhysicsFinder(effects=["seat_leakage"], n_jobs=1).fit(recording).evidence_.effect_sizes
+    for look in ("within", "throughout"):
+        assert seen[look]["seat_leakage"] > 2.0
+
+
 @pytest.mark.slow
 def test_play_is_found_alone_also_in_the_first_rows_of_a_recording():
     made = make_valve_recording("backlash", 0.04, n_samples=2400, n_later=0, loop="wide", random_state=2)
