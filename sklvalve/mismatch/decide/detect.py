@@ -26,6 +26,7 @@ from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
+    LOOKS,
     OF_EFFECTS,
     Covariates,
     NullLaw,
@@ -43,9 +44,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.search.rivals import Finding
 
 # shares of the level that each look at a recording gets; the residual seldom sees what the effects do not
-_SHARES = {"throughout": 0.45, "within": 0.3, "residual": 0.25}
-# where what drives the stem is looked at by itself, both have half of that
-_SHARES_APART = _SHARES | {"throughout": 0.225, "stem": 0.225}
+_SHARES = {"throughout": 0.225, "stem": 0.225, "within": 0.3, "residual": 0.25}
 
 
 @dataclass(frozen=True)
@@ -55,8 +54,8 @@ class Evidence:
     Parameters
     ----------
     throughout : float
-        The strongest of the effects that act throughout, as `standardized_effect_size` has them;
-        zero where none was tried.
+        The strongest of the effects on valve and meters that act throughout, as `standardized_effect_size`
+        has them; zero where none was tried.
     within : float
         The same of effects that begin within the recording, by what they gain over those that act throughout.
         A valve is never quite as it was known, so a difference from its beginning on is more usual.
@@ -66,13 +65,12 @@ class Evidence:
     covariates : Covariates
         What chance depends on.
     effect_sizes : dict, default={}
-        ``"throughout"`` and ``"within"`` -> effect key -> effect size, of the effects tried beyond their
-        tolerance and of those found.
+        ``"throughout"``, ``"stem"`` and ``"within"`` -> effect key -> effect size, of the effects tried
+        beyond their tolerance and of those found.
     law : NullLaw, default=AGAINST_SHEET
         What chance makes of recordings like it.
     stem : float, default=0
-        Where the law looks at it by itself: the strongest of effects that act throughout on positioner and
-        actuator, which is none of `throughout` then.
+        The strongest of effects that act throughout on positioner and actuator.
     """
 
     throughout: float
@@ -92,14 +90,14 @@ class Evidence:
         law: NullLaw,
     ) -> Evidence:
         """Evidence by what `effect_sizes` gives."""
-        best = dict.fromkeys(("throughout", "within"), 0.0)
+        best = dict.fromkeys(OF_EFFECTS, 0.0)
         best |= {look: max(of_look.values(), default=0.0) for look, of_look in effect_sizes.items()}
         return cls(**best, residual=residual, covariates=covariates, effect_sizes=effect_sizes, law=law)
 
     @property
     def looks(self) -> dict[str, float | None]:
         """What each look at the recording saw."""
-        return {look: getattr(self, look) for look in self.law.tables}
+        return {look: getattr(self, look) for look in LOOKS}
 
 
 def law_for(problem: Problem) -> NullLaw:
@@ -122,12 +120,11 @@ def effect_sizes(explanation: Explanation, problem: Problem) -> dict[str, dict[s
     (`OverTime`): over the calibrated simulation where it acts throughout, by beginning where it begins within
     the recording.
     """
-    law = law_for(problem)
-    by_look: dict[str, dict[str, float]] = {look: {} for look in OF_EFFECTS if look in law.tables}
+    by_look: dict[str, dict[str, float]] = {look: {} for look in OF_EFFECTS}
     seen: list[tuple[str, Tried | Finding]] = [*explanation.tried.items(), *explanation.acting.items()]
     seen += [(f.term.effect.key, f) for f in explanation.findings]
     for key, each in seen:
-        look, size = _look_and_effect_size(each, problem, law)
+        look, size = _look_and_effect_size(each, problem)
         by_look[look][key] = max(by_look[look].get(key, 0.0), size)
     return by_look
 
@@ -145,14 +142,14 @@ def p_value_of_one(finding: Finding, problem: Problem, covariates: Covariates) -
     -------
     p_value : float
     """
-    law = law_for(problem)
-    look, size = _look_and_effect_size(finding, problem, law)
-    return mismatch_p_value(Evidence.of({look: {finding.term.effect.key: size}}, None, covariates, law))
+    look, size = _look_and_effect_size(finding, problem)
+    alone = {look: {finding.term.effect.key: size}}
+    return mismatch_p_value(Evidence.of(alone, None, covariates, law_for(problem)))
 
 
-def _look_and_effect_size(each: Tried | Finding, problem: Problem, law: NullLaw) -> tuple[str, float]:
+def _look_and_effect_size(each: Tried | Finding, problem: Problem) -> tuple[str, float]:
     look, gain = ("throughout", each.gain) if each.by_beginning is None else ("within", each.by_beginning)
-    if look == "throughout" and law.stem is not None and each.stage in ACTUATOR_STAGES:
+    if look == "throughout" and each.stage in ACTUATOR_STAGES:
         look = "stem"
     return look, standardized_effect_size(each.over_time.deviations(gain), in_counts(each.sizes, problem))
 
@@ -214,9 +211,8 @@ def mismatch_p_value(evidence: Evidence) -> float:
 
     The strongest effect that acts throughout, the strongest that begins within the recording, and the learnt
     residual are each held against their own among healthy recordings in the same covariates. Any of these
-    looks at one recording may raise the alarm: each has a share of the level (Sidak, with weights 0.45, 0.3,
-    0.25).
-    Beside a history, positioner and actuator are looked at by themselves, with half of the first share.
+    looks at one recording may raise the alarm: each has a share of the level (Sidak, with weights 0.225 for
+    what drives the stem, 0.225 for the valve and its meters, 0.3, 0.25).
 
     Parameters
     ----------
@@ -229,29 +225,27 @@ def mismatch_p_value(evidence: Evidence) -> float:
         the smaller. Never below 1e-12.
     """
     seen = [look for look, value in evidence.looks.items() if value is not None]
-    return p_value_of_looks({look: _survival(evidence, look) for look in seen}, evidence.law)
+    return p_value_of_looks({look: _survival(evidence, look) for look in seen})
 
 
-def p_value_of_looks(beyond: dict[str, float], law: NullLaw) -> float:
+def p_value_of_looks(beyond: dict[str, float]) -> float:
     """One p-value of several looks at a recording.
 
     Parameters
     ----------
     beyond : dict
         Look -> share of healthy recordings in which it saw as much, or more; absent what saw nothing at all.
-    law : NullLaw
 
     Returns
     -------
     p_value : float
         Never below 1e-12.
     """
-    shares = _SHARES if law.stem is None else _SHARES_APART
     # the share of an absent look goes to the others
-    of_all = sum(shares[look] for look in beyond)
+    of_all = sum(_SHARES[look] for look in beyond)
     # 1 - (1 - p)^(1 / share), exact for a small p as well
     p_values = [
-        -np.expm1(np.log1p(-min(share, 1.0 - 1e-16)) * of_all / shares[look])
+        -np.expm1(np.log1p(-min(share, 1.0 - 1e-16)) * of_all / _SHARES[look])
         for look, share in beyond.items()
     ]
     return float(np.clip(min(p_values), LEAST_P_VALUE, 1.0))

@@ -100,14 +100,13 @@ def _needed(problem: Problem, covariates: Covariates, alpha: float) -> dict[str,
     def excess(effect_size: float, look: str) -> float:
         nothing = dict.fromkeys(law.tables, 1.0)
         seen = {look: survival(law.tables[look], effect_size, covariates)}
-        return float(np.log(p_value_of_looks(nothing | seen, law) / alpha))
+        return float(np.log(p_value_of_looks(nothing | seen) / alpha))
 
-    looks = [look for look in ("throughout", "stem") if look in law.tables]
     return {
         look: float(brentq(excess, 0.0, _LARGEST, args=(look,), xtol=1e-3))
         if excess(_LARGEST, look) < 0.0
         else np.inf
-        for look in looks
+        for look in ("throughout", "stem")
     }
 
 
@@ -129,8 +128,7 @@ class _Look:
         self.problem, self.nominal, self.term = problem, nominal, Term(effect)
         self.trial = Trial(problem, nominal, line, self.term)
         self.quantity = self.trial.quantities[0]
-        apart = "stem" in needed and effect.stage in ACTUATOR_STAGES
-        self.needed = needed["stem" if apart else "throughout"]
+        self.needed = needed["stem" if effect.stage in ACTUATOR_STAGES else "throughout"]
         self.reads = effect.stage in _READ or effect.in_loop
         # of its parameters and its time, as `p_value_of_what_counts` has it
         self.clear = float(np.sqrt(chi2.isf(alpha, len(effect.parameters) + 1)))

@@ -70,7 +70,7 @@ _ONE_OF, _UP_TO = 11, 30.0
 _QUIET = 0.5
 _TIMES = np.geomspace(1.0, _UP_TO, 69)
 #: Looks at the effects, and all looks at a recording, each with a table of its own. What drives the stem is
-#: looked at by itself beside a history, where chance makes more of it; else it is one of the first.
+#: looked at by itself: chance makes another thing of it.
 OF_EFFECTS = ("throughout", "stem", "within")
 LOOKS = (*OF_EFFECTS, "residual")
 # looks of which neither tells how strong chance is in the other
@@ -141,23 +141,21 @@ class NullLaw:
 
     Parameters
     ----------
-    throughout, within, residual : Table
-        Of the strongest effect that acts throughout, of the strongest that begins within the recording, and
-        of what is left over, as `Evidence` has them.
-    stem : Table or None, default=None
-        Of the strongest that acts throughout on positioner and actuator; None where it is one of the others.
+    throughout, stem, within, residual : Table
+        Of the strongest effect that acts throughout on valve and meters, of the strongest that does on
+        positioner and actuator, of the strongest that begins within the recording, and of what is left over,
+        as `Evidence` has them.
     """
 
     throughout: Table
+    stem: Table
     within: Table
     residual: Table
-    stem: Table | None = None
 
     @property
     def tables(self) -> dict[str, Table]:
         """Table of each look at a recording."""
-        every = {look: getattr(self, look) for look in LOOKS}
-        return {look: table for look, table in every.items() if table is not None}
+        return {look: getattr(self, look) for look in LOOKS}
 
     def with_rehearsals(self, rehearsals: Iterable[Rehearsal]) -> NullLaw:
         r"""The same law, with what one valve made of parts of its own history.
@@ -204,7 +202,7 @@ def _weights_of(rehearsals: Iterable[dict[str, float | None]], tables: dict[str,
 def _law_of(name: str) -> NullLaw:
     """Law of a file beside this one, which says by which command it was made."""
     stored = json.loads(files(__package__).joinpath(name).read_text(encoding="utf-8"))
-    return NullLaw(**{look: Table(**stored[look]) for look in LOOKS if look in stored})
+    return NullLaw(**{look: Table(**stored[look]) for look in LOOKS})
 
 
 #: Of recordings held against a data sheet, and against a history of the same valve.

@@ -85,4 +85,4 @@ def p_value_of_rehearsal(rehearsal: Rehearsal) -> float:
     tables = AGAINST_HISTORY.tables
     seen = {look: value for look, value in asdict(rehearsal).items() if value is not None and look in tables}
     beyond = {look: share_beyond(tables[look], value) for look, value in seen.items()}
-    return p_value_of_looks(beyond, AGAINST_HISTORY)
+    return p_value_of_looks(beyond)
