@@ -15,6 +15,7 @@ from sklvalve.mismatch.decide.detect import (
     covariates_of,
     effect_sizes,
     in_counts,
+    law_for,
     mismatch_p_value,
     p_value_of_effects,
 )
@@ -83,19 +84,20 @@ def test_stretches_that_disagree_take_from_the_strength_of_an_effect():
     assert strengths["clogging"] == pytest.approx(effect_size(10.0, 4.0))
     assert strengths["erosion"] == strengths["seat_leakage"] < 0.5 * strengths["clogging"]
     weak, strong = Tried(8.0, {"flow": 0.005}), Tried(50.0, {"flow": 0.02})
-    tried = {"clogging": weak, "erosion": strong, "dead_time": Tried(-9.0, {"opening": 0.5})}
+    delayed = Tried(-9.0, {"opening": 0.5}, stage="actuator")
+    tried = {"clogging": weak, "erosion": strong, "dead_time": delayed}
     searched = _explanation(tried)
     alone = {
         "clogging": effect_size(4.0, 1.0),
         "erosion": effect_size(10.0, 4.0),
-        "dead_time": 0.0,
     }
-    assert effect_sizes(searched, BENCH) == {"throughout": pytest.approx(alone), "within": {}}
+    seen = {"throughout": pytest.approx(alone), "stem": {"dead_time": 0.0}, "within": {}}
+    assert effect_sizes(searched, BENCH) == seen
     eroded = Term(BY_KEY["erosion"])
     searched.findings = [Finding(eroded, [], 5000.0, {"flow": 0.02})]
     found = alone | {"erosion": effect_size(100.0, 4.0)}
     assert effect_sizes(searched, BENCH)["throughout"] == pytest.approx(found)
-    assert effect_sizes(_explanation({}), BENCH) == {"throughout": {}, "within": {}}
+    assert effect_sizes(_explanation({}), BENCH) == {"throughout": {}, "stem": {}, "within": {}}
 
 
 def test_what_begins_counts_by_what_it_gains_by_beginning():
@@ -156,9 +158,11 @@ def test_stronger_evidence_never_raises_the_p_value(found, more, where):
     assert 1e-12 <= mismatch_p_value(strong) <= mismatch_p_value(weak) <= 1.0
 
 
-@pytest.mark.parametrize(("look", "share"), [("throughout", 0.45), ("within", 0.3), ("residual", 0.25)])
+@pytest.mark.parametrize(
+    ("look", "share"), [("throughout", 0.225), ("stem", 0.225), ("within", 0.3), ("residual", 0.25)]
+)
 def test_looks_share_the_level(look, share):
-    quiet = {"throughout": 0.0, "within": 0.0, "residual": 0.0}
+    quiet = {"throughout": 0.0, "stem": 0.0, "within": 0.0, "residual": 0.0}
     alone = survival(AGAINST_SHEET.tables[look], 6.0, USUAL)
     seen = Evidence(**quiet | {look: 6.0}, covariates=USUAL)
     assert mismatch_p_value(seen) == pytest.approx(1.0 - (1.0 - alone) ** (1.0 / share))
@@ -172,10 +176,11 @@ def test_looks_share_the_level(look, share):
 def test_p_values_of_drawn_strengths_are_uniform():
     rng, chances = np.random.default_rng(0), []
     grid = np.geomspace(1e-3, 100.0, 4000)
-    laws = [np.array([survival(table, v, USUAL) for v in grid]) for table in (EFFECTS, BEGUN, RESIDUAL)]
+    tables = AGAINST_SHEET.tables
+    laws = {look: np.array([survival(table, v, USUAL) for v in grid]) for look, table in tables.items()}
     for _ in range(400):
-        drawn = [np.interp(rng.random(), law[::-1], grid[::-1]) for law in laws]
-        chances.append(mismatch_p_value(Evidence(*map(float, drawn), USUAL)))
+        drawn = {look: float(np.interp(rng.random(), law[::-1], grid[::-1])) for look, law in laws.items()}
+        chances.append(mismatch_p_value(Evidence(**drawn, covariates=USUAL)))
     share = np.searchsorted(np.sort(chances), [0.01, 0.05, 0.1, 0.5, 0.9]) / len(chances)
     # four standard deviations of a share of 400
     assert share == pytest.approx([0.01, 0.05, 0.1, 0.5, 0.9], abs=0.1)
@@ -268,20 +273,19 @@ def test_healthy_recording_is_one_among_many_and_a_leak_is_not(found_healthy, fo
     assert found_leaking.evidence_.throughout > 2.0 * found_healthy.evidence_.throughout
 
 
-def test_what_drives_the_stem_is_looked_at_by_itself_beside_a_history():
+@pytest.mark.parametrize("history", [None, SimpleNamespace(rehearsals_=[])])
+def test_what_drives_the_stem_is_looked_at_by_itself(history):
     searched = _explanation(
         {
             "friction": Tried(50.0, {"opening": 0.02}, stage="actuator"),
             "erosion": Tried(8.0, {"flow": 0.02}, stage="capacity"),
         }
     )
-    known = SimpleNamespace(least=BENCH.least, history=SimpleNamespace(rehearsals_=[]))
-    apart, together = effect_sizes(searched, known), effect_sizes(searched, BENCH)
+    problem = SimpleNamespace(least=BENCH.least, history=history)
+    apart, law = effect_sizes(searched, problem), law_for(problem)
     assert set(apart["stem"]) == {"friction"}
     assert set(apart["throughout"]) == {"erosion"}
-    assert set(together["throughout"]) == {"friction", "erosion"}
-    assert "stem" not in together
-    evidence = Evidence.of(apart, None, USUAL, AGAINST_HISTORY)
+    evidence = Evidence.of(apart, None, USUAL, law)
     assert evidence.looks["stem"] == apart["stem"]["friction"] > evidence.looks["throughout"]
-    weaker = Evidence.of(apart | {"stem": {}}, None, USUAL, AGAINST_HISTORY)
+    weaker = Evidence.of(apart | {"stem": {}}, None, USUAL, law)
     assert mismatch_p_value(evidence) < mismatch_p_value(weaker)
