@@ -3,7 +3,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 
 #: What a verdict may be, and how long a text beside it.
 LONGEST = 2_000
@@ -64,3 +65,16 @@ class ByItself:
             f"{begin} This history does not hold that: what was there already may pass for a change, or "
             "hide one."
         )
+
+
+def more_open(asked: Sequence[ByItself]) -> ByItself | None:
+    """Of diagnoses of several parts of a history the one by which less can be said later; None without any.
+
+    Each effect has the rivals that it has in any of them.
+    """
+    if not asked:
+        return None
+    rivals: dict[str, list[str]] = {}
+    for name, others in (each for one in asked for each in one.rivals.items()):
+        rivals[name] = [*dict.fromkeys([*rivals.get(name, []), *others])]
+    return replace(max(asked, key=lambda each: each.doubt), rivals=rivals)

@@ -77,12 +77,14 @@ def require_learnable(recordings: Sequence[Recording]) -> None:
         raise InputError(f"no history can be learnt from this: {error}") from None
 
 
-def measured_of(recordings: Iterable[Recording]) -> list[Recording]:
+def measured_of(recordings: Iterable[Recording], fewest: int = FEWEST_TO_LEARN) -> list[Recording]:
     """Recordings as their sensors measured them, without those that say nothing of the valve.
 
     Parameters
     ----------
     recordings : iterable of Recording
+    fewest : int, default=600
+        Rows that must be left.
 
     Returns
     -------
@@ -92,14 +94,16 @@ def measured_of(recordings: Iterable[Recording]) -> list[Recording]:
     Raises
     ------
     InputError
-        If none says anything.
+        If they say too little.
     """
     recordings = list(recordings)
     measured = [each for each in map(as_measured, recordings) if each is not None]
-    if not measured:
+    rows = sum(len(each) for each in measured)
+    if rows < fewest:
         raise InputError(
-            f"{recordings[0].source}: the opening or the flow holds one value from the first row to the "
-            "last, so that nothing can be learnt of the valve; give a recording in which both move"
+            f"{', '.join(each.source for each in recordings)}: where opening and flow do not hold one value "
+            f"from the first row to the last, there are {rows} rows, too few to learn a valve from; give "
+            f"recordings of at least {fewest} rows in which both move"
         )
     return measured
 
@@ -113,6 +117,7 @@ def is_learnable(recording: Recording) -> bool:
     """
     try:
         require_learnable([recording])
+        measured_of([recording])
     except InputError:
         return False
     return True

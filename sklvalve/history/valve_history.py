@@ -16,7 +16,7 @@ from sklearn.utils.validation import check_is_fitted
 from sklvalve._refits import whole_or_nothing
 from sklvalve.history import state as plain
 from sklvalve.history.allowance import Allowance
-from sklvalve.history.by_itself import ByItself
+from sklvalve.history.by_itself import ByItself, more_open
 from sklvalve.history.compatible import require_same_signals, require_same_valve
 from sklvalve.history.learnable import (
     measured_of,
@@ -40,6 +40,7 @@ from sklvalve.history.rehearsal import Rehearsal
 from sklvalve.history.sources import Source
 from sklvalve.history.state.settings import settings_of
 from sklvalve.recording import Recording, Valve
+from sklvalve.recording.diagnosable import FEWEST_ROWS
 from sklvalve.simulation.calibration import choose_trim, spans_of
 from sklvalve.simulation.chain import Chain
 from sklvalve.simulation.given import chain_for
@@ -163,7 +164,7 @@ class ValveHistory(BaseEstimator):
         self.range_ = OperatingRange()
         self.by_itself_: ByItself | None = None
         self.rehearsals_: list[Rehearsal] = []
-        return self._learn(recordings, measured, self.onsets or {}, calibrated=True)
+        return self._learn(recordings, self.onsets or {}, fitted_to=measured)
 
     @whole_or_nothing
     def update(self, X: Recording | Iterable[Recording]) -> ValveHistory:
@@ -189,27 +190,26 @@ class ValveHistory(BaseEstimator):
             require_same_signals(self, recording)
         # seconds of a further recording may have another zero; dates have not
         dated = all(isinstance(recording.stamps[0], str) for recording in recordings)
-        measured = measured_of(recordings)
-        return self._learn(recordings, measured, (self.onsets or {}) if dated else {})
+        return self._learn(recordings, (self.onsets or {}) if dated else {})
 
     def _learn(
         self,
         recordings: Sequence[Recording],
-        measured: Sequence[Recording],
         onsets: dict[str, Any],
         *,
-        calibrated: bool = False,
+        fitted_to: Sequence[Recording] | None = None,
     ) -> ValveHistory:
         """Learn from recordings as they were measured; their rows are known again by what was recorded."""
         tolerance = self.tolerance or Tolerance()
         self.recordings_ = [*self.recordings_, *require_further(recordings, self.recordings_)]
+        measured = fitted_to or measured_of(recordings, FEWEST_ROWS)
         self.windows_ = list(self.windows_)
         for recording in measured:
             for piece in pieces_of(recording):
                 self.windows_ += windows_of(
                     self._chain(piece, onsets), self._groups_, self.values_, tolerance
                 )
-        if calibrated:
+        if fitted_to:
             self.windows_ = self._centred()
         self.range_ = self.range_.merged(OperatingRange.of(measured))
         self.prior_ = self._expected()
@@ -237,7 +237,7 @@ class ValveHistory(BaseEstimator):
         self.range_ = self.range_.merged(other.range_)
         asked = [each.by_itself_ for each in (self, other) if each.by_itself_ is not None]
         # of both the one by which less can be said later
-        self.by_itself_ = max(asked, key=lambda each: each.doubt, default=None)
+        self.by_itself_ = more_open(asked)
         self.prior_ = self._expected()
         return self
 

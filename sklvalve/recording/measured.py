@@ -43,9 +43,8 @@ def as_measured(recording: Recording) -> Recording | None:
 
 
 def _stands(finding: Defect) -> bool:
-    """Whether what a simulation predicts stood still all the time, as that of a seized stem may not."""
-    still = finding["finding"] == "frozen" and finding["role"] in ("opening", "flow") and not finding["rows"]
-    return still and not finding.get("seized")
+    """Whether what a simulation predicts stood still all the time, if only as that of a seized stem may."""
+    return finding["finding"] == "frozen" and finding["role"] in ("opening", "flow") and not finding["rows"]
 
 
 def screened(recording: Recording) -> list[Defect]:

@@ -3,6 +3,7 @@
 
 import pytest
 
+from benchmarks.concealed.scoring.naming import class_holds, class_right
 from benchmarks.concealed.scoring.outcome import WORDS, found_names, judge, wrongly_named
 
 OUTSIDE = {"verdict": "none_of_these"}
@@ -79,21 +80,28 @@ def test_what_a_history_held_and_has_gone_since_is_named_rightly(a_line):
         ("clogging", "named", ["erosion"], ["clogging"], "wrong name"),
         ("clogging", "cannot_tell", [], ["clogging"], "cannot tell"),
         ("clogging+erosion", "no_mismatch", [], ["erosion", "clogging"], "both found"),
-        ("clogging+erosion", "no_mismatch", [], ["erosion/clogging"], "neither"),
+        ("clogging+erosion", "no_mismatch", [], ["erosion/clogging"], "one found"),
     ],
 )
 def test_what_the_history_had_already_is_no_change_and_found_where_that_is_told(
     a_line, true, verdict, classes, held, word
 ):
     line = a_line(true, verdict, *classes, history={"holds": "same", "effects": true.split("+")})
-    line["found"]["held"] = [names.split("/") for names in held]
+    line["found"]["held"] = [{"names": names.split("/"), "change": "none"} for names in held]
     assert judge(line) == word
+    assert class_right([line]) == class_holds([line])
+    for change in ("gone", None):
+        # what is there is not told by what is said to be gone, or not known of
+        gone = line | {
+            "found": line["found"] | {"held": [h | {"change": change} for h in line["found"]["held"]]}
+        }
+        assert judge(gone) == {"right": "missed", "both found": "neither"}.get(word, judge(gone))
 
 
 def test_what_a_sound_history_is_told_to_have_had_is_a_wrong_name(a_line):
     line = a_line("", "no_mismatch", history={"holds": None, "effects": []})
     assert judge(line) == "right"
-    line["found"]["held"] = [["clogging"]]
+    line["found"]["held"] = [{"names": ["clogging"], "change": "none"}]
     assert wrongly_named(line)
 
 

@@ -76,6 +76,14 @@ def test_of_two_histories_the_one_that_leaves_more_open_is_told(learnt, learnt_a
     assert first.merge(second).by_itself_ == both
 
 
+def test_of_two_histories_each_effect_has_the_rivals_of_both(learnt, learnt_after):
+    first, second = copy.deepcopy(learnt), copy.deepcopy(learnt_after)
+    first.by_itself_ = replace(RIVALS, rivals={"flow_meter_drift": ["clogging", "erosion"]})
+    second.by_itself_ = replace(OPEN, rivals={"flow_meter_drift": ["erosion", "bypass_open"]})
+    both = first.merge(second).by_itself_.rivals
+    assert both == {"flow_meter_drift": ["clogging", "erosion", "bypass_open"]}
+
+
 @pytest.mark.parametrize(("key", "without"), [("checked", False), ("rivals", {})])
 def test_a_file_that_does_not_say_so_much_is_read(learnt, key, without):
     history = copy.deepcopy(learnt)
@@ -94,6 +102,7 @@ LIES = {
     "checked, and no truth value": {"checked": "yes"},
     "no classes": {"rivals": ["clogging"]},
     "a class that is none": {"rivals": {"clogging": "erosion"}},
+    "a class without end": {"rivals": {"clogging": ["erosion"] * 1_000}},
     "a name of control": {"rivals": {"clogging": ["\x1b[2J"]}},
     "no words": {"finding": 3},
     "words of control": {"finding": "\x1b[2J"},

@@ -9,7 +9,7 @@ from sklvalve.history import ValveHistory
 from sklvalve.recording import InputError, join_recordings
 from sklvalve.recording.dead_bands import band_of
 from sklvalve.recording.measured import as_measured
-from tests.history.plant import changed, held, named
+from tests.history.plant import changed, held, named, without
 
 BAND = 0.01
 
@@ -53,8 +53,26 @@ def test_nothing_is_learnt_of_a_recording_in_which_a_signal_stands_still(before,
 
 def test_recordings_that_all_stand_still_are_refused(before, after):
     still = [held(named(r, f"r{k}"), "flow", 0.01 + 0.001 * k) for k, r in enumerate((before, after))]
-    with pytest.raises(InputError, match=r"r0\.csv: the opening or the flow holds one value"):
+    with pytest.raises(InputError, match=r"r1\.csv: where opening and flow do not .* there are 0 rows"):
         ValveHistory().fit(still)
+
+
+def test_too_few_rows_beside_those_that_stand_still_are_refused(before, after):
+    with pytest.raises(InputError, match="there are 130 rows, too few to learn"):
+        ValveHistory().fit([before.slice(0, 130), held(after, "flow")])
+
+
+def test_a_further_recording_that_stands_still_is_refused(before, after):
+    history = ValveHistory().fit(before)
+    with pytest.raises(InputError, match="there are 0 rows"):
+        history.update(held(named(after, "still"), "flow"))
+    assert history.rows == len(before)
+
+
+def test_nothing_is_learnt_of_a_stem_that_may_have_seized(before, after):
+    moving, still = without(before, "flow"), without(held(named(after, "still"), "opening"), "flow")
+    values = ValveHistory().fit(moving).values_
+    assert ValveHistory().fit([moving, still]).values_ == values
 
 
 @pytest.mark.parametrize("place", [0, 1])

@@ -33,7 +33,10 @@ def diagnose(recording, *, folder=None, **settings):
         # what is no change since, and told beside the verdict: names by class, as in what was found
         since = content["since_history"]
         rivals = (since["by_itself"] or {}).get("rivals", {})
-        found["held"] = [[each["name"], *rivals.get(each["name"], [])] for each in since["held"]]
+        found["held"] = [
+            {"names": [each["name"], *rivals.get(each["name"], [])], "change": each["change"]}
+            for each in since["held"]
+        ]
     # with it a change of the rules can be tried on the scores, without a search
     found["comparison"] = [row for row in content.get("comparison", ()) if row["rank"] <= _RANKS]
     nominal = getattr(finder, "nominal_simulation_", None)

@@ -21,7 +21,7 @@ from benchmarks.concealed.scoring.lines import (
     size_step,
     told_mismatch,
 )
-from benchmarks.concealed.scoring.outcome import judge, told_before, wrongly_named
+from benchmarks.concealed.scoring.outcome import found_names, judge, wrongly_named
 from benchmarks.concealed.scoring.rates import rate_of
 
 HEAD = ["", "without", "with", "only without", "only with", "McNemar p"]
@@ -36,7 +36,7 @@ def _healthy(line):
 
 
 def _noticed(line):
-    return bool(told_mismatch(line)) or told_before(line)
+    return bool(told_mismatch(line) or found_names(line))
 
 
 def _judged(word):

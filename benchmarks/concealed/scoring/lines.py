@@ -165,8 +165,9 @@ def told_mismatch(line):
 
 
 def held_classes(line):
-    """Names by class of what is told as there in the history already."""
-    return [] if failed(line) else [set(names) for names in line["found"].get("held") or ()]
+    """Names by class of what is told as there in the history already, and not as gone since."""
+    held = () if failed(line) else line["found"].get("held") or ()
+    return [set(each["names"]) for each in held if each["change"] in ("none", "changed")]
 
 
 def entries_of(line):

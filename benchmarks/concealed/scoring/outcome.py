@@ -38,19 +38,17 @@ def wrongly_named(line):
     )
 
 
+def told_classes(line):
+    """Names by class of what is told for sure: by the verdict ``named``, or as in the history already.
+
+    What a history had already is no change since, and is told beside ``no_mismatch``.
+    """
+    return {"named": classes_of, "no_mismatch": held_classes}.get(verdict_of(line), lambda _: [])(line)
+
+
 def found_names(line):
-    """True names that are held by classes of the verdict ``named``, each by a class of its own."""
-    return _found_in(classes_of(line), line) if verdict_of(line) == "named" else set()
-
-
-def told_before(line):
-    """Whether all that is true is told as what the history had already, and no change since is told."""
-    true = true_names(line)
-    return bool(true) and verdict_of(line) == "no_mismatch" and _found_in(held_classes(line), line) == true
-
-
-def _found_in(classes, line):
-    true = sorted(true_names(line))
+    """True names that are held by classes told for sure, each by a class of its own."""
+    true, classes = sorted(true_names(line)), told_classes(line)
     best: set = set()
     # few names and few classes: every way of giving each name a class can be tried
     slots = classes + [set()] * len(true)
@@ -63,13 +61,12 @@ def _found_in(classes, line):
 def judge(line):
     """One word for what came of a record: of `WORDS`, those of its kind.
 
-    Healthy: ``right`` without mismatch, else ``alarm``. One effect: ``right`` where a class of the verdict
-    ``named`` holds it and no class beside it is wrong, ``wrong name`` where any class holds no true name, and
-    else what was said instead: ``cannot tell``, ``none of these``, ``missed``. Several effects: ``both
-    found`` where each is held by a class of its own, ``one found``, ``neither``. Outside the catalogue:
-    ``right`` is ``none_of_these`` without any name. What a history had already is no change since: told as
-    that beside ``no_mismatch``, it is found. Exchanged or mislabelled columns: ``right`` where that is
-    said, or no name is given. ``failed`` where the diagnosis broke.
+    Healthy: ``right`` without mismatch, else ``alarm``. One effect: ``right`` where a class told for sure
+    (`told_classes`) holds it and no class beside it is wrong, ``wrong name`` where any class holds no true
+    name, and else what was said instead: ``cannot tell``, ``none of these``, ``missed``. Several effects:
+    ``both found`` where each is held by a class of its own, ``one found``, ``neither``. Outside the
+    catalogue: ``right`` is ``none_of_these`` without any name. Exchanged or mislabelled columns: ``right``
+    where that is said, or no name is given. ``failed`` where the diagnosis broke.
     """
     kind, verdict = kind_of(line), verdict_of(line)
     if kind == "defect":
@@ -85,7 +82,7 @@ def judge(line):
         plain = {"none_of_these": "right", "cannot_tell": "cannot tell", "no_mismatch": "missed"}
         # a name that is not wrong is that of what a history held
         return plain.get(verdict, "missed" if classes_of(line) else "wrong name")
-    found = true if told_before(line) else found_names(line)
+    found = found_names(line)
     if len(true) > 1:
         return "both found" if found == true else "one found" if found else "neither"
     if found:

@@ -2,13 +2,12 @@
 """Several effects at once, and effects that no catalogue holds."""
 
 from benchmarks.concealed.scoring.lines import (
-    classes_of,
     failed,
     of_kind,
     true_names,
     verdict_of,
 )
-from benchmarks.concealed.scoring.outcome import found_names, judge, wrongly_named
+from benchmarks.concealed.scoring.outcome import found_names, judge, told_classes, wrongly_named
 from benchmarks.concealed.scoring.rates import Rate, rate_of, resampled
 
 
@@ -24,8 +23,7 @@ def at_least_one(lines):
 
 def _counts(line):
     """Things found that are true, things found, things there."""
-    told = len(classes_of(line)) if verdict_of(line) == "named" else 0
-    return len(found_names(line)), told, len(true_names(line))
+    return len(found_names(line)), len(told_classes(line)), len(true_names(line))
 
 
 def precision(lines, *kinds):

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     from sklvalve.history.valve_history import ValveHistory
 
 _KEYS = {"verdict", "finding", "reason", "held", "checked", "rivals"}
+# names of a class, more than any catalogue has
+_MOST_NAMES = 100
 # what is known of a history learnt before this was kept: not whether its names were checked, and no rivals
 _BEFORE: dict[str, Any] = {"checked": False, "rivals": {}}
 
@@ -47,6 +49,5 @@ def require_sound(part: dict[str, Any], whole: dict[str, Any], effects: Sequence
 
 
 def _are_names(names: Any) -> bool:
-    return isinstance(names, list) and all(
-        isinstance(name, str) and len(name) <= LONGEST and name.isprintable() for name in names
-    )
+    few = isinstance(names, list) and len(names) <= _MOST_NAMES
+    return few and all(isinstance(n, str) and len(n) <= LONGEST and n.isprintable() for n in names)
