@@ -42,8 +42,6 @@ CHANGES = {
     "flow_meter_bias": lambda r, size: {"flow": r["flow"] + size},
     "flow_meter_drift": lambda r, size: {"flow": r["flow"] + size * (r.time - r.time[0]) / 3600.0},
     "sensor_lag": lambda r, size: {"flow": _lagged(r, size)},
-    "inlet_pressure_bias": lambda r, size: {"p1": r["p1"] + size},
-    "outlet_pressure_bias": lambda r, size: {"p2": r["p2"] + size},
 }
 
 

@@ -10,8 +10,8 @@ from sklvalve.report.words import BLOCKS, either, number, spoken
 #: Before the lists of `unnoticed`.
 UNNOTICED = (
     "Were one of these there throughout the recording, and no larger, it would most likely have gone "
-    "unnoticed. In tests half of what was a quarter larger was noticed, and four of five of what was twice "
-    "as large."
+    "unnoticed. In tests seven in ten of what was a quarter larger was noticed, and nine in ten of what was "
+    "twice as large. Of pressure sensors it is not known."
 )
 #: Heads of the rows of `Unnoticed`.
 HEAD = ("effect", "unnoticed", "given as")

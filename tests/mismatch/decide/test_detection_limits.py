@@ -22,6 +22,8 @@ def limits(found_healthy):
 
 def test_a_limit_lies_around_no_effect_at_all(limits):
     assert {"seat_leakage", "backlash", "flow_meter_gain", "stiction", "sensor_lag"} <= set(limits)
+    # to first order they are too small
+    assert not {"inlet_pressure_bias", "outlet_pressure_bias"} & set(limits)
     for limit in limits.values():
         form = next(form for form in forms_of(limit["name"]) if form.key == limit["form"])
         declared = [q for q in form.parameters if q.name == limit["parameter"]]
@@ -36,7 +38,6 @@ def test_a_limit_lies_around_no_effect_at_all(limits):
 CHANGES = {
     "flow_meter_gain": lambda r, size: {"flow": r["flow"] * (1.0 + size)},
     "flow_meter_bias": lambda r, size: {"flow": r["flow"] + size},
-    "outlet_pressure_bias": lambda r, size: {"p2": r["p2"] + size},
 }
 
 
@@ -45,8 +46,6 @@ CHANGES = {
     [
         ("flow_meter_gain", "low"),
         ("flow_meter_bias", "high"),
-        ("outlet_pressure_bias", "low"),
-        ("outlet_pressure_bias", "high"),
     ],
 )
 def test_a_sensor_that_reads_wrong_is_noticed_beyond_its_limit(healthy, limits, form, end):
