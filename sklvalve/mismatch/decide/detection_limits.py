@@ -43,9 +43,9 @@ _HALVINGS, _HALVINGS_OF_EDGE = 3, 20
 _Made = tuple[dict[str, np.ndarray], np.ndarray]
 # stages of the chain in which a recorded signal is read: an effect there undoes what a sensor does wrong
 _READ = ("position_sensor",)
-# of these nothing is told: a calibration follows the drop further than to first order, so that limits of a
+# of these there is no limit: a calibration follows the drop further than to first order, so that limits of a
 # pressure sensor came out too small, up to three times
-_NOT_TOLD = ("pressures",)
+_LEFT_OUT = ("pressures",)
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def detection_limits(case: Case) -> tuple[DetectionLimit, ...]:
         have been noticed.
     """
     problem, nominal = case.problem, case.explanation.nominal
-    effects = [e for e in case.explanation.effects if e.stage not in _NOT_TOLD]
+    effects = [e for e in case.explanation.effects if e.stage not in _LEFT_OUT]
     touched = {e.key: problem.channels_touched(e) for e in effects}
     lines = {t: Linearised(problem, nominal, t) for t in dict.fromkeys(touched.values()) if t}
     needed = _needed(problem, case.covariates, case.alpha)
