@@ -209,6 +209,33 @@ def require_sound_settings(tolerance: Any, allowance: Any) -> None:
                 )
 
 
+def require_sound_start(start: Any) -> None:
+    """Refuse values to begin with that are no numbers.
+
+    Parameters
+    ----------
+    start : dict or None
+        Parameter name -> value.
+
+    Raises
+    ------
+    InputError
+    """
+    if start is None:
+        return
+    if not isinstance(start, dict):
+        raise InputError(
+            f"the start of a history must be a dict of parameter names and values, got {shown(start)}; give "
+            "values_ of a history or of a simulation, or leave it out"
+        )
+    for name, value in start.items():
+        if not isinstance(value, int | float | np.number) or not np.isfinite(value):
+            raise InputError(
+                f"{name} of the start of a history must be a finite number, got {shown(value)}; correct it, "
+                "or leave the start out"
+            )
+
+
 def _recording_of(each: Any, valve: Any) -> Recording:
     if not isinstance(each, Recording) and not hasattr(each, "keys"):
         more = ": read the file with read_recording first" if isinstance(each, str | bytes) else ""

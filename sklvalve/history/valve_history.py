@@ -24,6 +24,7 @@ from sklvalve.history.learnable import (
     require_further,
     require_learnable,
     require_sound_settings,
+    require_sound_start,
 )
 from sklvalve.history.learning import (
     Window,
@@ -147,6 +148,7 @@ class ValveHistory(BaseEstimator):
             If nothing, or something wrong, would be learnt of the valve.
         """
         require_sound_settings(self.tolerance, self.allowance)
+        require_sound_start(self.start)
         recordings = recordings_of(X, self.valve)
         require_learnable(recordings)
         measured = measured_of(recordings)

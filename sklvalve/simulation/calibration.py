@@ -181,6 +181,7 @@ def _air_parameters(recording, valve, tolerance):
         wide = tolerance.static_error
         band = Parameter("actuator_dead_band", "1", 1e-3 * wide, wide, 0.2 * wide, spread=1.0, log=True)
         found.append(band)
+    stiff = 2.5 * tolerance.static_error
     return [
         *found,
         Parameter("actuator_gain", "1", 1.0, 60.0, 15.0, spread=1.5, log=True),
@@ -188,7 +189,7 @@ def _air_parameters(recording, valve, tolerance):
         # at the lowest the chamber fills for a whole stroke in about the response time
         Parameter("actuator_rate", "1/s", 0.9 / tolerance.response, 10.0, 1.0, spread=1.5, log=True),
         # friction and pressure feedback that keep the static error within its tolerance, too
-        Parameter("actuator_coulomb", "1", 1e-3, 2.5 * tolerance.static_error, 0.008, spread=1.0, log=True),
+        Parameter("actuator_coulomb", "1", min(1e-3, 0.5 * stiff), stiff, 0.008, spread=1.0, log=True),
         Parameter("actuator_feedback", "1", 0.0, 0.25, 0.1, spread=0.1),
         # exhaust ports pass 1.7 (Samson 3730) to 1.9 times (Siemens SIPART PS2) what supply ports do
         Parameter("actuator_vent", "1", 0.4, 5.0, 1.4, spread=0.5, log=True),

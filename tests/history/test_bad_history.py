@@ -47,6 +47,8 @@ LEARNT_FROM = {
     "a flow that stands still": ([held(BEFORE, "flow")], {}, "(flow) holds one value"),
     "all gaps": ([changed(BEFORE, flow=np.full(1200, np.nan))], {}, "(flow) holds no value"),
     "no drop": ([changed(BEFORE, p1=BEFORE["p2"])], {}, "p1 is nowhere above p2"),
+    "start of NaN": ([BEFORE], {"start": {"actuator_gain": np.nan}}, "actuator_gain of the start"),
+    "start of a number": ([BEFORE], {"start": 3.0}, "start of a history must be a dict"),
     "NaN tolerance": ([BEFORE], {"tolerance": Tolerance(capacity=np.nan)}, "capacity of the tolerance"),
     "text as tolerance": ([BEFORE], {"tolerance": "wide"}, "of type Tolerance, got 'wide'"),
     "negative allowance": ([BEFORE], {"allowance": Allowance(trim=-0.1)}, "trim of the allowance"),
