@@ -19,7 +19,7 @@ from sklvalve.simulation.first_values import first_values
 from sklvalve.simulation.fitting import Misfit, first_noise, fit_chain, residual_of, simulate_channels
 from sklvalve.simulation.noise import TIMING, NoiseParts, sizes_of_noise
 from sklvalve.simulation.noise_of_pieces import noise_of
-from sklvalve.simulation.parameters import Parameter, ParameterVector
+from sklvalve.simulation.parameters import Parameter
 from sklvalve.simulation.robust import normal_equations, robust_weights
 from sklvalve.simulation.tolerance import Tolerance
 
@@ -27,9 +27,6 @@ from sklvalve.simulation.tolerance import Tolerance
 WINDOW, CALIBRATED_ON = 1_800, 14_400
 # rows whose derivatives are held at a time
 _AT_ONCE = 86_400
-# most fits of a calibration, each by the noise that the one before leaves, and what counts as no move any
-# more, as a share of a parameter's scale
-_ROUNDS, _SETTLED = 10, 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,32 +118,24 @@ def calibrated_on(
     groups : sequence of Group
     tolerance : Tolerance
     start : dict, default=None
-        Values to begin with; searched for unless given. Values of all parameters are taken for a calibration,
-        whose noise is what it leaves.
+        Values to begin with; searched for unless given.
 
     Returns
     -------
     values : dict
     """
     channels = [c for g in groups for c in g.channels]
-    vector = ParameterVector([p for g in groups for p in g.parameters])
-    told = start is not None and set(vector.names) <= set(start)
     if start is None:
         stem = next((g.parameters for g in groups if g.channels == ("opening",)), ())
         start, _ = first_values(chain, stem, flow="flow" in channels)
-    values = {p.name: p.start for g in groups for p in g.parameters} | start
+    values = dict(start)
     noise: dict[str, Any] = first_noise(spans_of(chain.recording, channels))
-    # noise and calibration hang on each other: each is fitted by the other until no parameter moves
-    for k in range(_ROUNDS):
-        # what was searched for is only near; a whole calibration has a noise of its own
-        if k or told:
+    for k in range(3):
+        if k:
             left = simulate_channels(chain, values, channels)
             noise = noise_left(chain, left, tolerance, cautious=True)
-        before = vector.pack(values)
         for group in groups:
-            values = values | fit_chain(chain, group.parameters, group.channels, noise, start=values).values
-        if k and np.all(np.abs(vector.pack(values) - before) < _SETTLED * vector.scale):
-            break
+            values |= fit_chain(chain, group.parameters, group.channels, noise, start=values).values
     return values
 
 

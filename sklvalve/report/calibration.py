@@ -37,10 +37,10 @@ _WORDS = {
     "actuator_vent": "speed of venting as a multiple of that of filling",
     "actuator_loop": "time constant of the positioner",
     "actuator_delay": "delay of the stem",
-    "actuator_dead_band": "dead band of the positioner",
+    "actuator_dead_band": "dead band of the actuator",
 }
 _SHARES = {"flow_zero": "", "position_zero": "% of travel", "stem_zero": "% of travel"} | dict.fromkeys(
-    ("link_play", "plug_play", "actuator_dead_band"), "% of travel"
+    ("link_play", "plug_play"), "% of travel"
 )
 
 

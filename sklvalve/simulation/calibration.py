@@ -157,8 +157,8 @@ def opening_parameters(recording, valve, tolerance):
     if "simulated_flow" in recording and "opening" not in recording:
         return ()
     electric = is_electric(valve, recording)
-    own = motor_parameters(tolerance, valve) if electric else _air_parameters(recording, valve, tolerance)
-    found = [*own, *declared_parameters(tolerance, valve, electric=electric)]
+    found = list(motor_parameters(tolerance, valve)) if electric else _air_parameters(recording, tolerance)
+    found += declared_parameters(tolerance, valve, electric=electric)
     # a few scans may lie between a command and its effect
     longest = float(np.nanmax([recording.slice(*span).sample_time for span in recording.spans]))
     scan = min(2.0 * longest, tolerance.response)
@@ -169,30 +169,24 @@ def opening_parameters(recording, valve, tolerance):
     return tuple(found)
 
 
-def _air_parameters(recording, valve, tolerance):
+def _air_parameters(recording, tolerance):
     found = [
         Parameter("actuator_filter", "s", 0.02, tolerance.response, 0.1, spread=1.5, log=True),
     ]
     # without a recorded position no signal speaks of what goes on inside positioner and actuator
     if "opening" not in recording:
         return found
-    if not valve.dead_band:
-        # every positioner leaves small errors alone: makers set 0.1 % of travel or more
-        wide = tolerance.static_error
-        band = Parameter("actuator_dead_band", "1", 1e-3 * wide, wide, 0.2 * wide, spread=1.0, log=True)
-        found.append(band)
-    stiff = 2.5 * tolerance.static_error
     return [
         *found,
         Parameter("actuator_gain", "1", 1.0, 60.0, 15.0, spread=1.5, log=True),
         Parameter("actuator_reset", "1/s", 1e-3, 10.0, 0.3, spread=3.0, log=True),
         # at the lowest the chamber fills for a whole stroke in about the response time
         Parameter("actuator_rate", "1/s", 0.9 / tolerance.response, 10.0, 1.0, spread=1.5, log=True),
-        # friction and pressure feedback that keep the static error within its tolerance, too
-        Parameter("actuator_coulomb", "1", min(1e-3, 0.5 * stiff), stiff, 0.008, spread=1.0, log=True),
+        # friction and pressure feedback that keep the static error within its tolerance
+        Parameter("actuator_coulomb", "1", 1e-3, 2.5 * tolerance.static_error, 0.008, spread=1.0, log=True),
         Parameter("actuator_feedback", "1", 0.0, 0.25, 0.1, spread=0.1),
-        # exhaust ports pass 1.7 (Samson 3730) to 1.9 times (Siemens SIPART PS2) what supply ports do
-        Parameter("actuator_vent", "1", 0.4, 5.0, 1.4, spread=0.5, log=True),
+        # spools fill and vent through ports of their own, and a stroke up seldom takes as long as one down
+        Parameter("actuator_vent", "1", 0.6, 1.7, 1.0, spread=0.2, log=True),
         Parameter("actuator_loop", "s", 0.04, 0.4, 0.06, spread=0.7, log=True),
     ]
 

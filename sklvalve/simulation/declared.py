@@ -46,7 +46,7 @@ def declared_band(tolerance, valve):
     if not valve.dead_band:
         return ()
     band = valve.dead_band
-    high = max((1.0 + tolerance.declared) * band, tolerance.static_error)
+    high = (1.0 + tolerance.declared) * band
     return (Parameter("actuator_dead_band", "1", min(_NONE, 0.1 * band), high, band, spread=0.3, log=True),)
 
 

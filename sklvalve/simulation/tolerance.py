@@ -21,7 +21,7 @@ class Tolerance:
     declared : float, default=0.25
         Stroke time, dead time and dead band where the sheet declares them, relative [1].
     static_error : float, default=0.01
-        Width of the static error that a positioner's dead band leaves, and of that by friction [1 = travel].
+        Width of the static error of positioner and friction together [1 = travel].
     play : float, default=0.01
         Play of the linkage, and of the plug; against a history none, for that has told it [1 = travel].
     position_zero : float, default=0.01

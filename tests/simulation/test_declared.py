@@ -86,33 +86,3 @@ def test_a_declared_dead_band_leaves_small_changes_alone(kind):
     chain = simulation.chain_of(recording)
     moved = np.ptp(chain.stem_of_free_run(simulation.values_ | {"actuator_dead_band": 0.04})[50:])
     assert moved < 0.004
-
-
-def test_an_undeclared_dead_band_is_within_the_static_error_and_a_declared_one_as_the_sheet_has_it():
-    found = _parameters(Valve(kind="pneumatic"), with_opening=True)["actuator_dead_band"]
-    assert found.high == Tolerance().static_error
-    assert found.low < 1e-4
-    declared = Valve(kind="pneumatic", dead_band=0.04)
-    parameters = opening_parameters(_recording(declared, with_opening=True), declared, Tolerance())
-    assert [p.high for p in parameters if p.name == "actuator_dead_band"] == [pytest.approx(0.05)]
-
-
-def test_exhaust_ports_may_pass_twice_what_supply_ports_do():
-    found = _parameters(Valve(kind="pneumatic"), with_opening=True)["actuator_vent"]
-    # Siemens SIPART PS2: at 4 bar 7.1 m3/h of air in, 13.7 m3/h out
-    assert found.low < 1.0 < 13.7 / 7.1 < found.high
-
-
-def test_errors_that_a_stem_leaves_alone_are_learnt():
-    half, rng = 0.003, np.random.default_rng(3)
-    command = np.repeat(rng.uniform(0.45, 0.55, 40), 30)
-    opening, stem = np.empty(len(command)), command[0]
-    for k, aim in enumerate(command):
-        far = aim - stem
-        stem += (1.0 - np.exp(-1.0)) * (far - np.clip(far, -half, half))
-        opening[k] = stem
-    opening += rng.normal(0.0, 2e-4, len(opening))
-    frame = {"time": np.arange(float(len(command))), "command": command, "opening": opening}
-    valve = Valve(kind="pneumatic")
-    simulation = ValveSimulation(valve).fit(Recording.from_frame(frame, valve))
-    assert 1.5 * half < simulation.values_["actuator_dead_band"] < 2.5 * half

@@ -41,11 +41,11 @@ def interval_of(problem: Problem, term: Term, fitted: Model, quantity: Quantity)
     as the data sheet lets it. The effect's other parameters describe its shape and are held.
 
     A response, a zero or a capacity that the sheet leaves open is a parameter of the calibration, and
-    answers. A static error does so in part only: dead band and friction of a calibrated actuator stand for
-    play, and a sound valve has some, so that t is the size up to which such an effect is within the tolerance
-    of the static error. Of a delay from the start it is one scan, half of what the calibration may hold
-    beside it. What grows does so the faster the later it began: t is how far the rates lie apart over the
-    interval of its onset. These are bounds and no scatter, and so they are added.
+    answers. A static error is not: friction and feedback of a calibrated actuator stand for play, and a sound
+    valve has some, so that t is the size up to which such an effect is within the tolerance of the static
+    error. Of a delay from the start it is one scan, half of what the calibration may hold beside it. What
+    grows does so the faster the later it began: t is how far the rates lie apart over the interval of its
+    onset. These are bounds and no scatter, and so they are added.
 
     Parameters
     ----------

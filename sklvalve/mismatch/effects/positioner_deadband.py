@@ -46,7 +46,7 @@ class PositionerDeadband(Effect):
     )
 
     def apply(self, value: dict[str, Any], p: dict[str, float], chain: Chain) -> dict[str, Any]:
-        return value | {"dead_band": np.maximum(value["dead_band"], p["half_width"])}
+        return value | {"dead_band": np.full_like(value["dead_band"], p["half_width"])}
 
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         declared = (1.0 + tolerance.declared) * (chain.valve.dead_band or 0.0)

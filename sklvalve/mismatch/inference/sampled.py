@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from sklvalve.simulation.fitting import Misfit
 
 # points simulated; of these so many take a few steps, and so many of those are fitted to the end
-_POINTS, _TRIED, _FITTED = 128, 8, 2
+_POINTS, _TRIED, _FITTED = 64, 6, 2
 _STEPS = 4
 # how far from what is expected beforehand points lie at most, in its standard deviations
 _SPREADS = 2.0
