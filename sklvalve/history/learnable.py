@@ -229,7 +229,7 @@ def require_sound_start(start: Any) -> None:
             "values_ of a history or of a simulation, or leave it out"
         )
     for name, value in start.items():
-        if not isinstance(value, int | float | np.number) or not np.isfinite(value):
+        if not isinstance(value, int | float | np.number) or not -np.inf < value < np.inf:
             raise InputError(
                 f"{name} of the start of a history must be a finite number, got {shown(value)}; correct it, "
                 "or leave the start out"
