@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
 
 # of a normal distribution: 95 %
-_WITHIN_95 = 1.96
+WITHIN_95 = 1.96
 # share of an effect that a simulation gets wrong, or less, in 95 of 100: with 0.15, as tolerances are
 # exceeded by, 132 of 136 parameters of sealed records lay within six tenths of their intervals
 SHARE_OFF = 0.09
@@ -64,7 +64,7 @@ def interval_of(problem: Problem, term: Term, fitted: Model, quantity: Quantity)
     value, spread = fitted.values[key], fitted.spreads.get(key, np.nan)
     if not np.isfinite(spread):
         return None
-    half = np.hypot(_WITHIN_95 * spread, _mistaken(problem, term, fitted, key))
+    half = np.hypot(WITHIN_95 * spread, _mistaken(problem, term, fitted, key))
     if quantity.log:
         # what nothing bounds but physics would leave the range of a number
         half = min(half, np.log(quantity.high / quantity.low))
@@ -88,12 +88,12 @@ def _mistaken(problem: Problem, term: Term, fitted: Model, key: str) -> float:
         if key not in misfit.vector.names or wrong <= 0.0:
             continue
         slopes, priors, free = _slopes(problem, misfit, term, fitted, key)
-        curvature = slopes.T @ slopes * (_WITHIN_95 / wrong) ** 2 + priors.T @ priors
+        curvature = slopes.T @ slopes * (WITHIN_95 / wrong) ** 2 + priors.T @ priors
         if curvature[0, 0] <= 0.0:
             return 0.0
         # what moves nothing and has no prior answers nothing
         curvature[np.diag_indices(free)] += 1e-9 * curvature[0, 0]
-        return _WITHIN_95 * float(np.sqrt(np.linalg.inv(curvature)[0, 0]))
+        return WITHIN_95 * float(np.sqrt(np.linalg.inv(curvature)[0, 0]))
     return 0.0
 
 

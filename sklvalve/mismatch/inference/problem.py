@@ -175,6 +175,11 @@ class Problem(Sharing, Sizes):
             _memory=_Memory(),
         )
 
+    def without_held(self, term: Term) -> Problem:
+        """The problem without one of the effects that it holds."""
+        others = tuple(m for m in self.held if m.effect.key != term.effect.key)
+        return replace(self, held=others, _memory=_Memory())
+
     def with_noise(self, noise: dict[str, Any]) -> Problem:
         """The problem judged by this noise."""
         return replace(self, noise=noise)

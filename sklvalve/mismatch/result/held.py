@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from sklvalve.history.then import Expected, expected_of
-from sklvalve.mismatch.describe.intervals import interval_of
+from sklvalve.mismatch.constants import DISTINGUISHABLE
+from sklvalve.mismatch.describe.intervals import SHARE_OFF, WITHIN_95, interval_of
 from sklvalve.mismatch.inference.hypothesis import Term
+from sklvalve.mismatch.inference.posterior import distance
 from sklvalve.mismatch.result.effect_entry import in_recorded_unit
 from sklvalve.mismatch.result.known_effects import forms_of, quantity_named
 
@@ -22,15 +22,20 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.recording import Recording
 
+# share of an effect's size that a simulation gets wrong, standard deviation [1]
+_OFF = SHARE_OFF / WITHIN_95
+
 
 def held_entries(
     whole: Recording, problem: Problem, history: ValveHistory, model: Model
 ) -> list[dict[str, Any]]:
     """Effects of the history, then and now.
 
-    It has changed where its sizes of then and now lie further apart than their intervals, added as
-    independent errors are, and that moves a signal by as much as counts. It is gone where what is left of it
-    moves none by as much, or may be none.
+    It has changed where the effect as it was then explains this recording worse by a distance that tells two
+    explanations apart, and its change moves a signal by as much as counts. It is gone where what is left of
+    it moves none by as much, or is not told from nothing. Where neither what it was then nor nothing is
+    worse, the recording tells nothing. An interval would not do: it comes from slopes, and of an effect that
+    is gone these are none.
 
     Parameters
     ----------
@@ -72,11 +77,7 @@ def _entry(
     apart, fitted = _held_as_term(problem, term, model)
     ends = interval_of(apart, term, fitted, first)
     before = {p.name: expected[f"{term.effect.key}.{p.name}"].value for p in term.effect.parameters}
-    then = model.values | {f"{term.effect.key}.{name}": value for name, value in before.items()}
-    moved = problem.counts(problem.change(model, problem.simulate(model.terms, then)))
-    others = tuple(m for m in fitted.terms if m.effect.key != term.effect.key)
-    left = problem.counts(problem.change(model, apart.simulate(others, model.values)))
-    change = _change(was, now, ends, first.null, moved, left)
+    change = _change(problem, term, model, before)
     sizes = [was.value, was.low, was.high, now, *(ends or ())]
     unit, converted = in_recorded_unit(first.unit, sizes, whole)
     entry = {
@@ -92,27 +93,34 @@ def _entry(
 
 def _held_as_term(problem: Problem, term: Term, model: Model) -> tuple[Problem, Model]:
     """Problem and model in which a held effect is one of the hypothesis, as intervals ask for it."""
-    others = tuple(m for m in problem.held if m.effect.key != term.effect.key)
     spreads = model.spreads
     if not any(name.startswith(f"{term.effect.key}.") for name in spreads):
         # a model that was simulated and not fitted knows none
         spreads = problem.fit(model.terms, start=model).spreads
-    return replace(problem, held=others), replace(model, terms=(*model.terms, term), spreads=spreads)
+    return problem.without_held(term), replace(model, terms=(*model.terms, term), spreads=spreads)
 
 
-def _change(
-    was: Expected, now: float, ends: Sequence[float] | None, null: float | None, moved: bool, left: bool
-) -> str | None:
-    """How an effect's size has changed; `moved` and `left` say whether its change and what is left count."""
-    if ends is None:
+def _change(problem: Problem, term: Term, model: Model, before: dict[str, float]) -> str | None:
+    """How an effect has changed, of the parameters that it had `before`; None where that is not told."""
+    prefix = f"{term.effect.key}."
+    then = replace(model, values=model.values | {f"{prefix}{name}": v for name, v in before.items()})
+    apart = problem.without_held(term)
+    now = problem.fit(model.terms, start=model)
+    as_then = problem.fit(model.terms, start=then, hold=prefix)
+    none = apart.fit(model.terms, start=model)
+    best = max(now.log_likelihood, as_then.log_likelihood, none.log_likelihood)
+    # what a simulation gets wrong of one effect it gets wrong then and now: of its size alone it is less
+    unlike_then, unlike_none = (
+        distance(best, m.log_likelihood, best - none.log_likelihood, _OFF) >= DISTINGUISHABLE
+        for m in (as_then, none)
+    )
+    if not unlike_then and not unlike_none:
         return None
-    if now >= was.value:
-        half = np.hypot(was.high - was.value, now - ends[0])
-    else:
-        half = np.hypot(was.value - was.low, ends[1] - now)
-    if not moved or abs(now - was.value) <= half:
+    moved = problem.change(model, problem.simulate(model.terms, then.values))
+    if not unlike_then or not problem.counts(moved):
         return "none"
-    return "changed" if left and not (null is not None and ends[0] <= null <= ends[1]) else "gone"
+    left = problem.change(model, apart.simulate(model.terms, model.values))
+    return "changed" if unlike_none and problem.counts(left) else "gone"
 
 
 def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity, rivals: list[str]) -> str:
@@ -126,8 +134,9 @@ def _sentence(entry: dict[str, Any], term: Term, quantity: Quantity, rivals: lis
         return f"{began} ({words} {then}); this recording does not tell what it is now."
     if entry["change"] == "none":
         return f"{began}, and no change of it counts: {words} {then} then, {now} now."
-    gone = ": it is gone, or too small to count" if entry["change"] == "gone" else ""
-    return f"{began}; it went from {words} {then} to {now}{gone}."
+    if entry["change"] == "gone":
+        return f"{began}; it went from {words} {then} to none, or too little to count."
+    return f"{began}; it went from {words} {then} to {now}."
 
 
 def _shown(entry: dict[str, Any], quantity: Quantity) -> tuple[str, list[str]]:

@@ -10,6 +10,9 @@ import pytest
 from sklvalve.datasets import make_valve_recording
 from sklvalve.history import ValveHistory
 from sklvalve.mismatch import MissingPhysicsFinder, load_history, save_history
+from sklvalve.mismatch.effects import Clogging
+from sklvalve.mismatch.inference.hypothesis import Model, Term
+from sklvalve.mismatch.result.held import _change
 from sklvalve.recording import Recording, Valve
 from sklvalve.report import to_text
 from tests.history.plant import changed
@@ -149,3 +152,46 @@ def test_a_sound_history_and_one_that_was_not_diagnosed_say_nothing():
         assert content["since_history"]["held"] == []
         assert not [reason for reason in content["reasons"] if "history" in reason]
     assert content["since_history"]["by_itself"] is None
+
+
+class Weighed:
+    """A problem whose fits are as likely as told: as it is now, as it was then, and without the effect."""
+
+    def __init__(self, now, then, none, moved=0.1, left=0.1):
+        self.now, self.then, self.none, self.moved, self.left = now, then, none, moved, left
+
+    def fit(self, terms, *, start, hold=None):
+        return Model((), None, {}, {}, self.now if hold is None else self.then, {})
+
+    def without_held(self, term):
+        return Weighed(self.none, self.then, self.none, moved=self.left)
+
+    def simulate(self, terms, values):
+        return self.moved
+
+    def change(self, model, other):
+        return {"flow": other}
+
+    def counts(self, sizes):
+        return sizes["flow"] >= 0.01
+
+
+@pytest.mark.parametrize(
+    ("likelihoods", "sizes", "change"),
+    [
+        # as it was, larger or smaller, gone
+        ((0.0, -1.0, -100.0), {}, "none"),
+        ((0.0, -100.0, -200.0), {}, "changed"),
+        ((0.0, -100.0, -1.0), {}, "gone"),
+        # told apart, but too little to count; nor does what is left
+        ((0.0, -100.0, -200.0), {"moved": 0.001}, "none"),
+        ((0.0, -100.0, -200.0), {"left": 0.001}, "gone"),
+        # neither what it was nor nothing is less likely: the recording does not show where it acts
+        ((0.0, -1.0, -2.0), {}, None),
+        ((0.0, 0.0, 0.0), {"moved": 0.0, "left": 0.0}, None),
+    ],
+)
+def test_what_has_changed_is_told_by_likelihood(likelihoods, sizes, change):
+    term = Term(Clogging())
+    model = Model((), None, {"clogging.limit": 0.7}, {}, 0.0, {})
+    assert _change(Weighed(*likelihoods, **sizes), term, model, {"limit": 0.7}) == change
