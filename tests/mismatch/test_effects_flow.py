@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad, solve_ivp
 from scipy.optimize import minimize_scalar
 
+from sklvalve.mismatch.effects._reynolds import _between_the_laws
 from sklvalve.mismatch.effects.flow_inertia import water_column
 from sklvalve.simulation import Tolerance
 
@@ -169,3 +170,18 @@ def test_more_of_it_does_more_and_no_size_does_the_absurd(key, data):
     assert np.isfinite(more).all()
     if effect.stage in ("capacity", "flow") and key != "external_leakage_outlet":
         assert np.all(more >= 0.0)
+
+
+@pytest.mark.parametrize("sharpness", [0.6, 1.2, 2.0, 8.0])
+def test_between_the_laws_a_flow_solves_its_own_equation(sharpness):
+    laminar = np.array([0.0, 1e-3, 0.5, 1.0, 3.0, 1e3])
+    share = _between_the_laws(laminar, sharpness)
+    assert share[0] == 1.0
+    asked = share[1:] ** -sharpness
+    assert asked == pytest.approx(1.0 + (laminar[1:] * share[1:]) ** (-sharpness / 2.0), rel=1e-12)
+
+
+def test_a_flow_that_hardly_moves_is_laminar_and_overflows_nothing():
+    with np.errstate(all="raise"):
+        assert _between_the_laws(np.array([1e-60]), 2.0) == pytest.approx([1e-60])
+        assert 0.0 <= _between_the_laws(np.array([1e-60]), 40.0)[0] < 1e-12

@@ -11,6 +11,8 @@ from sklvalve.simulation.chain import Chain
 _FD, _FL, _TRIM = 0.42, 0.9, 4.0
 # the laminar law of annex A
 _LAMINAR = 0.026
+# of the logarithm of a number
+_LARGEST_POWER = 600.0
 
 
 def viscous_share(
@@ -60,6 +62,6 @@ def _between_the_laws(laminar: np.ndarray, sharpness: float) -> np.ndarray:
     """Share r of which r**-m = 1 + (laminar r)**(-m/2), `laminar` being the share of a laminar flow."""
     # without flow or drop there is no Reynolds number, and nothing to be kept
     flows = laminar > 0.0
-    half = np.exp(-0.5 * sharpness * np.log(np.where(flows, laminar, 1.0)))
-    root = 0.5 * (half + np.sqrt(half**2 + 4.0))
-    return np.where(flows, root ** (-2.0 / sharpness), 1.0)
+    # a flow that hardly moves has the laminar share itself, long before its power leaves the range of a number
+    power = np.minimum(-0.5 * sharpness * np.log(np.where(flows, laminar, 1.0)), _LARGEST_POWER)
+    return np.where(flows, np.exp(-2.0 / sharpness * np.arcsinh(0.5 * np.exp(power))), 1.0)
