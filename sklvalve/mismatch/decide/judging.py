@@ -119,7 +119,7 @@ class Case:
 
         What is left of another signal is something else that is missing.
         """
-        touched = {c for f in findings for c in self.problem.channels_touched(f.term.effect)}
+        touched = self.problem.touched_by(f.term for f in findings)
         asked = self.problem.channels if self.channels is None else self.channels
         asked = tuple(c for c in asked if c in touched)
         return left_since(self.problem, self.residual_of(model).fitted, asked)
@@ -226,8 +226,8 @@ def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]
     """Whether a finding shows in no signal in which a stronger one does."""
     if problem.coupled:
         return False
-    elsewhere = {c for f in stronger for c in problem.channels_touched(f.term.effect)}
-    return elsewhere.isdisjoint(problem.channels_touched(finding.term.effect))
+    elsewhere = problem.touched_by(f.term for f in stronger)
+    return elsewhere.isdisjoint(problem.touched_by([finding.term]))
 
 
 def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgement:
@@ -287,7 +287,7 @@ def _of_fit(
 def _elsewhere(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> LeftSince | None:
     """What differs from the history in a signal that no finding changes."""
     new = case.residual_of(model).new
-    if new is None or any(new.channel in case.problem.channels_touched(f.term.effect) for f in findings):
+    if new is None or new.channel in case.problem.touched_by(f.term for f in findings):
         return None
     return new if _is_rare(case, replace(evidence, residual=new.effect_size)) else None
 
@@ -370,7 +370,7 @@ def _against_noise(case: Case, judged: Judgement) -> Judgement:
         judged = _with_what_is_left(case, judged, left, said)
     elif said != FINE:
         judged = replace(judged, rules=(*judged.rules, rules.noise(None, False)))
-    of_flow = any("flow" in problem.channels_touched(f.term.effect) for f in judged.findings)
+    of_flow = "flow" in problem.touched_by(f.term for f in judged.findings)
     closest: list[Finding] = []
     if said == REFUTED or (said != FINE and of_flow):
         closest = judged.findings
@@ -394,8 +394,8 @@ def _nameless(case: Case, judged: Judgement, refuted: bool) -> Judgement:
 def _with_what_is_left(case: Case, judged: Judgement, left: LeftOver, said: str) -> Judgement:
     """A judgement with the outcome of the rule on noise, and with its doubt where there is one."""
     # an effect of the stem stands beside a flow that is not explained, unless that refutes it
-    flow = [f for f in judged.findings if "flow" in case.problem.channels_touched(f.term.effect)]
-    passed = said == FINE or (said != REFUTED and bool(judged.findings) and not flow)
+    of_flow = "flow" in case.problem.touched_by(f.term for f in judged.findings)
+    passed = said == FINE or (said != REFUTED and bool(judged.findings) and not of_flow)
     judged = replace(judged, rules=(*judged.rules, rules.noise(left.times, passed)))
     if said == FINE:
         return judged
@@ -463,7 +463,7 @@ def _stands(problem: Problem, model: Model, unknown: Unknown) -> bool:
 
 def _else_as(problem: Problem, model: Model, nominal: Model) -> Model:
     """A model whose channels that no effect touches are simulated as the nominal simulation does."""
-    touched = {c for m in model.terms for c in problem.channels_touched(m.effect)}
+    touched = problem.touched_by(model.terms)
     others = [c for c in problem.channels if c not in touched]
     values = {p.name: nominal.values[p.name] for c in others for p in problem.calibration((c,))}
     predictions = {c: nominal.predictions[c] for c in others}

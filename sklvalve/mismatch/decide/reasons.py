@@ -52,8 +52,7 @@ def exceeds_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem
 def differs_too(judgement: Judgement, problem: Problem) -> list[str]:
     """The sentence on a signal that nothing named changes, and that differs from the history; else none."""
     left = judgement.also
-    touched = {c for f in judgement.findings for c in problem.channels_touched(f.term.effect)}
-    if left is None or left.channel in touched:
+    if left is None or left.channel in problem.touched_by(f.term for f in judgement.findings):
         return []
     size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
     return [

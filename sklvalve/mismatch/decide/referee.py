@@ -115,7 +115,7 @@ def _beaten(problem: Problem, judged: Judgement, worst: Compared) -> tuple[Judge
     )
     if judged.findings:
         share = share_explained([worst])
-        touched = {c for f in judged.findings for c in problem.channels_touched(f.term.effect)}
+        touched = problem.touched_by(f.term for f in judged.findings)
         # what shows in another signal is no imitation of what is missing in this one
         if worst.channel in touched and share is not None and share < _LEAST_SHARE:
             return replace(judged, verdict="cannot_tell"), (

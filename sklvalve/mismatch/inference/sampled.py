@@ -43,7 +43,7 @@ def sampled_fit(problem: Problem, model: Model) -> Model:
         The one given where no sample leads to a likelier one; where no friction is simulated, such as of a
         motor, which neither sticks nor hunts; and where effects act, and none on the opening.
     """
-    if model.terms and not any("opening" in problem.channels_touched(m.effect) for m in model.terms):
+    if model.terms and "opening" not in problem.touched_by(model.terms):
         return model
     fits = [model]
     for misfit in problem.misfits(model, ("opening",)):

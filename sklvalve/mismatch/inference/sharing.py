@@ -44,6 +44,10 @@ class Sharing:
             return self.channels
         return tuple(c for c in self.channels if c == "flow")
 
+    def touched_by(self, terms: Iterable[Term]) -> set[str]:
+        """Channels whose simulation some effects change."""
+        return {c for m in terms for c in self.channels_touched(m.effect)}
+
     def _groups(self, terms: Iterable[Term]) -> tuple[tuple[str, ...], ...]:
         stages = {m.effect.stage for m in (*self.held, *terms)}
         joined = self.coupled or "position_sensor" in stages
@@ -67,7 +71,7 @@ class Sharing:
         return self.calibration(channels) + brought
 
     def _touching(self, terms: Iterable[Term], channels: Sequence[str]) -> list[Term]:
-        return [m for m in terms if set(self.channels_touched(m.effect)) & set(channels)]
+        return [m for m in terms if self.touched_by([m]) & set(channels)]
 
     def _telling(self, terms: Iterable[Term], channels: Sequence[str]) -> list[Term]:
         """Members whose parameters a fit of some channels moves."""

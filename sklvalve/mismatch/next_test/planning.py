@@ -76,7 +76,7 @@ def planned(
 
 def _advisor(problem: Problem, finding: Finding) -> Advisor:
     likeliest = list(class_of(finding).items())[:_MOST]
-    touched = {c for _, (_, term, _) in likeliest for c in problem.channels_touched(term.effect)}
+    touched = problem.touched_by(term for _, (_, term, _) in likeliest)
 
     def explanation(name: str, probability: float, model: Model) -> Explanation:
         return Explanation(name, probability, model, problem.misfits(model, touched))

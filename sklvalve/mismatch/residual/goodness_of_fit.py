@@ -145,7 +145,7 @@ def _leaves_little(
 
 
 def _of_flow(problem: Problem, findings: Sequence[Finding]) -> bool:
-    return any("flow" in problem.channels_touched(f.term.effect) for f in findings)
+    return "flow" in problem.touched_by(f.term for f in findings)
 
 
 def known_effect_explains(problem: Problem, nominal: Model, effects: Sequence[Effect]) -> bool:

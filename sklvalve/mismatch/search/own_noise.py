@@ -82,8 +82,8 @@ def explains_as_much(problem: Problem, simple: Model, term: Term, of_simple: flo
     -------
     as_much : bool
     """
-    here = set(problem.channels_touched(term.effect))
-    elsewhere = [m for m in simple.terms if not here & set(problem.channels_touched(m.effect))]
+    here = problem.touched_by([term])
+    elsewhere = [m for m in simple.terms if not here & problem.touched_by([m])]
     bare = penalised_by_its_noise(problem, problem.fit(elsewhere, start=simple))
     return bool(posterior(np.array([of_simple, of_other]), of_simple - bare)[0] > 1.0 - IN_CLASS)
 

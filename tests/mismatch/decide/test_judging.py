@@ -141,7 +141,9 @@ def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(monkeypatch, gain
 def test_what_shows_in_a_signal_of_its_own(signals, coupled, alone):
     shown = {"a": ("opening",), "b": (signals,)}
     first, second = (SimpleNamespace(term=SimpleNamespace(effect=name)) for name in shown)
-    problem = SimpleNamespace(coupled=coupled, channels_touched=shown.__getitem__)
+    problem = SimpleNamespace(
+        coupled=coupled, touched_by=lambda terms: {c for m in terms for c in shown[m.effect]}
+    )
     assert judging._shows_alone(problem, second, [first]) is alone
 
 
@@ -167,7 +169,9 @@ def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
     )
     monkeypatch.setattr(judging.Case, "residual_of", lambda case, model: SimpleNamespace(fitted=model))
     problem = SimpleNamespace(
-        channels=("opening", "flow"), channels_touched=lambda _: touched, history="learnt"
+        channels=("opening", "flow"),
+        touched_by=lambda terms: {c for _ in terms for c in touched},
+        history="learnt",
     )
     case = judging.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0, channels)
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
@@ -183,7 +187,7 @@ def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
 )
 def test_what_differs_in_another_signal_is_kept_beside_a_name(monkeypatch, touched, rare, kept):
     monkeypatch.setattr(judging, "_is_rare", lambda case, evidence: rare and evidence.residual == 5.0)
-    problem = SimpleNamespace(channels_touched=lambda _: touched)
+    problem = SimpleNamespace(touched_by=lambda terms: {c for _ in terms for c in touched})
     case = SimpleNamespace(problem=problem, residual_of=lambda model: SimpleNamespace(new=LEFT))
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
     new = judging._elsewhere(case, [finding], None, Evidence(0.0, 0.0, 1.0, None))

@@ -72,7 +72,7 @@ def test_what_findings_leave_over_is_said_in_the_signals_own_unit():
 @pytest.mark.parametrize("signals", [("opening",), ("opening", "flow")], ids=["another", "the same"])
 def test_what_differs_beside_a_name_is_said_with_its_size(signals):
     left = LeftSince("flow", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)
-    bench = SimpleNamespace(**vars(BENCH), channels_touched=lambda effect: signals)
+    bench = SimpleNamespace(**vars(BENCH), touched_by=lambda terms: {c for _ in terms for c in signals})
     stem = SimpleNamespace(term=SimpleNamespace(effect="dead_time"))
     judged = _judged("named", findings=[stem], also=left)
     said = reasons_of(judged, None, bench)

@@ -40,7 +40,7 @@ def _bench(**signals):
         recording=recording,
         spans={"flow": 2.0},
         least=lambda channel: 0.005,
-        channels_touched=lambda effect: effect,
+        touched_by=lambda terms: {c for m in terms for c in m.effect},
         plain=SimpleNamespace(clock=np.arange(float(N))),
     )
 
