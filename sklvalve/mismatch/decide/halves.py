@@ -8,16 +8,18 @@ refuted by a half in which it acts, and shows nothing in one in which it does no
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.inference.posterior import distance
+from sklvalve.mismatch.search.onset import penalty_with_times
 from sklvalve.mismatch.search.rivals import class_of
 from sklvalve.simulation.parallel_map import parallel_map
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.hypothesis import Term
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.rivals import Finding, Rival
 
@@ -25,13 +27,15 @@ if TYPE_CHECKING:
 _STEPS = 4
 
 
-def refuted_by_a_half(problem: Problem, finding: Finding) -> tuple[float, str]:
+def refuted_by_a_half(problem: Problem, finding: Finding, beside: Sequence[Term]) -> tuple[float, str]:
     """How far behind the best explanation a half of a recording puts a class, each fitted to it alone.
 
     Parameters
     ----------
     problem : Problem
     finding : Finding
+    beside : sequence of Term
+        What else stands.
 
     Returns
     -------
@@ -39,27 +43,30 @@ def refuted_by_a_half(problem: Problem, finding: Finding) -> tuple[float, str]:
         Profile-likelihood distance of the likeliest member of the class from the best, in the half that
         speaks most against it. From `DISTINGUISHABLE` on the two are told apart.
     instead : str
-        Name of the best in that half; empty where nothing at all explains it better.
+        Name of the best in that half.
     """
     rows = len(problem.recording)
     first = np.arange(rows) < rows // 2
-    return max((_refuted(problem, finding, half) for half in (first, ~first)), key=lambda refuted: refuted[0])
+    halves = (_refuted(problem, finding, tuple(beside), half) for half in (first, ~first))
+    return max(halves, key=lambda refuted: refuted[0])
 
 
-def _refuted(problem: Problem, finding: Finding, half: np.ndarray) -> tuple[float, str]:
+def _refuted(
+    problem: Problem, finding: Finding, beside: tuple[Term, ...], half: np.ndarray
+) -> tuple[float, str]:
     used = half if problem.rows is None else half & problem.rows
-    best = max(finding.rivals, key=lambda r: r.probability).model
-    key = finding.rivals[0].term.effect.key
 
-    def of(rival: Rival) -> Model:
-        return problem.fit(rival.model.terms, start=rival.model, rows=used, max_steps=_STEPS)
+    def likelihood_of(rival: Rival) -> float:
+        # times that the whole has chosen cost what they cost there
+        fit = problem.fit((*beside, rival.term), start=rival.model, rows=used, max_steps=_STEPS)
+        return fit.log_likelihood - penalty_with_times(problem, rival.model, rival.term)
 
-    fits = dict(zip(finding.rivals, parallel_map(of, finding.rivals), strict=True))
-    others = tuple(m for m in finding.rivals[0].model.terms if m.effect.key != key)
-    nothing = problem.fit(others, start=best, rows=used, max_steps=_STEPS).log_likelihood
-    likeliest = max(fits, key=lambda r: fits[r].log_likelihood)
-    top = max(fits[likeliest].log_likelihood, nothing)
+    priced = dict(zip(finding.rivals, parallel_map(likelihood_of, finding.rivals), strict=True))
     names = class_of(finding)
-    best_of_class = max(m.log_likelihood for r, m in fits.items() if r.term.effect.name in names)
-    instead = likeliest.term.effect.name if fits[likeliest].log_likelihood > nothing else ""
-    return distance(top, best_of_class, top - nothing), instead
+    best = max(priced, key=lambda r: priced[r])
+    likeliest = max((r for r in priced if r.term.effect.name in names), key=lambda r: priced[r])
+    # a half that shows nothing of an effect does not refute it
+    bare = problem.fit(beside, start=likeliest.model, rows=used, max_steps=_STEPS).log_likelihood
+    nothing = bare - penalty_with_times(problem, likeliest.model, likeliest.term)
+    of_class = max(priced[likeliest], nothing)
+    return distance(priced[best], of_class, priced[best] - nothing), best.term.effect.name

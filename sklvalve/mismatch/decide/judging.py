@@ -134,9 +134,9 @@ class Case:
         """Gain of a finding on rows left out of its fit, in standard errors."""
         return self.comparison.held_out_errors(1 + self.explanation.findings.index(finding))
 
-    def refuted_by_a_half(self, finding: Finding) -> tuple[float, str]:
+    def refuted_by_a_half(self, finding: Finding, others: Sequence[Finding]) -> tuple[float, str]:
         """How far behind another explanation half of the recording puts a finding, and the name of that."""
-        return refuted_by_a_half(self.problem, finding)
+        return refuted_by_a_half(self.problem, finding, [f.term for f in others])
 
 
 @dataclass(frozen=True)
@@ -221,7 +221,7 @@ def _upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list
     for finding in findings[1:]:
         level = case.alpha if _shows_alone(case.problem, finding, stand) else _BESIDE * case.alpha
         holds = case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level)
-        if holds and case.refuted_by_a_half(finding)[0] < DISTINGUISHABLE:
+        if holds and not case.refuted_by_a_half(finding, stand)[0] >= DISTINGUISHABLE:
             stand.append(finding)
     if len(stand) < len(findings):
         model = case.problem.fit(tuple(f.term for f in stand), start=model)
@@ -280,9 +280,9 @@ def _of_fit(
     if not asked[-1].passed:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         return asked, not_upheld(findings)
-    behind, instead = case.refuted_by_a_half(findings[0])
+    behind, instead = case.refuted_by_a_half(findings[0], findings[1:])
     if behind >= DISTINGUISHABLE:
-        return [rules.halves(behind)], refuted(findings, instead)
+        return [rules.halves(behind)], refuted(findings[:1], instead)
     new = case.left_where_they_act(findings, model)
     if new is None:
         return asked, ""

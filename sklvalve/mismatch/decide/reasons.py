@@ -29,11 +29,11 @@ def not_upheld(findings: Sequence[Finding]) -> str:
 
 
 def refuted(findings: Sequence[Finding], instead: str) -> str:
-    """The reason where half of a recording speaks for another effect, or for none."""
-    other = f"is better explained by {instead.replace('_', ' ')}" if instead else "is explained without it"
+    """The reason where half of a recording speaks for another effect."""
     return (
-        f"{_begun(_names(findings))} fits all rows, but half of them by itself {other}. Something that this "
-        "simulation lacks looks now like the one, now like the other."
+        f"{_begun(_names(findings))} fits all rows, but half of them by itself is better explained by "
+        f"{instead.replace('_', ' ')}. Something that this simulation lacks looks now like the one, now like "
+        "the other."
     )
 
 

@@ -99,7 +99,7 @@ def halves(behind: float) -> Rule:
         behind,
         constants.DISTINGUISHABLE,
         False,
-        f"Fitted to half of the recording alone, it lies {behind:.2g} behind another explanation; from "
+        f"Fitted to half of the recording alone, it lies {behind:.0f} behind another explanation; from "
         f"{constants.DISTINGUISHABLE:g} on two are told apart.",
     )
 

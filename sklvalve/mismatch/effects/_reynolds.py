@@ -62,6 +62,6 @@ def _between_the_laws(laminar: np.ndarray, sharpness: float) -> np.ndarray:
     """Share r of which r**-m = 1 + (laminar r)**(-m/2), `laminar` being the share of a laminar flow."""
     # without flow or drop there is no Reynolds number, and nothing to be kept
     flows = laminar > 0.0
-    # a flow that hardly moves has the laminar share itself long before its power is beyond all numbers
+    # of what hardly flows the power of the share is beyond all numbers
     power = np.minimum(-0.5 * sharpness * np.log(np.where(flows, laminar, 1.0)), _LARGEST_POWER)
     return np.where(flows, np.exp(-2.0 / sharpness * np.arcsinh(0.5 * np.exp(power))), 1.0)

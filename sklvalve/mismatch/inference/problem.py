@@ -178,7 +178,8 @@ class Problem(Sharing, Sizes):
     def without_held(self, term: Term) -> Problem:
         """The problem without one of the effects that it holds."""
         others = tuple(m for m in self.held if m.effect.key != term.effect.key)
-        return replace(self, held=others, _memory=_Memory())
+        apart = replace(self, held=others, _memory=_Memory())
+        return replace(apart, plain=apart.chain(()))
 
     def with_noise(self, noise: dict[str, Any]) -> Problem:
         """The problem judged by this noise."""

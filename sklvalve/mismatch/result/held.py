@@ -7,6 +7,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from sklvalve.history.then import Expected, expected_of
 from sklvalve.mismatch.constants import DISTINGUISHABLE
 from sklvalve.mismatch.describe.intervals import SHARE_OFF, WITHIN_95, interval_of
@@ -31,11 +33,11 @@ def held_entries(
 ) -> list[dict[str, Any]]:
     """Effects of the history, then and now.
 
-    It has changed where the effect as it was then explains this recording worse by a distance that tells two
-    explanations apart, and its change moves a signal by as much as counts. It is gone where what is left of
-    it moves none by as much, or is not told from nothing. Where neither what it was then nor nothing is
-    worse, the recording tells nothing. An interval would not do: it comes from slopes, and of an effect that
-    is gone these are none.
+    It has changed where the effect as it may have been then explains this recording worse by a distance that
+    tells two explanations apart, and its change moves a signal by as much as counts. It is gone where what
+    is left of it moves none by as much, or is not told from nothing. Where neither what it was then nor
+    nothing is worse, the recording tells nothing. An interval would not do: it comes from slopes, and of an
+    effect that is gone these are none.
 
     Parameters
     ----------
@@ -76,8 +78,10 @@ def _entry(
     was, now = expected[key], model.values[key]
     apart, fitted = _held_as_term(problem, term, model)
     ends = interval_of(apart, term, fitted, first)
-    before = {p.name: expected[f"{term.effect.key}.{p.name}"].value for p in term.effect.parameters}
-    change = _change(problem, term, model, before)
+    change = _change(problem, term, model, expected)
+    if change == "gone":
+        # from slopes that are none
+        ends = None
     sizes = [was.value, was.low, was.high, now, *(ends or ())]
     unit, converted = in_recorded_unit(first.unit, sizes, whole)
     entry = {
@@ -100,13 +104,18 @@ def _held_as_term(problem: Problem, term: Term, model: Model) -> tuple[Problem, 
     return problem.without_held(term), replace(model, terms=(*model.terms, term), spreads=spreads)
 
 
-def _change(problem: Problem, term: Term, model: Model, before: dict[str, float]) -> str | None:
-    """How an effect has changed, of the parameters that it had `before`; None where that is not told."""
+def _change(problem: Problem, term: Term, model: Model, expected: dict[str, Expected]) -> str | None:
+    """How an effect has changed; None where the recording does not tell."""
     prefix = f"{term.effect.key}."
-    then = replace(model, values=model.values | {f"{prefix}{name}": v for name, v in before.items()})
     apart = problem.without_held(term)
     now = problem.fit(model.terms, start=model)
-    as_then = problem.fit(model.terms, start=then, hold=prefix)
+    # of all that it may have been then what is nearest to now
+    before = {
+        name: float(np.clip(now.values[name], each.low, each.high))
+        for name, each in expected.items()
+        if name.startswith(prefix)
+    }
+    as_then = problem.fit(model.terms, start=replace(now, values=now.values | before), hold=prefix)
     none = apart.fit(model.terms, start=model)
     best = max(now.log_likelihood, as_then.log_likelihood, none.log_likelihood)
     # what a simulation gets wrong of one effect it gets wrong then and now: of its size alone it is less
@@ -116,10 +125,10 @@ def _change(problem: Problem, term: Term, model: Model, before: dict[str, float]
     )
     if not unlike_then and not unlike_none:
         return None
-    moved = problem.change(model, problem.simulate(model.terms, then.values))
+    moved = problem.change(now, problem.simulate(model.terms, now.values | before))
     if not unlike_then or not problem.counts(moved):
         return "none"
-    left = problem.change(model, apart.simulate(model.terms, model.values))
+    left = problem.change(now, apart.simulate(model.terms, now.values))
     return "changed" if unlike_none and problem.counts(left) else "gone"
 
 

@@ -105,7 +105,7 @@ class _Case(SimpleNamespace):
     def is_rare(self, finding, level=0.01):
         return self.rarity[finding.term] <= level
 
-    def refuted_by_a_half(self, finding):
+    def refuted_by_a_half(self, finding, others):
         return self.behind.get(finding.term, 0.0), ""
 
 

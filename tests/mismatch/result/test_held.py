@@ -9,6 +9,7 @@ import pytest
 
 from sklvalve.datasets import make_valve_recording
 from sklvalve.history import ValveHistory
+from sklvalve.history.then import Expected
 from sklvalve.mismatch import MissingPhysicsFinder, load_history, save_history
 from sklvalve.mismatch.effects import Clogging
 from sklvalve.mismatch.inference.hypothesis import Model, Term
@@ -161,7 +162,8 @@ class Weighed:
         self.now, self.then, self.none, self.moved, self.left = now, then, none, moved, left
 
     def fit(self, terms, *, start, hold=None):
-        return Model((), None, {}, {}, self.now if hold is None else self.then, {})
+        self.begun = start.values
+        return Model((), None, start.values, {}, self.now if hold is None else self.then, {})
 
     def without_held(self, term):
         return Weighed(self.none, self.then, self.none, moved=self.left)
@@ -194,4 +196,8 @@ class Weighed:
 def test_what_has_changed_is_told_by_likelihood(likelihoods, sizes, change):
     term = Term(Clogging())
     model = Model((), None, {"clogging.limit": 0.7}, {}, 0.0, {})
-    assert _change(Weighed(*likelihoods, **sizes), term, model, {"limit": 0.7}) == change
+    then = {"clogging.limit": Expected("clogging.limit", "1", 0.5, 0.4, 0.6, 0.05, False, True)}
+    problem = Weighed(*likelihoods, **sizes)
+    assert _change(problem, term, model, then) == change
+    # as near to now as it may have been
+    assert problem.begun == {"clogging.limit": 0.6}
