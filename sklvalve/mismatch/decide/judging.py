@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.constants import DISTINGUISHABLE, HELD_OUT_ERRORS
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.decision import by_evidence
 from sklvalve.mismatch.decide.detect import (
@@ -20,9 +20,8 @@ from sklvalve.mismatch.decide.detect import (
     p_value_of_residual,
     p_value_of_what_counts,
 )
-from sklvalve.mismatch.decide.halves import refuted_by_a_half
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
-from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, refuted, too_much_left
+from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, too_much_left
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.goodness_of_fit import FINE, REFUTED, LeftOver, held_against_noise, left_over
@@ -134,10 +133,6 @@ class Case:
         """Gain of a finding on rows left out of its fit, in standard errors."""
         return self.comparison.held_out_errors(1 + self.explanation.findings.index(finding))
 
-    def refuted_by_a_half(self, finding: Finding, others: Sequence[Finding]) -> tuple[float, str]:
-        """How far behind another explanation half of the recording puts a finding, and the name of that."""
-        return refuted_by_a_half(self.problem, finding, [f.term for f in others])
-
 
 @dataclass(frozen=True)
 class _Weighed:
@@ -212,16 +207,15 @@ def _upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list
     """The strongest finding and those beside it that may be named, and the model with them.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
-    alarm, gains on rows left out and is refuted by no half of the recording is named in signals of its own;
-    to be named beside a stronger one of the same signals it must be ten times as rare.
+    alarm and gains on rows left out is named in signals of its own; to be named beside a stronger one of the
+    same signals it must be ten times as rare.
     """
     if not findings:
         return [], model
     stand = [findings[0]]
     for finding in findings[1:]:
         level = case.alpha if _shows_alone(case.problem, finding, stand) else _BESIDE * case.alpha
-        holds = case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level)
-        if holds and not case.refuted_by_a_half(finding, stand)[0] >= DISTINGUISHABLE:
+        if case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level):
             stand.append(finding)
     if len(stand) < len(findings):
         model = case.problem.fit(tuple(f.term for f in stand), start=model)
@@ -280,9 +274,6 @@ def _of_fit(
     if not asked[-1].passed:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         return asked, not_upheld(findings)
-    behind, instead = case.refuted_by_a_half(findings[0], findings[1:])
-    if behind >= DISTINGUISHABLE:
-        return [rules.halves(behind)], refuted(findings[:1], instead)
     new = case.left_where_they_act(findings, model)
     if new is None:
         return asked, ""

@@ -28,15 +28,6 @@ def not_upheld(findings: Sequence[Finding]) -> str:
     )
 
 
-def refuted(findings: Sequence[Finding], instead: str) -> str:
-    """The reason where half of a recording speaks for another effect."""
-    return (
-        f"{_begun(_names(findings))} fits all rows, but half of them by itself is better explained by "
-        f"{instead.replace('_', ' ')}. Something that this simulation lacks looks now like the one, now like "
-        "the other."
-    )
-
-
 def too_much_left(left: LeftOver, findings: Sequence[Finding], problem: Problem) -> str:
     """The reason where the flow is further off than noise allows, in the recording's own unit."""
     what = f"With {_names(findings)} the simulation" if findings else "The simulation"

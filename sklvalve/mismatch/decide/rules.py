@@ -92,18 +92,6 @@ def held_out(errors: float) -> Rule:
     )
 
 
-def halves(behind: float) -> Rule:
-    """The same rule, where it is a half of the recording that speaks against a name."""
-    return Rule(
-        "held_out",
-        behind,
-        constants.DISTINGUISHABLE,
-        False,
-        f"Fitted to half of the recording alone, it lies {behind:.0f} behind another explanation; from "
-        f"{constants.DISTINGUISHABLE:g} on two are told apart.",
-    )
-
-
 def history_noise(p_value: float, alpha: float) -> Rule:
     """What is named must explain a recording down to the noise of the valve's history."""
     return Rule(

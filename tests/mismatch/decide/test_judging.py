@@ -105,22 +105,18 @@ class _Case(SimpleNamespace):
     def is_rare(self, finding, level=0.01):
         return self.rarity[finding.term] <= level
 
-    def refuted_by_a_half(self, finding, others):
-        return self.behind.get(finding.term, 0.0), ""
-
 
 CLEAR, RARE, USUAL = 5e-5, 5e-3, 0.02
 
 
 @pytest.mark.parametrize(
-    ("gains", "rarity", "alone", "behind", "kept"),
+    ("gains", "rarity", "alone", "kept"),
     [
-        ({"b": HELD_OUT_ERRORS, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, {}, "abc"),
-        ({"b": HELD_OUT_ERRORS - 0.1, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, {}, "ac"),
-        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": CLEAR}, False, {}, "ac"),
-        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": USUAL}, True, {}, "ab"),
-        ({"b": 0.0, "c": 0.0}, {"b": CLEAR, "c": CLEAR}, True, {}, "a"),
-        ({"b": 9.0, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, True, {"a": 20.0, "b": 20.0, "c": 13.0}, "ac"),
+        ({"b": HELD_OUT_ERRORS, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, "abc"),
+        ({"b": HELD_OUT_ERRORS - 0.1, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, "ac"),
+        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": CLEAR}, False, "ac"),
+        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": USUAL}, True, "ab"),
+        ({"b": 0.0, "c": 0.0}, {"b": CLEAR, "c": CLEAR}, True, "a"),
     ],
     ids=[
         "all gain and are clear",
@@ -128,16 +124,13 @@ CLEAR, RARE, USUAL = 5e-5, 5e-3, 0.02
         "one is not as rare as alpha twice over",
         "in a signal of its own alpha is enough",
         "the strongest is judged later",
-        "half of the recording refutes one",
     ],
 )
-def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(
-    monkeypatch, gains, rarity, alone, behind, kept
-):
+def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(monkeypatch, gains, rarity, alone, kept):
     monkeypatch.setattr(judging, "_shows_alone", lambda *_: alone)
     findings = [SimpleNamespace(term=name) for name in "abc"]
     problem, search = SimpleNamespace(fit=lambda terms, start: terms), SimpleNamespace(nominal=None)
-    case = _Case(problem=problem, explanation=search, alpha=0.01, gains=gains, rarity=rarity, behind=behind)
+    case = _Case(problem=problem, explanation=search, alpha=0.01, gains=gains, rarity=rarity)
     stand, model = judging._upheld(case, findings, tuple(f.term for f in findings))
     assert "".join(f.term for f in stand) == "".join(model) == kept
 
