@@ -5,6 +5,7 @@ import pytest
 
 from benchmarks.real import tables
 from benchmarks.real.judging import errors_of, is_property, judged, referee
+from benchmarks.real.windows import counts, windows_of
 
 STICKS = {"faults": ["stiction", "backlash"]}
 SOUND = {"sound": True}
@@ -131,3 +132,9 @@ def test_page_holds_its_results():
     assert page == tables.with_block(page, tables.read(tables.RESULTS)), (
         "run python -m benchmarks.real --page"
     )
+
+
+def test_names_are_counted_once_a_window():
+    assert windows_of(1000) == [(0, 620), (0, 310), (310, 620), (155, 465), (620, 1000)]
+    each = [[["slew_limit"], ["backlash", "slew_limit"]], [["slew_limit", "dead_time"]], []]
+    assert list(counts(each).items()) == [("slew_limit", 2), ("backlash", 1), ("dead_time", 1)]
