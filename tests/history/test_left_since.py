@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from sklvalve import MissingPhysicsFinder
+from sklvalve.mismatch.constants import NO_IMITATION
 from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.mismatch.effects.flow_meter_gain import FlowMeterGain
 from sklvalve.mismatch.inference.calibrating import calibrated
@@ -166,7 +167,7 @@ def test_an_imitation_that_leaves_more_than_the_noise_is_no_name(learnt, after):
     finder = MissingPhysicsFinder(history=learnt, random_state=0, n_jobs=1)
     told = finder.fit(changed(after, flow=after["flow"] * (0.9 - 0.025 * turn))).diagnosis_.content
     rule = next(each for each in told["rules"] if each["name"] == "history_noise")
-    assert rule["value"] < rule["limit"] == 0.01
+    assert rule["value"] < 0.01 < rule["limit"] == NO_IMITATION
     assert not rule["passed"]
     assert told["verdict"] != "named"
     assert "capacity error" in told["reasons"][0]

@@ -278,9 +278,7 @@ def _of_fit(
     if new is None:
         return asked, ""
     # an imitation leaves over what healthy valves do not, in the signals that it is to explain
-    asked.append(
-        rules.history_noise(p_value_of_residual(replace(evidence, residual=new.effect_size)), case.alpha)
-    )
+    asked.append(rules.history_noise(p_value_of_residual(replace(evidence, residual=new.effect_size))))
     return asked, "" if asked[-1].passed else exceeds_noise(new, findings, case.problem)
 
 

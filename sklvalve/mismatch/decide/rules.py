@@ -92,15 +92,16 @@ def held_out(errors: float) -> Rule:
     )
 
 
-def history_noise(p_value: float, alpha: float) -> Rule:
+def history_noise(p_value: float) -> Rule:
     """What is named must explain a recording down to the noise of the valve's history."""
+    limit = constants.NO_IMITATION
     return Rule(
         "history_noise",
         p_value,
-        alpha,
-        p_value > alpha,
+        limit,
+        p_value > limit,
         f"With the finding, {percent(p_value)} of healthy simulated valves leave as much over beyond the "
-        f"noise of their history; more than {percent(alpha)} must, for a name.",
+        f"noise of their history; more than {percent(limit)} must, for a name.",
     )
 
 
