@@ -5,7 +5,7 @@
 
 DATA is a copy of the shared recordings. Every valve of watersafe and the hour of DAMADICS are diagnosed in
 five windows, as if each were all that was recorded. Nobody has labelled most of them. But a name that comes
-and goes with the window is no property of the valve, nor a fault that it has.
+and goes says more of the window than of the valve.
 
 Prints a row a window, and behind them how many windows of each valve have a name in their classes.
 """

@@ -78,7 +78,7 @@ def _entry(
     was, now = expected[key], model.values[key]
     apart, fitted = _held_as_term(problem, term, model)
     ends = interval_of(apart, term, fitted, first)
-    change = _change(problem, term, model, expected)
+    change = _change(problem, apart, term, model, expected)
     if change == "gone":
         # from slopes that are none
         ends = None
@@ -104,10 +104,11 @@ def _held_as_term(problem: Problem, term: Term, model: Model) -> tuple[Problem, 
     return problem.without_held(term), replace(model, terms=(*model.terms, term), spreads=spreads)
 
 
-def _change(problem: Problem, term: Term, model: Model, expected: dict[str, Expected]) -> str | None:
-    """How an effect has changed; None where the recording does not tell."""
+def _change(
+    problem: Problem, apart: Problem, term: Term, model: Model, expected: dict[str, Expected]
+) -> str | None:
+    """How an effect has changed, which `apart` does not hold; None where the recording does not tell."""
     prefix = f"{term.effect.key}."
-    apart = problem.without_held(term)
     now = problem.fit(model.terms, start=model)
     # of all that it may have been then what is nearest to now
     before = {
