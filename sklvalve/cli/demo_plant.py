@@ -28,7 +28,7 @@ def run(args: Namespace) -> int:
     plant = read_plant(place / "plant.toml")
     with progress() as callback:
         watches = watch(plant, place / "rows", place / "state", report=report_of(callback))
-    index = write_site(place / "site", plant, watches, place / "state")
+    index = write_site(place / "site", plant, watches, place / "state", n_jobs=None)
     content = content_of(plant, watches, place / "state")
     truth = json.loads((place / "truth.json").read_text(encoding="utf-8"))
     judgements = {each["tag"]: judge(each, truth[each["tag"]]) for each in content["valves"]}

@@ -27,6 +27,7 @@ England Journal of Statistics in Data Science.
 
 from __future__ import annotations
 
+import numba as nb
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -36,6 +37,8 @@ EXPECTED = 4.0
 # commissioning days without which the scatter is not known
 FEWEST = 5
 SHAPES = ("step", "ramp")
+# of the logarithm of a Bayes factor, so that none overflows
+_LARGEST = 600.0
 
 
 def limit_of(false_calls: float) -> float:
@@ -80,22 +83,16 @@ def detector(values: ArrayLike, commissioned: int) -> tuple[NDArray, NDArray, ND
         Series and shape (index of `SHAPES`) that have most of the evidence; -1 where there is none.
     """
     table = np.asarray(values, dtype=float)
-    table = table[:, None] if table.ndim == 1 else table
+    table = np.ascontiguousarray(table[:, None] if table.ndim == 1 else table)
     n, many = table.shape
-    evidence, onset = np.zeros(n), np.full(n, -1)
-    which = np.full((n, 2), -1)
+    evidence, onset, which = np.zeros(n), np.full(n, -1), np.full((n, len(SHAPES)), -1)
     best = np.zeros(n)
-    if commissioned >= n:
-        return evidence, onset, which
-    for j in range(many):
+    for j, series in enumerate(table.T):
         for k, shape in enumerate(SHAPES):
-            factors = np.exp(np.minimum(_log_factors(table[:, j], commissioned, shape), 600.0))
-            # one after the other, so that later days, whose factors are zero, change no digit
-            evidence += factors.cumsum(axis=1)[:, -1] / (many * len(SHAPES))
-            top = factors.max(axis=1, initial=0.0)
+            total, top, first = _factors(np.ascontiguousarray(series), commissioned, shape == "ramp")
+            evidence += total / (many * len(SHAPES))
             better = top > best
-            best = np.where(better, top, best)
-            onset = np.where(better, commissioned + factors.argmax(axis=1), onset)
+            best, onset = np.where(better, top, best), np.where(better, first, onset)
             which[better] = j, k
     return evidence, onset, which
 
@@ -124,46 +121,53 @@ def cusum(values: ArrayLike, commissioned: int, allowance: float = 0.5) -> NDArr
     series = np.asarray(values, dtype=float)
     sound = series[:commissioned]
     scale = np.nanstd(sound, ddof=1) if np.isfinite(sound).sum() > 1 else 0.0
-    sums, up, down = np.zeros(len(series)), 0.0, 0.0
     if scale <= 0.0:
-        return sums
-    away = np.nan_to_num((series - np.nanmean(sound)) / scale)
-    for d in range(commissioned, len(series)):
+        return np.zeros(len(series))
+    return _both_sides(np.nan_to_num((series - np.nanmean(sound)) / scale), commissioned, allowance)
+
+
+@nb.njit(cache=True)
+def _both_sides(away, commissioned, allowance):
+    """The larger of the sums of days above and below, each less an allowance."""
+    sums, up, down = np.zeros(len(away)), 0.0, 0.0
+    for d in range(commissioned, len(away)):
         up = max(up + away[d] - allowance, 0.0)
         down = max(down - away[d] - allowance, 0.0)
         sums[d] = max(up, down)
     return sums
 
 
-def _log_factors(series: NDArray, commissioned: int, shape: str) -> NDArray:
-    """Log Bayes factors [day, onset - commissioned] of changes of one shape; -inf before the onset."""
+@nb.njit(cache=True, error_model="numpy")
+def _factors(series, commissioned, ramp):
+    """Bayes factors of changes of one shape, day by day: their sum over all onsets, the largest, and whose.
+
+    A step is of 1; a ramp gains 1 in ten days.
+    """
     n = len(series)
-    days = np.arange(n)
-    onsets = days[commissioned:]
-    out = np.full((n, len(onsets)), -np.inf)
+    sums, largest, first = np.zeros(n), np.zeros(n), np.full(n, -1)
     seen = np.isfinite(series)
     if seen[:commissioned].sum() < FEWEST:
-        return out
+        return sums, largest, first
     # about the sound mean, so that a large zero costs no digits
     y = np.where(seen, series - np.nanmean(series[:commissioned]), 0.0)
-    count = np.cumsum(seen)
-    total, square = np.cumsum(y), np.cumsum(y * y)
-    left = np.maximum(square - total**2 / count.clip(1), 1e-300)
-    form = _shape(days, onsets, shape) * seen[:, None]
-    mean_form = np.cumsum(form, axis=0) / count.clip(1)[:, None]
-    own = np.cumsum(form**2, axis=0) - count[:, None] * mean_form**2
-    product = np.cumsum(form * y[:, None], axis=0) - mean_form * total[:, None]
-    explained = product**2 / (own + 1.0 / EXPECTED)
-    remaining = np.maximum(left[:, None] - explained, 1e-12 * left[:, None])
-    factors = -0.5 * np.log1p(EXPECTED * own)
-    factors += 0.5 * (count[:, None] - 1) * np.log(left[:, None] / remaining)
-    begun = days[:, None] >= onsets
-    return np.where(begun, factors, -np.inf)
-
-
-def _shape(days: NDArray, onsets: NDArray, shape: str) -> NDArray:
-    """A step of 1, or a ramp that gains 1 in ten days, from each onset on."""
-    since = days[:, None] - onsets
-    if shape == "step":
-        return (since >= 0).astype(float)
-    return np.maximum(since + 1, 0) / 10.0
+    count, total, square = np.cumsum(seen), np.cumsum(y), np.cumsum(y * y)
+    left = np.maximum(square - total**2 / count, 1e-300)
+    for k in range(commissioned, n):
+        form, form_squared, form_of_days = 0.0, 0.0, 0.0
+        # onset after onset, so that later days change no digit of earlier ones
+        for d in range(k, n):
+            if seen[d]:
+                height = (d - k + 1) / 10.0 if ramp else 1.0
+                form += height
+                form_squared += height * height
+                form_of_days += height * y[d]
+            own = form_squared - form * form / count[d]
+            product = form_of_days - form / count[d] * total[d]
+            explained = product * product / (own + 1.0 / EXPECTED)
+            remaining = max(left[d] - explained, 1e-12 * left[d])
+            told = 0.5 * (count[d] - 1) * np.log(left[d] / remaining)
+            factor = np.exp(min(told, _LARGEST)) / np.sqrt(1.0 + EXPECTED * own)
+            sums[d] += factor
+            if factor > largest[d]:
+                largest[d], first[d] = factor, k
+    return sums, largest, first

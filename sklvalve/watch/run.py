@@ -8,17 +8,18 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sklvalve.recording.errors import InputError, hint
-from sklvalve.watch.plant import Plant
+from sklvalve.watch.plant import Plant, Watched
+from sklvalve.watch.processes import side_by_side
 from sklvalve.watch.record import Inspection
-from sklvalve.watch.standing import epochs_of, standing_of
-from sklvalve.watch.store import Store
+from sklvalve.watch.standing import Standing
+from sklvalve.watch.store import Store, trends_table
 from sklvalve.watch.valve import Watch, watch_valve
 
-#: Columns of the table of trends.
-TRENDS = ("valve", "day", "rows", "mend", "evidence", "cusum")
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 # it may be tomorrow already where the valve is
 _AHEAD = dt.timedelta(days=1)
@@ -67,13 +68,15 @@ def watch(
     store.prepare(plant.name)
     with store.alone():
         jobs = [(each, folder, store.folder, plant.false_calls, random_state) for each in plant.valves]
-        made: dict[str, Watch] = {}
-        for each in _side_by_side(jobs, n_jobs, scheduler):
-            made[each.tag] = each
+        made: dict[str, tuple[Watch, pa.Table]] = {}
+        for now, trends in _each(jobs, n_jobs, scheduler):
+            made[now.tag] = now, trends
             if report is not None:
-                report(len(made), len(jobs), each.tag)
-        _write_tables(plant, store)
-    return [made[each.tag] for each in plant.valves]
+                report(len(made), len(jobs), now.tag)
+        in_order = [made[each.tag] for each in plant.valves]
+        findings = (asdict(f) for each in plant.valves for f in store.findings(each.tag))
+        store.write_tables(findings, [trends for _, trends in in_order])
+    return [now for now, _ in in_order]
 
 
 def inspected(plant: Plant, state: str | PathLike[str], tag: str, day: dt.date, note: str = "") -> None:
@@ -112,20 +115,30 @@ def inspected(plant: Plant, state: str | PathLike[str], tag: str, day: dt.date, 
         store.save_inspection(Inspection(tag, day.isoformat(), note))
 
 
-def _side_by_side(jobs: Sequence[tuple], n_jobs: int | None, scheduler: str | None) -> Iterator[Watch]:
-    if scheduler is not None:
-        yield from _on_a_cluster(jobs, scheduler)
-        return
-    if n_jobs == 1 or len(jobs) == 1:
-        yield from (watch_valve(*job) for job in jobs)
-        return
-    from joblib import Parallel, delayed
-
-    parallel = Parallel(n_jobs=-1 if n_jobs is None else n_jobs, return_as="generator_unordered")
-    yield from parallel(delayed(watch_valve)(*job) for job in jobs)
+def _each(
+    jobs: Sequence[tuple], n_jobs: int | None, scheduler: str | None
+) -> Iterator[tuple[Watch, pa.Table]]:
+    if scheduler is None:
+        return side_by_side(_one, jobs, n_jobs)
+    return _on_a_cluster(jobs, scheduler)
 
 
-def _on_a_cluster(jobs: Sequence[tuple], scheduler: str) -> Iterator[Watch]:
+def _one(watched: Watched, *job: Any) -> tuple[Watch, pa.Table]:
+    """One valve brought up to date, and its part of the table of trends."""
+    now, standings = watch_valve(watched, *job)
+    return now, trends_table(row for standing in standings for row in _trends_of(watched.tag, standing))
+
+
+def _trends_of(tag: str, standing: Standing) -> Iterator[tuple]:
+    trend = standing.trend
+    at = {day: k for k, day in enumerate(trend.days)}
+    for record in standing.records:
+        k = at.get(record.day)
+        told = (None, None) if k is None else (float(trend.evidence[k]), float(trend.cusum[k]))
+        yield tag, record.day, record.score.rows, record.score.mend, *told
+
+
+def _on_a_cluster(jobs: Sequence[tuple], scheduler: str) -> Iterator[tuple[Watch, pa.Table]]:
     try:
         from distributed import Client, as_completed
     except ImportError:
@@ -139,44 +152,6 @@ def _on_a_cluster(jobs: Sequence[tuple], scheduler: str) -> Iterator[Watch]:
         ) from None
     with client:
         # a worker that dies is replaced by another, which goes on with the days that are kept
-        futures = [client.submit(watch_valve, *job, pure=False, retries=5) for job in jobs]
+        futures = [client.submit(_one, *job, pure=False, retries=5) for job in jobs]
         for future in as_completed(futures):
             yield future.result()
-
-
-def _write_tables(plant: Plant, store: Store) -> None:
-    """Findings and trends of all valves, from what is kept of each."""
-    findings: list[dict[str, Any]] = []
-    trends: dict[str, list[Any]] = {
-        "valve": [],
-        "day": [],
-        "rows": [],
-        "mend": [],
-        "evidence": [],
-        "cusum": [],
-    }
-    for watched in plant.valves:
-        findings += [asdict(each) for each in store.findings(watched.tag)]
-        for row in trend_rows(watched.tag, store):
-            for name, value in row.items():
-                trends[name].append(value)
-    store.write_tables(findings, trends)
-
-
-def trend_rows(tag: str, store: Store) -> Iterator[dict[str, Any]]:
-    """What the table of trends says of each day of a valve."""
-    records = store.days(tag)
-    for epoch in epochs_of(tag, store):
-        standing = standing_of(tag, store, epoch, records)
-        trend = standing.trend
-        at = {day: k for k, day in enumerate(trend.days)}
-        for record in standing.records:
-            k = at.get(record.day)
-            yield {
-                "valve": tag,
-                "day": record.day,
-                "rows": record.score.rows,
-                "mend": record.score.mend,
-                "evidence": None if k is None else float(trend.evidence[k]),
-                "cusum": None if k is None else float(trend.cusum[k]),
-            }

@@ -19,11 +19,11 @@ import datetime as dt
 import json
 import os
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from sklvalve._locking import held
 from sklvalve._replacing import replacing
@@ -32,7 +32,12 @@ from sklvalve.mismatch import load_history, save_history
 from sklvalve.recording.errors import InputError, shown
 from sklvalve.watch.record import DayRecord, Epoch, Finding, Inspection
 
+if TYPE_CHECKING:
+    import pyarrow as pa
+
 SCHEMA = "sklvalve.watch/1"
+#: Columns of the table of trends.
+TRENDS = ("valve", "day", "rows", "mend", "evidence", "cusum")
 _META = b"sklvalve"
 _FORGOTTEN = 3600.0  # seconds
 
@@ -114,10 +119,18 @@ class Store:
         files = sorted((self.folder / "days" / f"valve={tag}").glob("*.parquet"))
         return [DayRecord.from_dict(json.loads(pq.read_schema(file).metadata[_META])) for file in files]
 
-    def history(self, tag: str, epoch: Epoch) -> ValveHistory | None:
-        """What was learnt of a valve for the time since an inspection; None where nothing was."""
-        file = self._history(tag, epoch)
-        return load_history(file) if file.exists() else None
+    def newest(self, tag: str) -> dt.date | None:
+        """Last day of a valve that is kept; None where none is."""
+        days = [file.stem for file in (self.folder / "days" / f"valve={tag}").glob("*.parquet")]
+        return dt.date.fromisoformat(max(days)) if days else None
+
+    def has_history(self, tag: str, epoch: Epoch) -> bool:
+        """Whether a valve was learnt for the time since an inspection."""
+        return self._history(tag, epoch).exists()
+
+    def history(self, tag: str, epoch: Epoch) -> ValveHistory:
+        """What was learnt of a valve for the time since an inspection."""
+        return load_history(self._history(tag, epoch))
 
     def reference(self, tag: str, epoch: Epoch) -> list[dt.date]:
         """Sound days that later ones are compared with; none before the valve is learnt."""
@@ -180,8 +193,8 @@ class Store:
         kept = sorted([*others, inspection], key=lambda each: each.day)
         _write(self.folder / "inspections" / f"{inspection.valve}.json", _json([*map(asdict, kept)]))
 
-    def write_tables(self, findings: Iterable[dict[str, Any]], trends: dict[str, list[Any]]) -> None:
-        """Write the tables of all valves' findings and trends."""
+    def write_tables(self, findings: Iterable[dict[str, Any]], trends: Sequence[pa.Table]) -> None:
+        """Write the tables of all valves' findings and trends, the latter from a table of each valve."""
         import pyarrow as pa
         import pyarrow.parquet as pq
 
@@ -194,13 +207,10 @@ class Store:
             {_META: SCHEMA.encode()},
         )
         _write_table(self.folder / "findings.parquet", pa.table(columns, schema), pq)
-        shape = {"valve": pa.string(), "day": pa.date32(), "rows": pa.int64(), "mend": pa.string()}
-        numbers = [name for name in trends if name not in shape]
-        schema = pa.schema(
-            [*shape.items(), *((name, pa.float64()) for name in numbers)], {_META: SCHEMA.encode()}
+        together = pa.concat_tables([trends_table(()), *trends])
+        _write_table(
+            self.folder / "trends.parquet", together.replace_schema_metadata({_META: SCHEMA.encode()}), pq
         )
-        table = {name: trends[name] for name in schema.names}
-        _write_table(self.folder / "trends.parquet", pa.table(table, schema), pq)
 
     def _day(self, tag: str, day: dt.date) -> Path:
         return self.folder / "days" / f"valve={tag}" / f"{day}.parquet"
@@ -210,6 +220,16 @@ class Store:
 
     def _reference(self, tag: str, epoch: Epoch) -> Path:
         return self.folder / "histories" / tag / f"{epoch.label}.days.json"
+
+
+def trends_table(rows: Iterable[tuple]) -> pa.Table:
+    """Rows of the table of trends: valve, day, number of rows, what is to be mended, evidence, CUSUM."""
+    import pyarrow as pa
+
+    kinds = (pa.string(), pa.date32(), pa.int64(), pa.string(), pa.float64(), pa.float64())
+    columns = list(zip(*rows, strict=True)) or [()] * len(TRENDS)
+    arrays = [pa.array(column, kind) for column, kind in zip(columns, kinds, strict=True)]
+    return pa.table(arrays, names=list(TRENDS))
 
 
 def _json(data: Any) -> str:

@@ -7,6 +7,7 @@ import datetime as dt
 from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -54,7 +55,7 @@ class Watch:
 
 def watch_valve(
     watched: Watched, data: str | Path, state: str | Path, false_calls: float, seed: int = 0
-) -> Watch:
+) -> tuple[Watch, list[Standing]]:
     """Bring one valve up to date.
 
     Days that are kept and whose files have not changed are not read again. Whatever is interrupted goes on
@@ -72,14 +73,17 @@ def watch_valve(
     Returns
     -------
     watch : Watch
+    standings : list of Standing
+        What is kept of it since the beginning, and since each inspection.
     """
     run = _Run(watched, Path(data), Store(state), false_calls, seed)
     try:
         with threadpool_limits(1, user_api="blas"):
-            return run.run()
+            now = run.run()
     except InputError as error:
         # one valve that cannot be learnt or diagnosed keeps no other one from being watched
-        return Watch(watched.tag, "cannot tell", (*run.said, str(error)), run.read)
+        now = Watch(watched.tag, "cannot tell", (*run.said, str(error)), run.read)
+    return now, run.standings()
 
 
 class _Run:
@@ -90,7 +94,9 @@ class _Run:
         self.limit, self.seed = limit_of(false_calls), seed
         self.said: list[str] = []
         self.read = 0
-        self.epoch = epochs_of(watched.tag, store)[-1]
+        self.earlier = epochs_of(watched.tag, store)
+        self.epoch = self.earlier.pop()
+        self.standing: Standing | None = None
 
     def run(self) -> Watch:
         found = days_of(self.data, self.watched)
@@ -104,20 +110,35 @@ class _Run:
             if found.days:
                 self.said.append(f"No day since its inspection on {self.epoch.begins}.")
             return self._ends("no data")
-        learnt = self.store.history(self.watched.tag, self.epoch) or self._learn(files)
-        if learnt is None:
+        if not self.store.has_history(self.watched.tag, self.epoch) and not self._learn(files):
             return self._ends("commissioning")
-        records = self._scored(files, learnt)
-        self.said += [f"{r.day}: {r.score.mend or r.said}" for r in records if r.score.mend or r.said]
-        return self._judged(records, learnt, {f.day: f for f in files})
+        records, by_day = self._scored(files), {f.day: f for f in files}
+        self.said += [
+            f"{r.day}: {r.score.mend or r.said}"
+            for r in records
+            if (r.score.mend or r.said) and (r.day in by_day or r.score.rows)
+        ]
+        return self._judged(records, by_day)
+
+    def standings(self) -> list[Standing]:
+        """What is kept of the valve since the beginning, and since each inspection."""
+        tag = self.watched.tag
+        records = self.store.days(tag) if self.earlier or self.standing is None else ()
+        before = [standing_of(tag, self.store, epoch, records) for epoch in self.earlier]
+        return [*before, self.standing or standing_of(tag, self.store, self.epoch, records)]
+
+    @cached_property
+    def history(self) -> ValveHistory:
+        """What was learnt of the valve; read where a day asks for it."""
+        return self.store.history(self.watched.tag, self.epoch)
 
     def _commissioning(self) -> Commissioning:
         """After an inspection the first days with rows are sound, whichever plant.toml names."""
         named = self.watched.commissioning
         return named if self.epoch.begins is None else replace(named, first=self.epoch.begins, last=None)
 
-    def _learn(self, files: Sequence[DayFiles]) -> ValveHistory | None:
-        """Learn the valve from the first half of its commissioning days; None while there are too few.
+    def _learn(self, files: Sequence[DayFiles]) -> bool:
+        """Learn the valve from the first half of its commissioning days; False while there are too few.
 
         What it was calibrated on it meets too well: the other half is the reference of later days.
         """
@@ -126,7 +147,7 @@ class _Run:
             # a day that cannot be read is none of them; the next one takes its place
             sound = self._sound([f for f in files if rows.get(f.day, ...) is not None])
             if not sound:
-                return None
+                return False
             first = int(len(sound) * _LEARNT)
             new = [f for f in sound[:first] if f.day not in rows]
             if not new:
@@ -137,10 +158,10 @@ class _Run:
                     self.said.append(f"{each.day}: {why}")
         read = [row for f in sound[:first] if (row := rows[f.day]) is not None]
         # one thread, here and below: the processes of the other valves have the other cores
-        history = MissingPhysicsFinder(n_jobs=1, random_state=self.seed).history_of(read)
+        self.history = MissingPhysicsFinder(n_jobs=1, random_state=self.seed).history_of(read)
         learnt, reference = ([f.day for f in part] for part in (sound[:first], sound[first:]))
-        self.store.save_history(self.watched.tag, self.epoch, history, learnt, reference)
-        return history
+        self.store.save_history(self.watched.tag, self.epoch, self.history, learnt, reference)
+        return True
 
     def _sound(self, files: Sequence[DayFiles]) -> list[DayFiles]:
         """The commissioning days; empty while there are too few, which is said."""
@@ -168,7 +189,7 @@ class _Run:
             return None, f"{len(recording)} rows, fewer than {FEWEST_ROWS}; nothing is told of it"
         return recording, ""
 
-    def _scored(self, files: Sequence[DayFiles], history: ValveHistory) -> list[DayRecord]:
+    def _scored(self, files: Sequence[DayFiles]) -> list[DayRecord]:
         """Records of all days since the epoch began; those that are new, or came again, are made."""
         kept = {r.day: r for r in self.store.days(self.watched.tag) if r.since == self.epoch.label}
         newest = max(kept, default=None)
@@ -182,36 +203,28 @@ class _Run:
             else:
                 said = "came late" if before is None and newest is not None and each.day < newest else ""
                 said = "came again with other rows" if before is not None else said
-                record = DayRecord(
-                    each.day, stamp, checksum, self.epoch.label, self._score(each, history), said
-                )
+                record = DayRecord(each.day, stamp, checksum, self.epoch.label, self._score(each), said)
             self.store.save_day(self.watched.tag, record)
             kept[each.day] = record
-        present = {f.day for f in files}
-        return [kept[day] for day in sorted(kept) if day in present or kept[day].score.rows]
+        return [kept[day] for day in sorted(kept)]
 
-    def _score(self, files: DayFiles, history: ValveHistory) -> Score:
+    def _score(self, files: DayFiles) -> Score:
         recording, why = self._rows_of(files)
         if recording is None:
             return Score(0, 0.0, mend=why)
         try:
-            return scored(recording, history)
+            return scored(recording, self.history)
         except InputError as error:
             return Score(len(recording), float(recording.sample_time), mend=str(error))
 
-    def _judged(
-        self,
-        records: Sequence[DayRecord],
-        history: ValveHistory,
-        files: dict[dt.date, DayFiles],
-    ) -> Watch:
+    def _judged(self, records: Sequence[DayRecord], files: dict[dt.date, DayFiles]) -> Watch:
         """Whether the valve calls; a new call is diagnosed and kept.
 
         A day that cannot be diagnosed, as one outside the history's range, leaves its turn to the next one.
         """
-        standing = standing_of(self.watched.tag, self.store, self.epoch, records)
+        self.standing = standing = standing_of(self.watched.tag, self.store, self.epoch, records)
         if standing.calls:
-            return self._looked_at_again(standing, history, files)
+            return self._looked_at_again(standing, files)
         trend = standing.trend
         if standing.looks and trend.reference < FEWEST:
             # what its days are like since the look is not known yet
@@ -224,19 +237,17 @@ class _Run:
         why: list[str] = []
         for day in trend.reached(self.limit):
             try:
-                finding = self._called(trend, day, history, files)
+                finding = self._called(trend, day, files)
             except InputError as error:
                 why.append(f"{trend.days[day]}: {error}")
                 continue
             self.store.save_finding(finding)
             # where nothing is missing the valve works in another way since, and is watched on from there
-            return self._judged(records, history, files)
+            return self._judged(records, files)
         self.said += why[:1]
         return self._ends("cannot tell" if why else "sound")
 
-    def _looked_at_again(
-        self, standing: Standing, history: ValveHistory, files: dict[dt.date, DayFiles]
-    ) -> Watch:
+    def _looked_at_again(self, standing: Standing, files: dict[dt.date, DayFiles]) -> Watch:
         """A valve that has called, diagnosed anew while its call has no name: what grows is told later.
 
         The days with rows between two diagnoses double, so that a year of a call costs nine. A day whose rows
@@ -252,20 +263,18 @@ class _Run:
             if trend.days[day] not in files or trend.onset[day] < 0:
                 continue
             try:
-                finding = self._called(trend, day, history, files)
+                finding = self._called(trend, day, files)
             except InputError as error:
                 self.said.append(f"{days[day]}: the call was not diagnosed again: {error}")
                 continue
             self.store.save_finding(finding)
-            return self._judged(standing.records, history, files)
+            return self._judged(standing.records, files)
         return self._ends("calls")
 
-    def _called(
-        self, trend: Trend, day: int, history: ValveHistory, files: dict[dt.date, DayFiles]
-    ) -> Finding:
+    def _called(self, trend: Trend, day: int, files: dict[dt.date, DayFiles]) -> Finding:
         key, shape, onset = trend.leading(day)
         called = trend.days[day]
-        content, report = self._diagnosed([d for d in trend.days[: day + 1] if d >= onset], history, files)
+        content, report = self._diagnosed([d for d in trend.days[: day + 1] if d >= onset], files)
         # candidates that a diagnosis leaves open are no names
         named = content["effects"] if content["verdict"] == "named" else ()
         return Finding(
@@ -283,15 +292,13 @@ class _Run:
             report,
         )
 
-    def _diagnosed(
-        self, days: Sequence[dt.date], history: ValveHistory, files: dict[dt.date, DayFiles]
-    ) -> tuple[dict, str]:
+    def _diagnosed(self, days: Sequence[dt.date], files: dict[dt.date, DayFiles]) -> tuple[dict, str]:
         """Diagnosis of the last days of a change, against the history; and where its report lies."""
         read = [self._rows_of(files[day])[0] for day in days[-_DIAGNOSED:] if day in files]
         if not any(each is not None for each in read):
             raise InputError(f"the rows of {days[-1]}, from which on it calls, are gone; put them back")
         rows = join_recordings([each for each in read if each is not None])
-        finder = MissingPhysicsFinder(n_jobs=1, random_state=self.seed, history=history).fit(rows)
+        finder = MissingPhysicsFinder(n_jobs=1, random_state=self.seed, history=self.history).fit(rows)
         folder = self.store.reports(self.watched.tag, days[-1])
         folder.mkdir(parents=True, exist_ok=True)
         write_report(folder / "report.html", finder.diagnosis_, title=self.watched.tag, source=rows.source)

@@ -82,3 +82,20 @@ def test_cumulative_sum_of_a_shift_by_two_scatters_grows_by_one_and_a_half_a_day
     sums = cusum(np.r_[sound_days, 2.0 * scale * np.ones(4)], 100)
     np.testing.assert_allclose(sums[-4:], [1.5, 3.0, 4.5, 6.0])
     assert not cusum(np.zeros(10), 5).any()
+
+
+def test_the_detector_is_the_sum_of_the_bayes_factors_of_its_equation():
+    rng = np.random.default_rng(8)
+    days = 0.3 + 0.1 * rng.normal(size=16)
+    days[[3, 12]] = np.nan
+    expected = np.zeros(16)
+    for d in range(10, 16):
+        seen = np.flatnonzero(np.isfinite(days[: d + 1]))
+        y = days[seen] - days[seen].mean()
+        for k in range(10, d + 1):
+            for form in ((seen >= k).astype(float), np.maximum(seen - k + 1, 0) / 10.0):
+                about = form - form.mean()
+                s, b, r0 = about @ about, about @ y, y @ y
+                r1 = r0 - b**2 / (s + 1.0 / 4.0)
+                expected[d] += (1.0 + 4.0 * s) ** -0.5 * (r0 / r1) ** ((len(seen) - 1) / 2.0) / 2.0
+    np.testing.assert_allclose(detector(days, 10)[0], expected, rtol=1e-9)

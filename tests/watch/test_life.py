@@ -134,6 +134,18 @@ def test_a_valve_is_learnt_watched_and_called(data):
     assert tree(data.root / "state") == before
 
 
+def test_a_morning_without_rows_does_not_load_the_history(data, monkeypatch):
+    for k in range(12):
+        data.put(k)
+    assert data.run().state == "sound"
+    loaded = []
+    load = module.Store.history
+    monkeypatch.setattr(module.Store, "history", lambda *args: loaded.append(1) or load(*args))
+    assert (data.run().state, loaded) == ("sound", [])
+    data.put(12)
+    assert (data.run().state, loaded) == ("sound", [1])
+
+
 def test_days_in_any_order_come_to_the_same_state(data, tmp_path):
     for k in range(30):
         data.put(k)

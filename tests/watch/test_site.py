@@ -44,6 +44,13 @@ def site(tmp_path):
     return {file.name: file.read_text(encoding="utf-8") for file in index.parent.rglob("*.html")}
 
 
+def test_two_processes_write_the_same_pages(tmp_path, site):
+    watches = [Watch("A", "calls"), Watch("B", "cannot tell", ("<script>alert(1)</script>",))]
+    index = write_site(tmp_path / "again", PLANT, watches, tmp_path / "state", n_jobs=2)
+    again = {file.name: file.read_text(encoding="utf-8") for file in index.parent.rglob("*.html")}
+    assert again == site
+
+
 def test_a_call_is_shown_even_where_its_days_are_gone(site):
     assert "First: A, " in site["index.html"]
     assert "2026-01-08" in site["A.html"]
