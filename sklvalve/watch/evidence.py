@@ -39,6 +39,8 @@ FEWEST = 5
 SHAPES = ("step", "ramp")
 # of the logarithm of a Bayes factor, so that none overflows
 _LARGEST = 600.0
+# share of a level
+_ROUNDING = 1e-15
 
 
 def limit_of(false_calls: float) -> float:
@@ -148,10 +150,13 @@ def _factors(series, commissioned, ramp):
     seen = np.isfinite(series)
     if seen[:commissioned].sum() < FEWEST:
         return sums, largest, first
-    # about the sound mean, so that a large zero costs no digits
-    y = np.where(seen, series - np.nanmean(series[:commissioned]), 0.0)
-    count, total, square = np.cumsum(seen), np.cumsum(y), np.cumsum(y * y)
-    left = np.maximum(square - total**2 / count, 1e-300)
+    # about the sound mean, so that a large zero costs no digits; what is left of equal days is rounding
+    level = np.nanmean(series[:commissioned])
+    y = np.where(seen & (np.abs(series - level) > _ROUNDING * abs(level)), series - level, 0.0)
+    count = np.cumsum(seen)
+    per_count, mean = 1.0 / count, np.cumsum(y) / count
+    # sum of squares about the mean, and one over it: the fits are asked for each onset and day
+    per_left = 1.0 / np.maximum(np.cumsum(y * y) - count * mean**2, 1e-300)
     for k in range(commissioned, n):
         form, form_squared, form_of_days = 0.0, 0.0, 0.0
         # onset after onset, so that later days change no digit of earlier ones
@@ -161,11 +166,10 @@ def _factors(series, commissioned, ramp):
                 form += height
                 form_squared += height * height
                 form_of_days += height * y[d]
-            own = form_squared - form * form / count[d]
-            product = form_of_days - form / count[d] * total[d]
-            explained = product * product / (own + 1.0 / EXPECTED)
-            remaining = max(left[d] - explained, 1e-12 * left[d])
-            told = 0.5 * (count[d] - 1) * np.log(left[d] / remaining)
+            own = form_squared - form * form * per_count[d]
+            product = form_of_days - form * mean[d]
+            remaining = max(1.0 - product * product / (own + 1.0 / EXPECTED) * per_left[d], 1e-12)
+            told = -0.5 * (count[d] - 1) * np.log(remaining)
             factor = np.exp(min(told, _LARGEST)) / np.sqrt(1.0 + EXPECTED * own)
             sums[d] += factor
             if factor > largest[d]:

@@ -70,6 +70,12 @@ def test_nothing_is_told_before_a_day_has_come_since_the_commissioning():
     assert (which == -1).all()
 
 
+@pytest.mark.parametrize("level", [0.0, 0.3, -20.7, 1e6 / 3.0])
+def test_days_that_are_all_the_same_are_no_evidence(level):
+    evidence, _, _ = detector(np.full(60, level), 10)
+    assert (evidence <= np.maximum(np.arange(60) - 9, 0)).all()
+
+
 def test_nothing_is_told_by_too_few_sound_days():
     evidence, onset, _ = detector(np.r_[np.zeros(3), 100.0 * np.ones(5)], 3)
     assert not evidence.any()
