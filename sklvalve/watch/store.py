@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 SCHEMA = "sklvalve.watch/1"
 #: Columns of the table of trends.
 TRENDS = ("valve", "day", "rows", "mend", "evidence", "cusum")
-_META = b"sklvalve"
+_META = "sklvalve"
 _FORGOTTEN = 3600.0  # seconds
 
 
@@ -95,7 +95,6 @@ class Store:
     def save_day(self, tag: str, record: DayRecord) -> None:
         """Keep a day."""
         import pyarrow as pa
-        import pyarrow.parquet as pq
 
         score = record.score
         rows = [("share", key, s.size, s.deviation) for key, s in sorted(score.shares.items())]
@@ -109,15 +108,18 @@ class Store:
                 "size": pa.array(columns[2], pa.float64()),
                 "deviation": pa.array(columns[3], pa.float64()),
             }
-        ).replace_schema_metadata({_META: _json(record.to_dict()).encode()})
-        _write_table(self._day(tag, record.day), table, pq)
+        )
+        note = json.dumps(record.to_dict(), separators=(",", ":"), sort_keys=True)
+        _write_table(self._day(tag, record.day), table, note)
 
     def days(self, tag: str) -> list[DayRecord]:
         """All days of a valve that are kept, in their order."""
         import pyarrow.parquet as pq
 
         files = sorted((self.folder / "days" / f"valve={tag}").glob("*.parquet"))
-        return [DayRecord.from_dict(json.loads(pq.read_schema(file).metadata[_META])) for file in files]
+        return [
+            DayRecord.from_dict(json.loads(pq.read_metadata(file).metadata[_META.encode()])) for file in files
+        ]
 
     def newest(self, tag: str) -> dt.date | None:
         """Last day of a valve that is kept; None where none is."""
@@ -196,21 +198,14 @@ class Store:
     def write_tables(self, findings: Iterable[dict[str, Any]], trends: Sequence[pa.Table]) -> None:
         """Write the tables of all valves' findings and trends, the latter from a table of each valve."""
         import pyarrow as pa
-        import pyarrow.parquet as pq
 
         made = list(findings)
         names = list(Finding.__dataclass_fields__)
         columns: dict[str, list[Any]] = {name: [each[name] for each in made] for name in names}
         columns["names"] = [" + ".join(each) for each in columns["names"]]
-        schema = pa.schema(
-            [(n, pa.float64() if n in ("evidence", "limit") else pa.string()) for n in names],
-            {_META: SCHEMA.encode()},
-        )
-        _write_table(self.folder / "findings.parquet", pa.table(columns, schema), pq)
-        together = pa.concat_tables([trends_table(()), *trends])
-        _write_table(
-            self.folder / "trends.parquet", together.replace_schema_metadata({_META: SCHEMA.encode()}), pq
-        )
+        schema = pa.schema([(n, pa.float64() if n in ("evidence", "limit") else pa.string()) for n in names])
+        _write_table(self.folder / "findings.parquet", pa.table(columns, schema), SCHEMA)
+        _write_table(self.folder / "trends.parquet", pa.concat_tables([trends_table(()), *trends]), SCHEMA)
 
     def _day(self, tag: str, day: dt.date) -> Path:
         return self.folder / "days" / f"valve={tag}" / f"{day}.parquet"
@@ -253,7 +248,14 @@ def _write(file: Path, text: str) -> None:
         draft.write_text(text, encoding="utf-8")
 
 
-def _write_table(file: Path, table: Any, pq: Any) -> None:
+def _write_table(file: Path, table: pa.Table, note: str) -> None:
+    import pyarrow.parquet as pq
+
     file.parent.mkdir(parents=True, exist_ok=True)
-    with replacing(file) as draft:
-        pq.write_table(table, draft, compression="zstd")
+    # without Arrow's own copy of the schema, which holds the note once more
+    with (
+        replacing(file) as draft,
+        pq.ParquetWriter(draft, table.schema, compression="zstd", store_schema=False) as writer,
+    ):
+        writer.write_table(table)
+        writer.add_key_value_metadata({_META: note})
