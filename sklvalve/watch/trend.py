@@ -53,9 +53,19 @@ class Trend:
     onset: NDArray
     which: NDArray
 
-    def reached(self, limit: float) -> list[int]:
-        """Numbers of the days on which the evidence reaches a limit."""
-        return np.flatnonzero(self.evidence >= limit).tolist()
+    def reached(self, limit: float, days: int) -> list[int]:
+        """Numbers of the days on which the evidence has reached a limit, and had some days before, too.
+
+        The days between are fresh: they had no part in the choice. A day that was chosen because it is unlike
+        the others would take its own chance for a finding.
+
+        Parameters
+        ----------
+        limit : float
+        days : int
+        """
+        high = self.evidence >= limit
+        return (np.flatnonzero(high[days:] & high[:-days]) + days).tolist()
 
     def leading(self, day: int) -> tuple[str, str, dt.date]:
         """Key of the effect with most of the evidence on a day, the shape of its change and its onset."""

@@ -29,7 +29,7 @@ from sklvalve.watch.trend import Trend
 
 # share of the commissioning days that the simulation is calibrated on; the others are the reference
 _LEARNT = 0.5
-# days that are diagnosed when a valve calls: those last seen
+# days that are diagnosed when a valve calls: those last seen, none of which had a part in the choice
 _DIAGNOSED = 2
 
 
@@ -235,7 +235,7 @@ class _Run:
             )
             return self._ends("cannot tell")
         why: list[str] = []
-        for day in trend.reached(self.limit):
+        for day in trend.reached(self.limit, _DIAGNOSED):
             try:
                 finding = self._called(trend, day, files)
             except InputError as error:
@@ -274,7 +274,7 @@ class _Run:
     def _called(self, trend: Trend, day: int, files: dict[dt.date, DayFiles]) -> Finding:
         key, shape, onset = trend.leading(day)
         called = trend.days[day]
-        content, report = self._diagnosed([d for d in trend.days[: day + 1] if d >= onset], files)
+        content, report = self._diagnosed(trend.days[: day + 1][-_DIAGNOSED:], files)
         # candidates that a diagnosis leaves open are no names
         named = content["effects"] if content["verdict"] == "named" else ()
         return Finding(
@@ -293,8 +293,8 @@ class _Run:
         )
 
     def _diagnosed(self, days: Sequence[dt.date], files: dict[dt.date, DayFiles]) -> tuple[dict, str]:
-        """Diagnosis of the last days of a change, against the history; and where its report lies."""
-        read = [self._rows_of(files[day])[0] for day in days[-_DIAGNOSED:] if day in files]
+        """Diagnosis of some days against the history; and where its report lies."""
+        read = [self._rows_of(files[day])[0] for day in days if day in files]
         if not any(each is not None for each in read):
             raise InputError(f"the rows of {days[-1]}, from which on it calls, are gone; put them back")
         rows = join_recordings([each for each in read if each is not None])

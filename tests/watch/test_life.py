@@ -297,13 +297,13 @@ def unnamed(data, monkeypatch, days=45):
 
 
 def test_a_look_that_is_refused_hides_no_call(data, monkeypatch):
-    assert unnamed(data, monkeypatch, days=33).state == "calls"
+    assert unnamed(data, monkeypatch, days=35).state == "calls"
 
     def refuses(*_):
         raise InputError("too few rows move; give other days")
 
     monkeypatch.setattr(module.MissingPhysicsFinder, "fit", refuses)
-    for k in range(33, 40):
+    for k in range(35, 42):
         data.put(k, shift=8.0)
     told = data.run()
     assert told.state == "calls"
@@ -311,13 +311,13 @@ def test_a_look_that_is_refused_hides_no_call(data, monkeypatch):
 
 
 def test_a_look_whose_rows_are_gone_is_made_on_the_next_day_that_has_some(data, monkeypatch):
-    unnamed(data, monkeypatch, days=33)
+    unnamed(data, monkeypatch, days=35)
     first = module.Store(data.root / "state").findings("FV-1")[0].called
-    for k in range(33, 37):
+    for k in range(35, 39):
         data.put(k, shift=8.0)
     data.run()
     gone = dt.date.fromisoformat(first) + dt.timedelta(days=8)
-    for k in range(37, 48):
+    for k in range(39, 50):
         if data.put(k, shift=8.0) == gone:
             (data.root / "data" / "FV-1" / f"{gone}.csv").unlink()
     assert data.run().state == "calls"
@@ -448,3 +448,22 @@ def test_a_folder_of_something_else_is_no_state(data, tmp_path):
     (tmp_path / "state" / "watch.json").write_text("{")
     with pytest.raises(InputError, match="no JSON"):
         data.run()
+
+
+def test_the_days_that_are_diagnosed_had_no_part_in_the_choice(data):
+    for k in range(30):
+        data.put(k)
+    chosen = data.put(30, shift=10.0)
+    assert data.run().state == "sound"
+    import pandas as pd
+
+    trends = pd.read_parquet(data.root / "state" / "trends.parquet")
+    assert trends.evidence.iloc[-1] > 7305.0
+    # one day unlike the others is no change yet
+    data.put(31)
+    data.put(32)
+    assert data.run().state == "sound"
+    fresh = [data.put(31, shift=10.0), data.put(32, shift=10.0)]
+    assert data.run().state == "calls"
+    assert str(chosen) not in Data.diagnosed
+    assert all(str(day) in Data.diagnosed for day in fresh)
