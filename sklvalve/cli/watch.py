@@ -116,7 +116,9 @@ def _look(args: Namespace, plant) -> None:
     content = content_of(plant, watches, Path(args.state))
     lines = lines_of(content)
     if args.site is not None:
-        index = write_site(args.site, plant, watches, args.state, n_jobs=args.jobs)
+        index = write_site(
+            args.site, plant, watches, args.state, n_jobs=args.jobs or (1 if args.scheduler else None)
+        )
         content |= {"site": str(index)}
         lines += ["", f"Written: {index}"]
     show(as_json(content) if args.json else "\n".join(lines))

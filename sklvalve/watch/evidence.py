@@ -39,8 +39,6 @@ FEWEST = 5
 SHAPES = ("step", "ramp")
 # of the logarithm of a Bayes factor, so that none overflows
 _LARGEST = 600.0
-# share of a level
-_ROUNDING = 1e-15
 
 
 def limit_of(false_calls: float) -> float:
@@ -121,6 +119,8 @@ def cusum(values: ArrayLike, commissioned: int, allowance: float = 0.5) -> NDArr
     Montgomery (2019), Introduction to Statistical Quality Control, 8th edition, section 9.1.
     """
     series = np.asarray(values, dtype=float)
+    # about the first day, so that equal days have no scatter
+    series = series - (series[np.argmax(np.isfinite(series))] if len(series) else 0.0)
     sound = series[:commissioned]
     scale = np.nanstd(sound, ddof=1) if np.isfinite(sound).sum() > 1 else 0.0
     if scale <= 0.0:
@@ -150,9 +150,8 @@ def _factors(series, commissioned, ramp):
     seen = np.isfinite(series)
     if seen[:commissioned].sum() < FEWEST:
         return sums, largest, first
-    # about the sound mean, so that a large zero costs no digits; what is left of equal days is rounding
-    level = np.nanmean(series[:commissioned])
-    y = np.where(seen & (np.abs(series - level) > _ROUNDING * abs(level)), series - level, 0.0)
+    # about the first day, so that a large zero costs no digits and equal days are zero
+    y = np.where(seen, series - series[np.argmax(seen)], 0.0)
     count = np.cumsum(seen)
     per_count, mean = 1.0 / count, np.cumsum(y) / count
     # sum of squares about the mean, and one over it: the fits are asked for each onset and day

@@ -58,7 +58,7 @@ class Finding:
     since : str
         Label of the history that was found to have changed (`Epoch`).
     called : str
-        Day on which the evidence reached its limit.
+        Day on which it was diagnosed: by the two days before it the evidence had reached its limit.
     onset : str
         Likeliest first day of the change.
     shape : {"step", "ramp"}

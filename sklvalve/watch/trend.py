@@ -54,7 +54,7 @@ class Trend:
     which: NDArray
 
     def reached(self, limit: float, days: int) -> list[int]:
-        """Numbers of the days on which the evidence has reached a limit, and had some days before, too.
+        """Numbers of the days on which the evidence is at a limit, and has been for some days before.
 
         The days between are fresh: they had no part in the choice. A day that was chosen because it is unlike
         the others would take its own chance for a finding.
@@ -65,7 +65,8 @@ class Trend:
         days : int
         """
         high = self.evidence >= limit
-        return (np.flatnonzero(high[days:] & high[:-days]) + days).tolist()
+        lasting = np.all([high[k : len(high) - days + k] for k in range(days + 1)], axis=0)
+        return (np.flatnonzero(lasting) + days).tolist()
 
     def leading(self, day: int) -> tuple[str, str, dt.date]:
         """Key of the effect with most of the evidence on a day, the shape of its change and its onset."""

@@ -83,7 +83,11 @@ def watch_valve(
     except InputError as error:
         # one valve that cannot be learnt or diagnosed keeps no other one from being watched
         now = Watch(watched.tag, "cannot tell", (*run.said, str(error)), run.read)
-    return now, run.standings()
+    try:
+        return now, run.standings()
+    except InputError:
+        # told of the valve already, and again by the tables in the end
+        return now, []
 
 
 class _Run:
@@ -212,8 +216,10 @@ class _Run:
         recording, why = self._rows_of(files)
         if recording is None:
             return Score(0, 0.0, mend=why)
+        # a history that cannot be read is no fault of the day
+        history = self.history
         try:
-            return scored(recording, self.history)
+            return scored(recording, history)
         except InputError as error:
             return Score(len(recording), float(recording.sample_time), mend=str(error))
 
@@ -235,7 +241,10 @@ class _Run:
             )
             return self._ends("cannot tell")
         why: list[str] = []
+        seen = standing.looks[-1].called if standing.looks else ""
         for day in trend.reached(self.limit, _DIAGNOSED):
+            if trend.days[day].isoformat() <= seen:
+                continue
             try:
                 finding = self._called(trend, day, files)
             except InputError as error:

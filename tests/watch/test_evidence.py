@@ -70,10 +70,12 @@ def test_nothing_is_told_before_a_day_has_come_since_the_commissioning():
     assert (which == -1).all()
 
 
-@pytest.mark.parametrize("level", [0.0, 0.3, -20.7, 1e6 / 3.0])
-def test_days_that_are_all_the_same_are_no_evidence(level):
-    evidence, _, _ = detector(np.full(60, level), 10)
-    assert (evidence <= np.maximum(np.arange(60) - 9, 0)).all()
+@pytest.mark.parametrize("commissioned", [10, 40])
+@pytest.mark.parametrize("level", [0.0, 0.3, -20.7, 1e6 / 3.0, 0.0007232851362999529])
+def test_days_that_are_all_the_same_are_no_evidence(level, commissioned):
+    evidence, _, _ = detector(np.full(60, level), commissioned)
+    assert (evidence <= np.maximum(np.arange(60) - commissioned + 1, 0)).all()
+    assert not cusum(np.full(60, level), commissioned).any()
 
 
 def test_nothing_is_told_by_too_few_sound_days():
@@ -105,3 +107,14 @@ def test_the_detector_is_the_sum_of_the_bayes_factors_of_its_equation():
                 r1 = r0 - b**2 / (s + 1.0 / 4.0)
                 expected[d] += (1.0 + 4.0 * s) ** -0.5 * (r0 / r1) ** ((len(seen) - 1) / 2.0) / 2.0
     np.testing.assert_allclose(detector(days, 10)[0], expected, rtol=1e-9)
+
+
+def test_evidence_that_was_low_between_is_no_lasting_one():
+    from sklvalve.watch.trend import Trend
+
+    def reached(*evidence):
+        none = np.zeros((len(evidence), 0))
+        return Trend((), (), none, {}, 0, np.array(evidence, dtype=float), none, none, none).reached(5.0, 2)
+
+    assert reached(9, 9, 9, 1, 9, 9, 9) == [2, 6]
+    assert reached(9, 1, 9) == reached(9, 9) == reached() == []

@@ -467,3 +467,46 @@ def test_the_days_that_are_diagnosed_had_no_part_in_the_choice(data):
     assert data.run().state == "calls"
     assert str(chosen) not in Data.diagnosed
     assert all(str(day) in Data.diagnosed for day in fresh)
+
+
+def test_a_damaged_history_spoils_no_day(data):
+    for k in range(20):
+        data.put(k)
+    assert data.run().state == "sound"
+    file = data.root / "state" / "histories" / "FV-1" / "first.history.skops"
+    whole = file.read_bytes()
+    file.write_bytes(whole[:100])
+    for k in range(20, 24):
+        data.put(k, shift=12.0)
+    assert data.run().state == "cannot tell"
+    file.write_bytes(whole)
+    told = data.run()
+    assert (told.state, told.read) == ("calls", 4 + 2)
+
+
+def test_calls_that_cannot_be_read_keep_no_other_valve_from_being_watched(data):
+    for k in range(20):
+        data.put(k)
+    assert data.run().state == "sound"
+    calls = data.root / "state" / "calls" / "FV-1.json"
+    calls.parent.mkdir()
+    calls.write_text("{")
+    now, standings = module.watch_valve(data.plant.valves[0], data.root / "data", data.root / "state", 0.05)
+    assert (now.state, standings) == ("cannot tell", [])
+
+
+def test_a_day_is_looked_at_once(data, monkeypatch):
+    monkeypatch.setattr(Data, "verdict", "no_mismatch")
+    refused = {str(FIRST + dt.timedelta(days=k)) for k in range(20, 38)}
+
+    def fit(finder, recording):
+        if recording.source.split()[-1] in refused:
+            raise InputError("the opening is nowhere where the history has been")
+        return finder
+
+    monkeypatch.setattr(module.MissingPhysicsFinder, "fit", fit)
+    for k in range(45):
+        data.put(k, shift=30.0 * (k >= 20) + 15.0 * (k >= 33))
+    data.run()
+    days = [each.called for each in module.Store(data.root / "state").findings("FV-1")]
+    assert days == sorted(set(days))
