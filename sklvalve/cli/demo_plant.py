@@ -57,18 +57,18 @@ def judge(valve: dict, truth: dict | None) -> str:
     truth : dict or None
         Effect and first day; None where nothing was concealed.
     """
-    if not valve["calls"]:
+    called, call = valve["called"], valve["call"]
+    if call is None:
         return "right" if truth is None else "went unnoticed"
-    call = valve["calls"][0]
     if truth is None:
         return "called without a reason"
-    if call["called"] < truth["first_day"]:
+    if called < truth["first_day"]:
         return "called before it began"
     named = [set(each.split("/")) for each in call["names"]]
     if not named:
-        return f"called on {call['called']}, not named"
+        return f"called on {called}, not named"
     right = len(named) == 1 and truth["effect"] in named[0]
-    return f"called on {call['called']}, {'named rightly' if right else 'named wrongly'}"
+    return f"called on {called}, {'named rightly' if right else 'named wrongly'}"
 
 
 def _folder(out: str) -> Path:

@@ -70,3 +70,20 @@ def test_no_page_gives_a_frequency_that_was_not_measured(site):
     assert "How often it\ndoes on plants is not measured yet" in site["index.html"]
     assert "years at most" not in "".join(site.values())
     assert str(dt.date.today()) not in "".join(site.values())
+
+
+def test_the_demonstration_judges_what_a_watch_tells(tmp_path):
+    from sklvalve.cli.demo_plant import judge
+    from sklvalve.cli.watch import content_of
+
+    store = Store(tmp_path)
+    store.prepare("North")
+    called = ("A", "first", "2026-01-09", "2026-01-08", "step", 9e3, 7305.0, "backlash")
+    store.save_finding(Finding(*called, "named", "Likely fault: play.", ("backlash/stiction",)))
+    calls, sound = content_of(PLANT, [Watch("A", "calls"), Watch("B", "sound")], tmp_path)["valves"]
+    fault = {"effect": "backlash", "first_day": "2026-01-05"}
+    assert judge(calls, fault) == "called on 2026-01-09, named rightly"
+    assert judge(calls, fault | {"effect": "friction"}) == "called on 2026-01-09, named wrongly"
+    assert judge(calls, fault | {"first_day": "2026-01-10"}) == "called before it began"
+    assert judge(calls, None) == "called without a reason"
+    assert (judge(sound, None), judge(sound, fault)) == ("right", "went unnoticed")
