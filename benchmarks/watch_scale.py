@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """What a morning costs in a plant of many valves that have been watched for long.
 
-    python -m benchmarks.watch_scale FOLDER [--valves 1000 10000] [--days 365] [--jobs 2]
+    python -m benchmarks.watch_scale FOLDER [--valves 50 200] [--days 365] [--jobs 2]
 
 One sound valve is simulated, learnt and watched for so many short days. Every valve of the plant is this
 valve under a tag of its own: the files of its days are the same files (hard links), all others are copies.
@@ -96,7 +96,7 @@ def morning(one, folder, sheet, many, today, jobs):
     again, _ = timed(plant, data, state, jobs)
     kept, site = size_of(state), size_of(folder / "site")
     peak = max(resource.getrusage(who).ru_maxrss for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    # KEEP
+    shutil.rmtree(folder)
     return {
         "watched [s]": f"{first:.0f}",
         "- a valve [s]": f"{first / many:.3f}",
@@ -116,7 +116,7 @@ def main(arguments=None):
     """Run it."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--valves", type=int, nargs="+", default=[1000, 10_000])
+    parser.add_argument("--valves", type=int, nargs="+", default=[50, 200])
     parser.add_argument("--days", type=int, default=365, help="days of the past")
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args(arguments)
@@ -124,9 +124,8 @@ def main(arguments=None):
     one = options.folder / "one"
     sheet = drawn(one / "drawn", options.days + 1)
     days = sorted(file.name for file in (one / "drawn").iterdir())
-    (one / "old").mkdir()
-    for name in days[:-1]:
-        os.link(one / "drawn" / name, one / "old" / name)
+    linked(one / "drawn", one / "old")
+    (one / "old" / days[-1]).unlink()
     linked(one / "old", one / "data" / "FV-00000")
     watch(Plant("scale", valves_of(sheet, 1)), one / "data", one / "state", n_jobs=1)
     rows = {

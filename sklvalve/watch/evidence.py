@@ -154,7 +154,7 @@ def _factors(series, commissioned, ramp):
     y = np.where(seen, series - series[np.argmax(seen)], 0.0)
     count = np.cumsum(seen)
     per_count, mean = 1.0 / count, np.cumsum(y) / count
-    # sum of squares about the mean, and one over it: the fits are asked for each onset and day
+    # one over the sum of squares about the mean
     per_left = 1.0 / np.maximum(np.cumsum(y * y) - count * mean**2, 1e-300)
     for k in range(commissioned, n):
         form, form_squared, form_of_days = 0.0, 0.0, 0.0

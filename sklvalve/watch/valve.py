@@ -82,12 +82,11 @@ def watch_valve(
             now = run.run()
     except InputError as error:
         # one valve that cannot be learnt or diagnosed keeps no other one from being watched
-        now = Watch(watched.tag, "cannot tell", (*run.said, str(error)), run.read)
+        now = run.cannot_tell(error)
     try:
         return now, run.standings()
-    except InputError:
-        # told of the valve already, and again by the tables in the end
-        return now, []
+    except InputError as error:
+        return run.cannot_tell(error), []
 
 
 class _Run:
@@ -123,6 +122,10 @@ class _Run:
             if (r.score.mend or r.said) and (r.day in by_day or r.score.rows)
         ]
         return self._judged(records, by_day)
+
+    def cannot_tell(self, why: InputError) -> Watch:
+        """How a valve stands whose days or whose state cannot be read."""
+        return Watch(self.watched.tag, "cannot tell", (*self.said, str(why)), self.read)
 
     def standings(self) -> list[Standing]:
         """What is kept of the valve since the beginning, and since each inspection."""

@@ -323,15 +323,20 @@ def test_a_look_whose_rows_are_gone_is_made_on_the_next_day_that_has_some(data, 
     assert data.run().state == "calls"
 
 
-def test_a_call_that_cannot_be_diagnosed_is_made_on_the_next_day_that_can(data, monkeypatch):
-    refused = set()
+def refuse(days, monkeypatch):
+    """Have diagnoses refused whose last day is one of these."""
 
     def fit(finder, recording):
-        if recording.source.split()[-1] in refused:
+        if recording.source.split()[-1] in days:
             raise InputError("the opening is nowhere where the history has been")
         return finder
 
     monkeypatch.setattr(module.MissingPhysicsFinder, "fit", fit)
+
+
+def test_a_call_that_cannot_be_diagnosed_is_made_on_the_next_day_that_can(data, monkeypatch):
+    refused = set()
+    refuse(refused, monkeypatch)
     for k in range(20):
         data.put(k)
     days = [data.put(k, shift=8.0) for k in range(20, 32)]
@@ -497,14 +502,7 @@ def test_calls_that_cannot_be_read_keep_no_other_valve_from_being_watched(data):
 
 def test_a_day_is_looked_at_once(data, monkeypatch):
     monkeypatch.setattr(Data, "verdict", "no_mismatch")
-    refused = {str(FIRST + dt.timedelta(days=k)) for k in range(20, 38)}
-
-    def fit(finder, recording):
-        if recording.source.split()[-1] in refused:
-            raise InputError("the opening is nowhere where the history has been")
-        return finder
-
-    monkeypatch.setattr(module.MissingPhysicsFinder, "fit", fit)
+    refuse({str(FIRST + dt.timedelta(days=k)) for k in range(20, 38)}, monkeypatch)
     for k in range(45):
         data.put(k, shift=30.0 * (k >= 20) + 15.0 * (k >= 33))
     data.run()
