@@ -8,6 +8,8 @@ import numpy as np
 
 # a positioner's swing after a stroke is over in about this time [s]
 _SWING = 1.0
+# so many usual steps of the clock at once are a jump, of which no sample was seen
+_JUMP = 10.0
 
 
 @nb.njit(cache=True, nogil=True)
@@ -90,9 +92,10 @@ def first_order_lag(values, step, time_constant, ahead):
     Parameters
     ----------
     values : ndarray of shape (n,)
-        What the sensor sees; gaps (NaN) stay gaps and leave the lag where it was.
+        What the sensor sees. Gaps (NaN) stay gaps; over one, or where the clock jumps, it went straight from
+        the value before to the one after.
     step : ndarray of shape (n,)
-        Time since the sample before [s].
+        Time since the sample before [s]; of the first sample the usual one.
     time_constant : float
         Time constant [s].
     ahead : float
@@ -105,36 +108,44 @@ def first_order_lag(values, step, time_constant, ahead):
     """
     out = np.empty_like(values)
     y = before = last = np.nan
-    keep = 0.0
+    keep = passed = 0.0
     for k in range(len(values)):
         v = values[k]
+        passed += step[k]
         if v != v:
             out[k] = np.nan
             continue
         if y != y:
             y = v
         else:
-            if step[k] != last and time_constant > 0.0:
-                last = step[k]
-                keep = exp(-last / time_constant)
-            seen = ahead * v + (1.0 - ahead) * before
-            y = keep * y + (1.0 - keep) * seen
-        before = v
+            if passed != last:
+                last = passed
+                keep = exp(-last / time_constant) if time_constant > 0.0 else 0.0
+            if passed > step[k] or passed > _JUMP * step[0]:
+                behind = (v - before) / passed * time_constant
+                y = v - behind + keep * (y - before + behind)
+            else:
+                seen = ahead * v + (1.0 - ahead) * before
+                y = keep * y + (1.0 - keep) * seen
+        before, passed = v, 0.0
         out[k] = y
     return out
 
 
 @nb.njit(cache=True, nogil=True)
 def limited_rate(values, step, up, down):
-    """Signal that follows another one no faster than `up` and `down` [1/s]; gaps hold."""
+    """Signal that follows another one no faster than `up` and `down` [1/s].
+
+    In gaps (NaN) it holds; behind one it has had the time of the gap as well.
+    """
     out = np.empty_like(values)
-    y = np.nan
+    y, passed = np.nan, 0.0
     for k in range(len(values)):
         v = values[k]
-        if y != y:
-            y = v
-        elif v == v:
-            y = min(max(v, y - down * step[k]), y + up * step[k])
+        passed += step[k]
+        if v == v:
+            y = v if y != y else min(max(v, y - down * passed), y + up * passed)
+            passed = 0.0
         out[k] = y
     return out
 

@@ -119,6 +119,25 @@ def test_lag_stays_between_what_it_has_seen(values, time_constant, ahead):
     assert np.all(lagged >= np.minimum.accumulate(values) - 1e-12)
 
 
+@pytest.mark.parametrize("ahead", [0.0, 0.6, 1.0])
+def test_a_lag_is_at_rest_behind_an_hour_that_was_not_seen(ahead):
+    jump = first_order_lag(np.array([0.2, 0.2, 0.8, 0.8]), np.array([1.0, 1.0, 3600.0, 1.0]), 2.0, ahead)
+    np.testing.assert_allclose(jump, [0.2, 0.2, 0.8, 0.8], atol=1e-3)
+    values = np.r_[0.2, 0.2, np.full(40, np.nan), 0.8, 0.8]
+    gap = first_order_lag(values, np.ones(len(values)), 2.0, ahead)
+    np.testing.assert_allclose(gap[-2:], 0.8, atol=0.04)
+
+
+def test_a_lag_over_a_gap_is_that_of_a_straight_way():
+    ramp, step = np.arange(60.0), np.ones(60)
+    seen = np.where((np.arange(60) > 20) & (np.arange(60) < 27), np.nan, ramp)
+    # of many small steps, each of which comes in the middle of its sample
+    finely = first_order_lag(np.linspace(0.0, 59.0, 5901), np.full(5901, 0.01), 3.0, 0.5)[::100]
+    lagged = first_order_lag(seen, step, 3.0, 0.5)
+    known = np.isfinite(seen)
+    np.testing.assert_allclose(lagged[known], finely[known], atol=0.05)
+
+
 def test_lag_of_nothing_and_gaps():
     values = np.array([1.0, 2.0, np.nan, 4.0])
     np.testing.assert_array_equal(first_order_lag(values, np.ones(4), 0.0, 1.0), values)
@@ -160,8 +179,8 @@ def test_rate_limit_is_kept_in_each_direction(values, up, down):
     np.testing.assert_allclose(limited_rate(values, step, 1e9, 1e9), values, atol=1e-12)
 
 
-def test_rate_limit_holds_over_gaps():
-    followed = limited_rate(np.array([0.0, 1.0, np.nan, 0.0]), np.ones(4), 0.2, 0.1)
+def test_rate_limit_holds_in_gaps_and_has_had_their_time_behind_them():
+    followed = limited_rate(np.array([0.0, 1.0, np.nan, 0.0]), np.ones(4), 0.2, 0.05)
     np.testing.assert_allclose(followed, [0.0, 0.2, 0.2, 0.1])
 
 

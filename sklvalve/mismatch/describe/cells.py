@@ -150,8 +150,9 @@ def rate_of_travel(opening: np.ndarray, time: np.ndarray) -> np.ndarray:
     known = np.isfinite(opening)
     if not known.any():
         return np.full(len(opening), np.nan)
-    step = np.diff(time, prepend=time[0])
-    forgets = max(_REMEMBERS, 3.0 * float(np.median(step)))
+    usual = float(np.median(np.diff(time)))
+    step = np.diff(time, prepend=time[0] - usual)
+    forgets = max(_REMEMBERS, 3.0 * usual)
     filled = np.interp(time, time[known], opening[known])
     behind = first_order_lag(filled, step, forgets, 0.0)
     return np.where(known, (filled - behind) / forgets, np.nan)

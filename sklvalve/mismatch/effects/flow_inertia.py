@@ -24,7 +24,8 @@ def water_column(steady: np.ndarray, step: np.ndarray, drop: np.ndarray, inertan
     Parameters
     ----------
     steady : ndarray of shape (n,)
-        Flow that valve and pressure drop would let through for good [m3/s]; a gap (NaN) stays one.
+        Flow that valve and pressure drop would let through for good [m3/s]; a gap (NaN) stays one, and takes its
+        time.
     step, drop, inertance : ndarray of shape (n,)
         Time since the sample before [s], size of the pressure drop [Pa], and density times length over cross
         section of the column [kg/m4].
@@ -35,9 +36,10 @@ def water_column(steady: np.ndarray, step: np.ndarray, drop: np.ndarray, inertan
         [m3/s].
     """
     out = np.empty_like(steady)
-    q = np.nan
+    q, passed = np.nan, 0.0
     for k in range(len(steady)):
         s = steady[k]
+        passed += step[k]
         if not (s == s and drop[k] == drop[k]):
             out[k] = np.nan
             continue
@@ -45,9 +47,10 @@ def water_column(steady: np.ndarray, step: np.ndarray, drop: np.ndarray, inertan
             q = s
         else:
             # exact while valve and drop stand still: y = Q / Q_s obeys dy/dt = (1 - y2) dp / (I Q_s)
-            t = tanh(step[k] * drop[k] / (inertance[k] * abs(s)))
+            t = tanh(passed * drop[k] / (inertance[k] * abs(s)))
             y = q / s
             q = s * (y + t) / (1.0 + y * t)
+        passed = 0.0
         out[k] = q
     return out
 
