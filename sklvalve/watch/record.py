@@ -86,6 +86,11 @@ class Finding:
     names: tuple[str, ...] = ()
     report: str = ""
 
+    @property
+    def members(self) -> frozenset[str]:
+        """All names of its classes."""
+        return frozenset(name for each in self.names for name in each.split("/"))
+
 
 @dataclass(frozen=True)
 class Inspection:

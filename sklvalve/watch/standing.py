@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import datetime as dt
+from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,6 +13,8 @@ from sklvalve.watch.record import NOTHING, DayRecord, Epoch, Finding
 from sklvalve.watch.store import Store
 from sklvalve.watch.trend import Trend, reference_after, trend_since
 
+#: Days that are diagnosed when a valve calls: those last seen, none of which had a part in the choice.
+DIAGNOSED = 2
 _UNEXPLAINED = "none_of_these"
 
 
@@ -55,6 +58,20 @@ class Standing:
     def since(self) -> str:
         """First day of the change, by the diagnosis that tells it earliest; empty where it has not called."""
         return min(self.calls[0].onset, self.call.onset) if self.call else ""
+
+    @property
+    def places(self) -> list[int]:
+        """Of every diagnosis since it called the place of its last day among those of the trend."""
+        days = [day.isoformat() for day in self.trend.days]
+        return [bisect_left(days, each.called) for each in self.calls]
+
+    @property
+    def named_twice(self) -> bool:
+        """Whether the last diagnosis shares a name with one that it shares no day with."""
+        if not self.calls:
+            return False
+        *before, last = zip(self.calls, self.places, strict=True)
+        return any(last[0].members & call.members and last[1] - place >= DIAGNOSED for call, place in before)
 
     @cached_property
     def trend(self) -> Trend:

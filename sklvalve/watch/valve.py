@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import datetime as dt
-from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -23,14 +22,12 @@ from sklvalve.watch.evidence import FEWEST, limit_of
 from sklvalve.watch.plant import Commissioning, Watched
 from sklvalve.watch.record import DayRecord, Finding
 from sklvalve.watch.score import Score, scored
-from sklvalve.watch.standing import Standing, epochs_of, standing_of
+from sklvalve.watch.standing import DIAGNOSED, Standing, epochs_of, standing_of
 from sklvalve.watch.store import Store
 from sklvalve.watch.trend import Trend
 
 # share of the commissioning days that the simulation is calibrated on; the others are the reference
 _LEARNT = 0.5
-# days that are diagnosed when a valve calls: those last seen, none of which had a part in the choice
-_DIAGNOSED = 2
 
 
 @dataclass(frozen=True)
@@ -245,7 +242,7 @@ class _Run:
             return self._ends("cannot tell")
         why: list[str] = []
         seen = standing.looks[-1].called if standing.looks else ""
-        for day in trend.reached(self.limit, _DIAGNOSED):
+        for day in trend.reached(self.limit, DIAGNOSED):
             if trend.days[day].isoformat() <= seen:
                 continue
             try:
@@ -260,24 +257,23 @@ class _Run:
         return self._ends("cannot tell" if why else "sound")
 
     def _looked_at_again(self, standing: Standing, files: dict[dt.date, DayFiles]) -> Watch:
-        """A valve that has called, diagnosed anew while its call has no name: what grows is told later.
+        """A valve that has called, diagnosed anew until two diagnoses that share no day share a name.
 
-        The days with rows between two diagnoses double, so that a year of a call costs nine. A day whose rows
-        are gone, or refused, leaves its turn to the next one, and the valve calls all the same.
+        What grows is told later, and better. The days with rows between two diagnoses double, so that a year
+        of a call costs nine. A day whose rows are gone, or refused, leaves its turn to the next one, and the
+        valve calls all the same.
         """
-        calls = standing.calls
-        if calls[-1].names or standing.trend.reference < FEWEST:
+        trend, at = standing.trend, standing.places
+        if trend.reference < FEWEST or standing.named_twice:
             return self._ends("calls")
-        trend = standing.trend
-        days = [day.isoformat() for day in trend.days]
-        first, last = (bisect_left(days, each.called) for each in (calls[0], calls[-1]))
-        for day in range(first + max(1, 2 * (last - first)), len(days)):
+        least = DIAGNOSED if standing.calls[-1].names else 1
+        for day in range(at[-1] + max(least, at[-1] - at[0]), len(trend.days)):
             if trend.days[day] not in files or trend.onset[day] < 0:
                 continue
             try:
                 finding = self._called(trend, day, files)
             except InputError as error:
-                self.said.append(f"{days[day]}: the call was not diagnosed again: {error}")
+                self.said.append(f"{trend.days[day]}: the call was not diagnosed again: {error}")
                 continue
             self.store.save_finding(finding)
             return self._judged(standing.records, files)
@@ -286,7 +282,7 @@ class _Run:
     def _called(self, trend: Trend, day: int, files: dict[dt.date, DayFiles]) -> Finding:
         key, shape, onset = trend.leading(day)
         called = trend.days[day]
-        content, report = self._diagnosed(trend.days[: day + 1][-_DIAGNOSED:], files)
+        content, report = self._diagnosed(trend.days[: day + 1][-DIAGNOSED:], files)
         # candidates that a diagnosis leaves open are no names
         named = content["effects"] if content["verdict"] == "named" else ()
         return Finding(

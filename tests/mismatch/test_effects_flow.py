@@ -45,6 +45,12 @@ def test_column_of_water_obeys_its_equation_of_motion():
         assert made[k] == pytest.approx(solved.y[0, -1], rel=1e-7)
 
 
+def test_column_of_water_is_at_its_new_flow_behind_a_long_gap():
+    steady = np.r_[0.01, np.full(60, np.nan), 0.02, 0.02]
+    made = water_column(steady, np.ones(63), np.full(63, 1e5), np.full(63, 1e7))
+    np.testing.assert_allclose(made[-2:], 0.02, rtol=1e-6)
+
+
 def test_column_of_water_bears_gaps_shut_valves_and_reversals():
     steady = np.array([0.01, np.nan, 0.01, 0.0, 0.01, -0.01, -0.02])
     made = water_column(steady, np.ones(7), np.full(7, 1e5), np.full(7, 1e6))

@@ -118,10 +118,13 @@ def test_a_valve_is_learnt_watched_and_called(data):
     for k in range(30, 45):
         data.put(k, shift=8.0)
     told = data.run()
-    assert (told.state, told.read) == ("calls", 15 + 2)
+    # two days are diagnosed, and two later ones bear the name out
+    assert (told.state, told.read) == ("calls", 15 + 2 + 2)
     import pandas as pd
 
-    finding = pd.read_parquet(data.root / "state" / "findings.parquet").iloc[0]
+    found = pd.read_parquet(data.root / "state" / "findings.parquet")
+    assert len(found) == 2
+    finding = found.iloc[0]
     assert finding.onset == "2026-01-31"
     assert finding.called < "2026-02-06"
     assert finding["names"] == "seat_leakage"
@@ -281,11 +284,39 @@ def test_a_call_without_a_name_is_diagnosed_again_on_later_days_until_it_has_one
         data.put(k, shift=8.0)
     data.run()
     assert findings().names.tolist() == [""] * 5 + ["seat_leakage"]
+    assert not standing_of("FV-1", module.Store(data.root / "state"), Epoch()).named_twice
     # it called on the day on which it called, and is diagnosed no more once it has a name
     standing = standing_of("FV-1", module.Store(data.root / "state"), Epoch())
     assert standing.called == first.isoformat()
     assert standing.call.names == ("seat_leakage",)
     assert data.run().read == 0
+
+
+def test_a_name_is_sought_until_days_that_had_no_part_in_it_bear_it_out(data, monkeypatch):
+    monkeypatch.setattr(Data, "verdict", "named")
+    told = iter(["friction", "stiction", "seat_leakage", "stiction", "friction"])
+    monkeypatch.setattr(module.MissingPhysicsFinder, "fit", _next_name(told))
+    for k in range(75):
+        data.put(k, shift=8.0 * (k >= 30))
+    data.run()
+    found = module.Store(data.root / "state").findings("FV-1")
+    first = dt.date.fromisoformat(found[0].called)
+    assert [(dt.date.fromisoformat(f.called) - first).days for f in found] == [0, 2, 4, 8]
+    assert [f.names for f in found] == [("friction",), ("stiction",), ("seat_leakage",), ("stiction",)]
+    standing = standing_of("FV-1", module.Store(data.root / "state"), Epoch())
+    assert standing.named_twice
+    assert standing.call == found[-1]
+
+
+def _next_name(told):
+    """A diagnosis that names one thing after the other."""
+
+    def fit(finder, recording):
+        content = {"verdict": "named", "effects": [{"members": [{"name": next(told)}]}]}
+        finder.diagnosis_.to_dict = lambda: content
+        return finder
+
+    return fit
 
 
 def unnamed(data, monkeypatch, days=45):

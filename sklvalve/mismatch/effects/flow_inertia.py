@@ -24,8 +24,8 @@ def water_column(steady: np.ndarray, step: np.ndarray, drop: np.ndarray, inertan
     Parameters
     ----------
     steady : ndarray of shape (n,)
-        Flow that valve and pressure drop would let through for good [m3/s]; a gap (NaN) stays one, and takes its
-        time.
+        Flow that valve and pressure drop would let through for good [m3/s]; a gap (NaN) stays one
+        and takes its time.
     step, drop, inertance : ndarray of shape (n,)
         Time since the sample before [s], size of the pressure drop [Pa], and density times length over cross
         section of the column [kg/m4].

@@ -99,7 +99,7 @@ def page_of(
         "last": records[-1].day.isoformat() if records else "",
     }
     if now is not None:
-        page |= _call(now, standing.calls[0]) | {"since": standing.since, "called": standing.called}
+        page |= _call(now, standing) | {"since": standing.since, "called": standing.called}
     trend = standing.trend
     if not trend.days or not trend.reference:
         return ValvePage(**page)
@@ -108,13 +108,16 @@ def page_of(
     return ValvePage(**page, pictures=_pictures(trend, standing.calls[:1], done, records, false_calls))
 
 
-def _call(finding: Finding, first: Finding) -> dict[str, Any]:
+def _call(finding: Finding, standing: Standing) -> dict[str, Any]:
+    first = standing.calls[0]
     names = " + ".join(" or ".join(spoken(n) for n in each.split("/")) for each in finding.names)
     unknown = {"none_of_these": "a change that no known effect explains"}
+    times = "two diagnoses that share no day" if standing.named_twice else "one diagnosis so far"
     return {
         "what": names or unknown.get(finding.verdict, "a change that is not identified"),
         # how often a sound valve calls was not measured on plants: no frequency is given
-        "how_sure": f"evidence {_number(first.evidence)}, where the limit is {_number(first.limit)}",
+        "how_sure": f"evidence {_number(first.evidence)}, where the limit is {_number(first.limit)}"
+        + (f"; named by {times}" if names else ""),
         "report": finding.report,
         "headline": finding.headline,
     }
