@@ -8,8 +8,8 @@ import numpy as np
 
 # a positioner's swing after a stroke is over in about this time [s]
 _SWING = 1.0
-# so many usual steps of the clock at once are a jump, of which no sample was seen
-_JUMP = 10.0
+# a step of the clock so many times as long as the one before is a jump: samples are missing
+_JUMP = 3.0
 
 
 @nb.njit(cache=True, nogil=True)
@@ -50,7 +50,8 @@ def play_with_overshoot(inside, step, width, overshoot, first_side):
     Parameters
     ----------
     inside, step : ndarray of shape (n,)
-        Recorded movement of the driving part [1], and time since the sample before [s].
+        Recorded movement of the driving part [1], and time since the sample before [s]. What moved in a gap
+        (NaN) or in a jump of the clock moved all the time.
     width : float
         Whole gap [1].
     overshoot : float
@@ -66,18 +67,22 @@ def play_with_overshoot(inside, step, width, overshoot, first_side):
     half = 0.5 * width
     out = np.empty_like(inside)
     y = np.nan
-    before = 0.0
-    moved = 0.0
+    before = moved = passed = 0.0
     for k in range(len(inside)):
         v = inside[k]
+        passed += step[k]
         if v != v:
             out[k] = np.nan
             continue
         if y != y:
             y = v + half * first_side
             before = v
-        moved = moved * exp(-step[k] / _SWING) + v - before
-        before = v
+        keep = exp(-passed / _SWING)
+        if passed > step[k] or (k > 0 and passed > _JUMP * step[k - 1]):
+            moved = moved * keep + (v - before) * (1.0 - keep) * _SWING / passed
+        else:
+            moved = moved * keep + v - before
+        before, passed = v, 0.0
         peak = v + overshoot * moved
         y = min(max(y, peak - half), peak + half)
         y = min(max(y, v - half), v + half)
@@ -95,7 +100,7 @@ def first_order_lag(values, step, time_constant, ahead):
         What the sensor sees. Gaps (NaN) stay gaps; over one, or where the clock jumps, it went straight from
         the value before to the one after.
     step : ndarray of shape (n,)
-        Time since the sample before [s]; of the first sample the usual one.
+        Time since the sample before [s].
     time_constant : float
         Time constant [s].
     ahead : float
@@ -121,7 +126,7 @@ def first_order_lag(values, step, time_constant, ahead):
             if passed != last:
                 last = passed
                 keep = exp(-last / time_constant) if time_constant > 0.0 else 0.0
-            if passed > step[k] or passed > _JUMP * step[0]:
+            if passed > step[k] or passed > _JUMP * step[k - 1]:
                 behind = (v - before) / passed * time_constant
                 y = v - behind + keep * (y - before + behind)
             else:

@@ -11,6 +11,8 @@ from sklvalve.watch.score import Score, Share
 
 #: Verdict of a look that found nothing: the days differ, and the physics does not.
 NOTHING = "no_mismatch"
+# of a call whose later rows cannot be diagnosed
+REFUSED = "refused"
 
 
 @dataclass(frozen=True)
@@ -66,7 +68,7 @@ class Finding:
     key : str
         Series with most of the evidence.
     verdict, headline : str
-        Of the diagnosis.
+        Of the diagnosis; ``refused`` where a call could not be diagnosed again, and why.
     names : tuple of str
         Classes that it names, members of one joined by ``/``.
     report : str

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import datetime as dt
-from bisect import bisect_left
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -61,17 +61,27 @@ class Standing:
 
     @property
     def places(self) -> list[int]:
-        """Of every diagnosis since it called the place of its last day among those of the trend."""
+        """Of every diagnosis since it called the place of its last day among those of the trend.
+
+        A day that came again without rows is none of them: the one before it stands for it.
+        """
         days = [day.isoformat() for day in self.trend.days]
-        return [bisect_left(days, each.called) for each in self.calls]
+        return [bisect_right(days, each.called) - 1 for each in self.calls]
 
     @property
-    def named_twice(self) -> bool:
-        """Whether the last diagnosis shares a name with one that it shares no day with."""
+    def named_twice(self) -> frozenset[str]:
+        """Names that the last diagnosis shares with one that it shares no day with.
+
+        None unless these are of each of its classes.
+        """
         if not self.calls:
-            return False
-        *before, last = zip(self.calls, self.places, strict=True)
-        return any(last[0].members & call.members and last[1] - place >= DIAGNOSED for call, place in before)
+            return frozenset()
+        *before, (last, place) = zip(self.calls, self.places, strict=True)
+        for call, its_place in before:
+            shared = last.members & call.members
+            if place - its_place >= DIAGNOSED and all(shared & set(c.split("/")) for c in last.names):
+                return shared
+        return frozenset()
 
     @cached_property
     def trend(self) -> Trend:

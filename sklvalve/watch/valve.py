@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import Any
 
 from threadpoolctl import threadpool_limits
 
@@ -20,7 +21,7 @@ from sklvalve.report.headline import headline
 from sklvalve.watch.days import FEWEST_ROWS, DayFiles, days_of, read_day
 from sklvalve.watch.evidence import FEWEST, limit_of
 from sklvalve.watch.plant import Commissioning, Watched
-from sklvalve.watch.record import DayRecord, Finding
+from sklvalve.watch.record import REFUSED, DayRecord, Finding
 from sklvalve.watch.score import Score, scored
 from sklvalve.watch.standing import DIAGNOSED, Standing, epochs_of, standing_of
 from sklvalve.watch.store import Store
@@ -260,8 +261,8 @@ class _Run:
         """A valve that has called, diagnosed anew until two diagnoses that share no day share a name.
 
         What grows is told later, and better. The days with rows between two diagnoses double, so that a year
-        of a call costs nine. A day whose rows are gone, or refused, leaves its turn to the next one, and the
-        valve calls all the same.
+        of a call costs nine. A day whose rows are gone leaves its turn to the next one; one that is refused
+        counts as a diagnosis, and the valve calls all the same.
         """
         trend, at = standing.trend, standing.places
         if trend.reference < FEWEST or standing.named_twice:
@@ -274,30 +275,24 @@ class _Run:
                 finding = self._called(trend, day, files)
             except InputError as error:
                 self.said.append(f"{trend.days[day]}: the call was not diagnosed again: {error}")
-                continue
+                finding = self._finding(trend, day, REFUSED, f"It was not diagnosed: {error}.")
             self.store.save_finding(finding)
             return self._judged(standing.records, files)
         return self._ends("calls")
 
     def _called(self, trend: Trend, day: int, files: dict[dt.date, DayFiles]) -> Finding:
-        key, shape, onset = trend.leading(day)
-        called = trend.days[day]
         content, report = self._diagnosed(trend.days[: day + 1][-DIAGNOSED:], files)
         # candidates that a diagnosis leaves open are no names
         named = content["effects"] if content["verdict"] == "named" else ()
+        names = tuple("/".join(m["name"] for m in effect["members"]) for effect in named)
+        return self._finding(trend, day, content["verdict"], headline(content), names, report)
+
+    def _finding(self, trend: Trend, day: int, verdict: str, told: str, *others: Any) -> Finding:
+        key, shape, onset = trend.leading(day)
+        began, called = onset.isoformat(), trend.days[day].isoformat()
+        of_day = (float(trend.evidence[day]), self.limit, key)
         return Finding(
-            self.watched.tag,
-            self.epoch.label,
-            called.isoformat(),
-            onset.isoformat(),
-            shape,
-            float(trend.evidence[day]),
-            self.limit,
-            key,
-            content["verdict"],
-            headline(content),
-            tuple("/".join(m["name"] for m in effect["members"]) for effect in named),
-            report,
+            self.watched.tag, self.epoch.label, called, began, shape, *of_day, verdict, told, *others
         )
 
     def _diagnosed(self, days: Sequence[dt.date], files: dict[dt.date, DayFiles]) -> tuple[dict, str]:

@@ -8,7 +8,14 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from sklvalve.simulation.faults import FAULTS
-from sklvalve.simulation.stages import delayed, first_order_lag, from_table, limited_rate, play
+from sklvalve.simulation.stages import (
+    delayed,
+    first_order_lag,
+    from_table,
+    limited_rate,
+    play,
+    play_with_overshoot,
+)
 from sklvalve.simulation.stem import positioner_and_actuator
 
 SIGNALS = arrays(np.float64, st.integers(2, 60), elements=st.floats(0.0, 1.0))
@@ -86,6 +93,15 @@ def test_play_keeps_gaps_and_its_place_over_them():
     np.testing.assert_allclose(outside, [0.5, np.nan, 0.5, 0.55])
 
 
+def test_a_way_that_was_not_seen_is_no_stroke():
+    slow, step = np.linspace(0.2, 0.8, 61), np.ones(61)
+    seen = play_with_overshoot(slow, step, 0.04, 0.3, 0.0)[-1]
+    gap = np.where((np.arange(61) > 0) & (np.arange(61) < 60), np.nan, slow)
+    assert play_with_overshoot(gap, step, 0.04, 0.3, 0.0)[-1] == pytest.approx(seen, abs=0.003)
+    jump = play_with_overshoot(np.array([0.2, 0.2, 0.8]), np.array([1.0, 1.0, 3600.0]), 0.04, 0.3, 0.0)
+    assert jump[-1] == pytest.approx(0.78, abs=0.003)
+
+
 # ---- lag
 
 
@@ -136,6 +152,13 @@ def test_a_lag_over_a_gap_is_that_of_a_straight_way():
     lagged = first_order_lag(seen, step, 3.0, 0.5)
     known = np.isfinite(seen)
     np.testing.assert_allclose(lagged[known], finely[known], atol=0.05)
+
+
+def test_a_slower_pace_is_no_gap():
+    pace, swing = np.r_[np.ones(50), np.full(80, 60.0)], np.r_[np.full(50, 0.5), np.tile([0.0, 1.0], 40)]
+    lagged = first_order_lag(swing, pace, 20.0, 1.0)
+    settled = 1.0 / (1.0 + np.exp(-3.0))
+    np.testing.assert_allclose(lagged[-2:], [1.0 - settled, settled], atol=1e-6)
 
 
 def test_lag_of_nothing_and_gaps():

@@ -308,11 +308,59 @@ def test_a_name_is_sought_until_days_that_had_no_part_in_it_bear_it_out(data, mo
     assert standing.call == found[-1]
 
 
+def _names(monkeypatch, data, told, days=75):
+    monkeypatch.setattr(Data, "verdict", "named")
+    monkeypatch.setattr(module.MissingPhysicsFinder, "fit", _next_name(iter(told)))
+    for k in range(days):
+        data.put(k, shift=8.0 * (k >= 30))
+    data.run()
+    return standing_of("FV-1", module.Store(data.root / "state"), Epoch())
+
+
+def test_each_class_must_come_twice(data, monkeypatch):
+    monkeypatch.setattr(module, "DIAGNOSED", 2)
+    standing = _names(
+        monkeypatch, data, ["friction", ("friction", "seat_leakage"), ("seat_leakage", "friction")]
+    )
+    assert len(standing.calls) == 3
+    assert standing.named_twice == {"friction", "seat_leakage"}
+
+
+def test_a_day_that_comes_again_without_rows_undoes_no_name(data, monkeypatch):
+    standing = _names(monkeypatch, data, ["friction"] * 5)
+    assert standing.named_twice == {"friction"}
+    first = (dt.date.fromisoformat(standing.calls[0].called) - FIRST).days
+    data.put(first, text_of=lambda *_: "")
+    data.run()
+    again = standing_of("FV-1", module.Store(data.root / "state"), Epoch())
+    assert again.calls == standing.calls
+    assert again.named_twice == {"friction"}
+
+
+def test_what_was_refused_once_is_not_tried_again(data, monkeypatch):
+    assert unnamed(data, monkeypatch, days=35).state == "calls"
+
+    def refuses(*_):
+        raise InputError("too few rows move; give other days")
+
+    monkeypatch.setattr(module.MissingPhysicsFinder, "fit", refuses)
+    for k in range(35, 75):
+        data.put(k, shift=8.0)
+    assert len(data.run().said) < 6
+    told = data.run()
+    assert (told.read, told.said) == (0, ())
+    found = module.Store(data.root / "state").findings("FV-1")
+    assert found[-1].verdict == "refused"
+    assert "too few rows move" in found[-1].headline
+
+
 def _next_name(told):
     """A diagnosis that names one thing after the other."""
 
     def fit(finder, recording):
-        content = {"verdict": "named", "effects": [{"members": [{"name": next(told)}]}]}
+        names = next(told)
+        several = names if isinstance(names, tuple) else (names,)
+        content = {"verdict": "named", "effects": [{"members": [{"name": name}]} for name in several]}
         finder.diagnosis_.to_dict = lambda: content
         return finder
 

@@ -112,12 +112,15 @@ def _call(finding: Finding, standing: Standing) -> dict[str, Any]:
     first = standing.calls[0]
     names = " + ".join(" or ".join(spoken(n) for n in each.split("/")) for each in finding.names)
     unknown = {"none_of_these": "a change that no known effect explains"}
-    times = "two diagnoses that share no day" if standing.named_twice else "one diagnosis so far"
+    alike = " or ".join(sorted(spoken(name) for name in standing.named_twice))
+    many = len(standing.calls)
+    once = f"one of {many} diagnoses so far" if many > 1 else "one diagnosis so far"
+    by = f"{alike} named by two diagnoses that share no day" if alike else f"named by {once}"
     return {
         "what": names or unknown.get(finding.verdict, "a change that is not identified"),
         # how often a sound valve calls was not measured on plants: no frequency is given
         "how_sure": f"evidence {_number(first.evidence)}, where the limit is {_number(first.limit)}"
-        + (f"; named by {times}" if names else ""),
+        + (f"; {by}" if names else ""),
         "report": finding.report,
         "headline": finding.headline,
     }
