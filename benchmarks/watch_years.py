@@ -39,7 +39,7 @@ from sklvalve.recording.valve import Valve
 from sklvalve.watch import watch
 from sklvalve.watch.plant import Commissioning, Watched
 from sklvalve.watch.plant import Plant as WatchedPlant
-from sklvalve.watch.standing import epochs_of, standing_of
+from sklvalve.watch.standing import DIAGNOSED, epochs_of, standing_of
 from sklvalve.watch.store import Store
 
 FIRST = dt.date(2026, 1, 1)
@@ -201,6 +201,9 @@ def rows_of_table(lines):
         yield "- named, of those called", share(len(named), len(delay))
         yield "- named rightly, of those called", share(len(right), len(delay))
         yield "- named rightly, of those named", share(len(right), len(named))
+        twice = [v for v in named if named_twice(calls_of(v))]
+        yield "- named by two diagnoses that share no day, of those named", share(len(twice), len(named))
+        yield "- of these rightly", share(sum(v in right for v in twice), len(twice))
         if delay:
             yield "- days from its beginning to the call, median", f"{np.median(list(delay.values())):.0f}"
     days = sum(v["days"] for v in lines)
@@ -212,6 +215,21 @@ def calls_of(line):
     """The diagnosis by which a valve called, and those of later days; none where it has not."""
     found = [f["verdict"] != "no_mismatch" for f in line["findings"]]
     return line["findings"][found.index(True) :] if any(found) else []
+
+
+def named_twice(calls):
+    """Whether a diagnosis shares a name of each of its classes with one that it shares no day with.
+
+    Of two days each: `sklvalve.watch.standing.DIAGNOSED`.
+    """
+    members = [{name for each in call["names"] for name in each.split("/")} for call in calls]
+    return any(
+        calls[k]["names"]
+        and number(calls[k]["called"]) - number(calls[j]["called"]) >= DIAGNOSED
+        and all(members[j] & set(each.split("/")) for each in calls[k]["names"])
+        for k in range(len(calls))
+        for j in range(k)
+    )
 
 
 def main(arguments=None):
