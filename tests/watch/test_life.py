@@ -19,6 +19,7 @@ from sklvalve.watch.plant import Commissioning, Plant, Watched
 from sklvalve.watch.record import Epoch
 from sklvalve.watch.run import inspected, watch
 from sklvalve.watch.score import Score, Share
+from sklvalve.watch.site import write_site
 from sklvalve.watch.standing import standing_of
 from tests.history.plant import made
 from tests.watch.test_days import VALVE
@@ -587,3 +588,13 @@ def test_a_day_is_looked_at_once(data, monkeypatch):
     data.run()
     days = [each.called for each in module.Store(data.root / "state").findings("FV-1")]
     assert days == sorted(set(days))
+
+
+def test_the_page_says_by_how_many_diagnoses_a_name_is_given(data, monkeypatch):
+    def sure(told, days):
+        _names(monkeypatch, data, told, days)
+        write_site(data.root / "site", data.plant, [data.run()], data.root / "state")
+        return (data.root / "site" / "index.html").read_text()
+
+    assert "named by one diagnosis so far" in sure(["friction"] * 9, 35)
+    assert "named by two diagnoses that share no day" in sure(["friction"] * 9, 45)

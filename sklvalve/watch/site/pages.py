@@ -112,18 +112,23 @@ def _call(finding: Finding, standing: Standing) -> dict[str, Any]:
     first = standing.calls[0]
     names = " + ".join(" or ".join(spoken(n) for n in each.split("/")) for each in finding.names)
     unknown = {"none_of_these": "a change that no known effect explains"}
-    alike = " or ".join(sorted(spoken(name) for name in standing.named_twice))
-    many = len(standing.calls)
-    once = f"one of {many} diagnoses so far" if many > 1 else "one diagnosis so far"
-    by = f"{alike} named by two diagnoses that share no day" if alike else f"named by {once}"
     return {
         "what": names or unknown.get(finding.verdict, "a change that is not identified"),
         # how often a sound valve calls was not measured on plants: no frequency is given
         "how_sure": f"evidence {_number(first.evidence)}, where the limit is {_number(first.limit)}"
-        + (f"; {by}" if names else ""),
+        + (f"; {_named_by(finding, standing)}" if names else ""),
         "report": finding.report,
         "headline": finding.headline,
     }
+
+
+def _named_by(finding: Finding, standing: Standing) -> str:
+    """By how many diagnoses a name is given, and which of several names."""
+    twice, many = standing.named_twice, len(standing.calls)
+    if not twice:
+        return f"named by one of {many} diagnoses so far" if many > 1 else "named by one diagnosis so far"
+    which = "" if twice == finding.members else " or ".join(sorted(map(spoken, twice))) + " "
+    return f"{which}named by two diagnoses that share no day"
 
 
 def _number(value: float) -> str:
