@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass
 
+import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
@@ -69,23 +70,24 @@ def different(slopes: Values, share: float = 0.3) -> bool:
     return len(np.unique(np.round(np.log(np.abs(slopes)) / 0.02))) >= share * min(len(slopes), 100)
 
 
+@nb.njit(cache=True)
 def _ends(time: Values, values: Values, room: float) -> NDArray[np.int64]:
     """Rows in which the longest lines end that pass all rows between within `room`, one after the other."""
-    moments, heights = time.tolist(), values.tolist()
-    ends, start, last = [0], 0, len(heights) - 1
+    last = len(values) - 1
+    ends = np.zeros(last + 1, dtype=np.int64)
+    many, start = 1, 0
     while start < last:
         low, high, stop = -np.inf, np.inf, start + 1
-        began, base = moments[start], heights[start]
         for row in range(start + 1, last + 1):
-            lasts, rise = moments[row] - began, heights[row] - base
+            lasts, rise = time[row] - time[start], values[row] - values[start]
             if low <= rise / lasts <= high:
                 stop = row
             low, high = max(low, (rise - room) / lasts), min(high, (rise + room) / lasts)
             if low > high:
                 break
-        ends.append(stop)
-        start = stop
-    return np.array(ends)
+        ends[many] = start = stop
+        many += 1
+    return ends[:many]
 
 
 def _in_corners(parts: Values) -> bool:

@@ -18,6 +18,7 @@ from sklvalve.recording import Recording, join_recordings
 from sklvalve.recording.errors import InputError
 from sklvalve.report import write_report
 from sklvalve.report.headline import headline
+from sklvalve.simulation.parallel_map import with_threads
 from sklvalve.watch.days import FEWEST_ROWS, DayFiles, days_of, read_day
 from sklvalve.watch.evidence import FEWEST, limit_of
 from sklvalve.watch.plant import Commissioning, Watched
@@ -76,7 +77,8 @@ def watch_valve(
     """
     run = _Run(watched, Path(data), Store(state), false_calls, seed)
     try:
-        with threadpool_limits(1, user_api="blas"):
+        # the processes of the other valves have the other cores
+        with threadpool_limits(1, user_api="blas"), with_threads(1):
             now = run.run()
     except InputError as error:
         # one valve that cannot be learnt or diagnosed keeps no other one from being watched
@@ -162,7 +164,6 @@ class _Run:
                 if why:
                     self.said.append(f"{each.day}: {why}")
         read = [row for f in sound[:first] if (row := rows[f.day]) is not None]
-        # one thread, here and below: the processes of the other valves have the other cores
         self.history = MissingPhysicsFinder(n_jobs=1, random_state=self.seed).history_of(read)
         learnt, reference = ([f.day for f in part] for part in (sound[:first], sound[first:]))
         self.store.save_history(self.watched.tag, self.epoch, self.history, learnt, reference)

@@ -101,6 +101,7 @@ class Sizes:
 def _rms_where_acting(gap: np.ndarray) -> float:
     """Root mean square of a difference where it acts: in the rows that carry its upper part."""
     gap = gap[np.isfinite(gap)]
-    acting = gap > 0.25 * np.quantile(gap, 0.99) if len(gap) else gap > 0
-    acting &= gap > 0.0
-    return float(np.sqrt(np.mean(gap[acting] ** 2))) if acting.any() else 0.0
+    if not gap.any():
+        return 0.0
+    acting = (gap > 0.25 * np.quantile(gap, 0.99)) & (gap > 0.0)
+    return float(np.sqrt(np.mean(gap[acting] ** 2)))
