@@ -24,7 +24,7 @@ from sklvalve.datasets.valve_days import write_plant
 
 VALVES, DAYS, ROWS = 3, 30, 700
 # a run is killed after so many seconds at most: beginning, learning and reading days all happen in them
-LONGEST = 20.0
+LONGEST = 7.0
 _CODE = "import sys; from sklvalve.cli import main; sys.exit(main(sys.argv[1:]))"
 
 
