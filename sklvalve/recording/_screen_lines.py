@@ -3,7 +3,6 @@
 
 from dataclasses import dataclass
 
-import numba as nb
 import numpy as np
 from numpy.typing import NDArray
 
@@ -45,7 +44,10 @@ def straight_lines(time: Values, values: Values, written: float) -> Lines | None
     time, values = time[known], values[known]
     if len(values) < 4 * _LEAST_ROWS or written <= 0.0:
         return None
-    ends = _ends(time, values, _ROOM * written)
+    # numba takes a while to load, and reading a recording needs none of it
+    from sklvalve.recording._longest_lines import longest_lines
+
+    ends = longest_lines(time, values, _ROOM * written)
     rows, rise, lasts = np.diff(ends), np.diff(values[ends]), np.diff(time[ends])
     slope = rise / lasts
     long = rows >= _LEAST_ROWS - 1
@@ -68,26 +70,6 @@ def straight_lines(time: Values, values: Values, written: float) -> Lines | None
 def different(slopes: Values, share: float = 0.3) -> bool:
     """Whether lines have slopes of their own, not that of a rate limit."""
     return len(np.unique(np.round(np.log(np.abs(slopes)) / 0.02))) >= share * min(len(slopes), 100)
-
-
-@nb.njit(cache=True)
-def _ends(time: Values, values: Values, room: float) -> NDArray[np.int64]:
-    """Rows in which the longest lines end that pass all rows between within `room`, one after the other."""
-    last = len(values) - 1
-    ends = np.zeros(last + 1, dtype=np.int64)
-    many, start = 1, 0
-    while start < last:
-        low, high, stop = -np.inf, np.inf, start + 1
-        for row in range(start + 1, last + 1):
-            lasts, rise = time[row] - time[start], values[row] - values[start]
-            if low <= rise / lasts <= high:
-                stop = row
-            low, high = max(low, (rise - room) / lasts), min(high, (rise + room) / lasts)
-            if low > high:
-                break
-        ends[many] = start = stop
-        many += 1
-    return ends[:many]
 
 
 def _in_corners(parts: Values) -> bool:
