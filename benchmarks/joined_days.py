@@ -10,10 +10,7 @@ FOLDER; started again it goes on.
 """
 
 import argparse
-import json
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +20,7 @@ from scipy.stats import kstest
 from benchmarks.concealed.plant import EFFECTS
 from benchmarks.concealed.record import valve_of
 from benchmarks.concealed.run import plain_lines
-from benchmarks.watch_years import GROWS, Days, share
+from benchmarks.watch_years import GROWS, Days, made_side_by_side, share
 from sklvalve import MissingPhysicsFinder
 from sklvalve.recording import InputError, Recording, join_recordings
 from sklvalve.recording.valve import Valve
@@ -102,16 +99,7 @@ def main(arguments=None):
     done = {(line["seed"], line["many"], line["told"] is not None) for line in lines}
     seeds = range(options.first, options.first + options.valves)
     work = [(s, many, faulty) for s in seeds for many in options.days for faulty in (False, True)]
-    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
-        jobs = [pool.submit(diagnosed, *each) for each in work if each not in done]
-        for job in as_completed(jobs):
-            if job.exception() is not None:
-                # one plant that cannot be drawn keeps no other from it
-                print(f"left out: {job.exception()}", flush=True)
-                continue
-            lines.append(job.result())
-            with file.open("a", encoding="utf-8") as stream:
-                stream.write(json.dumps(lines[-1], default=float) + "\n")
+    made_side_by_side(diagnosed, [each for each in work if each not in done], options.jobs, file, lines)
     for row in rows_of_table(lines):
         print(row)
 

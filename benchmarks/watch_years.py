@@ -39,6 +39,7 @@ from sklvalve.recording.valve import Valve
 from sklvalve.watch import watch
 from sklvalve.watch.plant import Commissioning, Watched
 from sklvalve.watch.plant import Plant as WatchedPlant
+from sklvalve.watch.record import Finding
 from sklvalve.watch.standing import DIAGNOSED, epochs_of, standing_of
 from sklvalve.watch.store import Store
 
@@ -222,14 +223,27 @@ def named_twice(calls):
 
     Of two days each: `sklvalve.watch.standing.DIAGNOSED`.
     """
-    members = [{name for each in call["names"] for name in each.split("/")} for call in calls]
+    found = [Finding(**(call | {"names": tuple(call["names"])})) for call in calls]
     return any(
-        calls[k]["names"]
-        and number(calls[k]["called"]) - number(calls[j]["called"]) >= DIAGNOSED
-        and all(members[j] & set(each.split("/")) for each in calls[k]["names"])
-        for k in range(len(calls))
-        for j in range(k)
+        one.shared_with(other)
+        for k, one in enumerate(found)
+        for other in found[:k]
+        if number(one.called) - number(other.called) >= DIAGNOSED
     )
+
+
+def made_side_by_side(task, work, jobs, file, lines):
+    """Add the line that a task makes of each piece of work to a file and to those that are there already."""
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        for job in as_completed([pool.submit(task, *each) for each in work]):
+            if job.exception() is not None:
+                # one plant that cannot be drawn keeps no other from it
+                print(f"left out: {job.exception()}", flush=True)
+                continue
+            lines.append(job.result())
+            with file.open("a", encoding="utf-8") as stream:
+                stream.write(json.dumps(lines[-1], default=float) + "\n")
+            print(f"{len(lines)} made", flush=True)
 
 
 def main(arguments=None):
@@ -250,20 +264,9 @@ def main(arguments=None):
     wanted = [(options.first + k, False) for k in range(options.sound)]
     wanted += [(options.first + k, True) for k in range(options.growing)]
     work = [w for w in wanted if (w[0], options.days, options.rows, w[1]) not in done]
-    with ProcessPoolExecutor(options.jobs, mp_context=get_context("spawn")) as pool:
-        jobs = [
-            pool.submit(watched, seed, options.days, options.rows, grows, options.folder / "work")
-            for seed, grows in work
-        ]
-        for job in as_completed(jobs):
-            if job.exception() is not None:
-                # one plant that cannot be drawn keeps no other from it
-                print(f"left out: {job.exception()}", flush=True)
-                continue
-            lines.append(job.result())
-            with file.open("a", encoding="utf-8") as stream:
-                stream.write(json.dumps(lines[-1], default=float) + "\n")
-            print(f"{len(lines)} valves", flush=True)
+    place = options.folder / "work"
+    work = [(seed, options.days, options.rows, grows, place) for seed, grows in work]
+    made_side_by_side(watched, work, options.jobs, file, lines)
     for what, told in rows_of_table(lines):
         print(f"| {what} | {told} |")
 

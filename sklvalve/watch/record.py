@@ -93,6 +93,11 @@ class Finding:
         """All names of its classes."""
         return frozenset(name for each in self.names for name in each.split("/"))
 
+    def shared_with(self, other: Finding) -> frozenset[str]:
+        """Names that another diagnosis gives as well; none unless these are of each of its classes."""
+        shared = self.members & other.members
+        return shared if all(shared & set(each.split("/")) for each in self.names) else frozenset()
+
 
 @dataclass(frozen=True)
 class Inspection:

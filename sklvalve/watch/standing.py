@@ -70,18 +70,12 @@ class Standing:
 
     @property
     def named_twice(self) -> frozenset[str]:
-        """Names that the last diagnosis shares with one that it shares no day with.
-
-        None unless these are of each of its classes.
-        """
+        """Names that the last diagnosis shares with one that it shares no day with."""
         if not self.calls:
             return frozenset()
         *before, (last, place) = zip(self.calls, self.places, strict=True)
-        for call, its_place in before:
-            shared = last.members & call.members
-            if place - its_place >= DIAGNOSED and all(shared & set(c.split("/")) for c in last.names):
-                return shared
-        return frozenset()
+        apart = (last.shared_with(call) for call, at in before if place - at >= DIAGNOSED)
+        return next(filter(None, apart), frozenset())
 
     @cached_property
     def trend(self) -> Trend:
