@@ -143,6 +143,30 @@ class ParameterVector:
         raw[self._log] = np.exp(raw[self._log])
         return dict(zip(self.names, raw.tolist(), strict=True))
 
+    def scattered(self, many, random, spreads):
+        """Vectors from all over what the parameters may be [many, n].
+
+        Parameters
+        ----------
+        many : int
+        random : numpy.random.Generator
+        spreads : float
+            How far from what is expected beforehand they lie at most, in its standard deviations. What is
+            expected of several parameters together they are drawn from.
+
+        Returns
+        -------
+        vectors : ndarray of shape (many, n)
+        """
+        expected = self.pack({})
+        reach = np.array([np.inf if p.spread is None else spreads * p.spread for p in self.parameters])
+        low, high = np.maximum(self.low, expected - reach), np.minimum(self.high, expected + reach)
+        vectors = random.uniform(low, high, (many, len(self)))
+        for at, mean, root in self._jointly:
+            drawn = random.standard_normal((many, len(at)))
+            vectors[:, at] = np.clip(mean + np.linalg.solve(root, drawn.T).T, self.low[at], self.high[at])
+        return vectors
+
     def prior_residuals(self, vector):
         """Distances from what is expected in prior standard deviations, for parameters that have a prior."""
         vector = np.asarray(vector)

@@ -4,7 +4,7 @@
 A stem sticks, hunts and stops, so the likelihood of its parameters has many valleys, and a fit ends in the
 one where it began. An effect whose fit ended in a poor one looks less likely than it is, and another gets its
 name. So every explanation of the opening, and nothing, is also begun at points from all over the box of its
-parameters.
+parameters, and from what a history expects of those that it knows.
 """
 
 from __future__ import annotations
@@ -49,26 +49,16 @@ def sampled_fit(problem: Problem, model: Model) -> Model:
     for misfit in problem.misfits(model, ("opening",)):
         if "actuator_coulomb" not in misfit.vector.names:
             continue
-        begun = [replace(model, values=misfit.values(z)) for z in _likeliest_points(misfit, model)]
+        begun = [replace(model, values=misfit.values(z)) for z in _likeliest_points(misfit)]
         rough = [problem.fit(model.terms, start=m, max_steps=_STEPS) for m in begun]
         best = sorted(rough, key=lambda m: m.log_likelihood, reverse=True)[:_FITTED]
         fits += [problem.fit(model.terms, start=m) for m in best]
     return max(fits, key=lambda m: m.log_likelihood)
 
 
-def _likeliest_points(misfit: Misfit, model: Model) -> list[np.ndarray]:
-    """Of points all over the box those that simulate the recording best, the best first.
-
-    A box ends where what is expected beforehand is left far behind. What a history knows of several
-    parameters together stays where the fit has it.
-    """
-    vector = misfit.vector
-    expected = vector.pack({})
-    reach = np.array([np.inf if p.spread is None else _SPREADS * p.spread for p in vector.parameters])
-    low, high = np.maximum(vector.low, expected - reach), np.minimum(vector.high, expected + reach)
-    points = np.random.default_rng(0).uniform(low, high, (_POINTS, len(vector)))
-    known = np.array([p.joint is not None for p in vector.parameters])
-    points = np.where(known, vector.pack(model.values), points)
+def _likeliest_points(misfit: Misfit) -> list[np.ndarray]:
+    """Of points all over what the parameters may be those that simulate the recording best, the best first."""
+    points = misfit.vector.scattered(_POINTS, np.random.default_rng(0), _SPREADS)
     misfit.chain.free_runs_ahead([misfit.values(z) for z in points])
     costs = [robust_cost(misfit.errors(z)) for z in points]
     return [points[k] for k in np.argsort(costs, kind="stable")[:_TRIED]]
