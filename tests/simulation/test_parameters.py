@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Parameters come back from the optimiser's vector as they went in, and inside their bounds."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from sklvalve.simulation.parameters import Parameter, ParameterVector
+from sklvalve.simulation.parameters import JointPrior, Parameter, ParameterVector
 
 PARAMETERS = (
     Parameter("lag", "s", 0.02, 3.0, 0.5, spread=1.5, log=True),
@@ -63,3 +65,28 @@ def test_no_parameters_at_all():
     vector = ParameterVector(())
     assert len(vector) == 0
     assert vector.values(vector.pack({"lag": 1.0})) == {}
+
+
+def test_scattered_vectors_fill_what_the_parameters_may_be():
+    bounded = PARAMETERS[:3]
+    vector = ParameterVector(bounded)
+    made = vector.scattered(400, np.random.default_rng(0), 2.0)
+    assert made.shape == (400, 3)
+    # two spreads about the start, inside the bounds, and the whole range where nothing is expected
+    lag = np.log(0.5)
+    np.testing.assert_allclose(made.min(axis=0), [lag - 3.0, -0.01, 0.0], atol=0.05)
+    np.testing.assert_allclose(made.max(axis=0), [np.log(3.0), 0.01, 4.0], atol=0.05)
+
+
+def test_what_is_expected_together_is_drawn_from_that():
+    covariance = np.array([[0.04, 0.0018], [0.0018, 1e-4]])
+    joint = JointPrior(("lag", "zero"), np.array([np.log(0.3), 0.002]), covariance)
+    known = [replace(p, joint=joint) for p in PARAMETERS[:2]]
+    vector = ParameterVector((PARAMETERS[2], *known))
+    made = vector.scattered(4000, np.random.default_rng(0), 2.0)
+    np.testing.assert_allclose(np.mean(made[:, 1:], axis=0), joint.mean, atol=0.01)
+    np.testing.assert_allclose(np.std(made[:, 1]), 0.2, rtol=0.05)
+    assert np.corrcoef(made[:, 1:].T)[0, 1] == pytest.approx(0.9, abs=0.05)
+    # and no further than is physically possible
+    assert made[:, 2].min() >= -0.01
+    assert made[:, 2].max() == 0.01

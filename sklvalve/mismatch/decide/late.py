@@ -130,7 +130,9 @@ def with_late_event(
     assert judged.p_value is not None
     p_value = min(judged.p_value, event.p_value)
     apart = {c: _without(noise[c], event.within[0], settled) for c in problem.channels}
-    finding = _named(problem.with_noise(apart), model, event, settled, effects)
+    # what the rows before leave unexplained may be what the last ones show, too
+    explained = judged.verdict in ("no_mismatch", "named")
+    finding = _named(problem.with_noise(apart), model, event, settled, effects if explained else ())
     judged = replace(
         judged,
         problem=problem,

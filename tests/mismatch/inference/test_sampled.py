@@ -6,6 +6,7 @@ from dataclasses import replace
 import pytest
 
 from sklvalve.datasets import make_valve_recording
+from sklvalve.history import ValveHistory
 from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference import calibrating
@@ -14,7 +15,9 @@ from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.inference.sampled import sampled_fit
 from sklvalve.recording import Recording, Valve
 
-FRICTION, LEAK = (next(e for e in CATALOGUE if e.key == key) for key in ("friction", "seat_leakage"))
+FRICTION, LEAK, BAND = (
+    next(e for e in CATALOGUE if e.key == key) for key in ("friction", "seat_leakage", "positioner_deadband")
+)
 
 
 def prepared(effect, strength, n_samples):
@@ -69,3 +72,21 @@ def test_a_calibration_that_only_its_old_noise_prefers_is_left(monkeypatch):
     assert kept is problem
     # nor does what was learnt for the trial come up later
     assert problem.with_noise_of(nominal, cautious=True).noise["opening"] is problem.noise["opening"]
+
+
+def test_beside_a_history_a_fit_ends_in_one_place_wherever_it_began():
+    history = ValveHistory().fit([prepared(None, None, 900).recording])
+    recording = prepared("positioner_deadband", 0.025, 900).recording
+    problem, nominal = calibrated(prepared_problem(recording, history=history))
+    gain = nominal.values["actuator_gain"]
+    begun_with = [
+        nominal.values | {"positioner_deadband.half_width": 0.002, "actuator_gain": gain * times}
+        for times in (0.3, 1.0, 3.0)
+    ]
+    terms = (Term(BAND),)
+    plain = [problem.fit(terms, start=problem.simulate(terms, values)) for values in begun_with]
+    met = [sampled_fit(problem, model) for model in plain]
+    likelihoods, sampled = ([m.log_likelihood for m in models] for models in (plain, met))
+    assert max(likelihoods) - min(likelihoods) > 5.0
+    assert max(sampled) - min(sampled) < 1.0
+    assert min(sampled) > max(likelihoods)
