@@ -130,9 +130,7 @@ def with_late_event(
     assert judged.p_value is not None
     p_value = min(judged.p_value, event.p_value)
     apart = {c: _without(noise[c], event.within[0], settled) for c in problem.channels}
-    # what the rows before leave unexplained may be what the last ones show, too
-    explained = judged.verdict in ("no_mismatch", "named")
-    finding = _named(problem.with_noise(apart), model, event, settled, effects if explained else ())
+    finding = _named(problem.with_noise(apart), model, event, settled, _may_be_new(judged, effects))
     judged = replace(
         judged,
         problem=problem,
@@ -150,6 +148,14 @@ def with_late_event(
         asked = rules.without(judged.rules, rules.OF_A_FIT)
         judged = replace(judged, verdict="named", model=model, findings=[finding, *others], rules=asked)
     return with_learnt(judged)
+
+
+def _may_be_new(judged: Judgement, effects: Sequence[Effect]) -> Sequence[Effect]:
+    """Effects that may have begun with an event, beside those that end what a valve does.
+
+    None where the rows before differ by what has no name: that may come and go, and be the event.
+    """
+    return effects if judged.verdict in ("no_mismatch", "named") else ()
 
 
 def _throughout(noise: NoiseModel, row: int) -> NoiseModel:

@@ -57,7 +57,7 @@ def sampled_fit(problem: Problem, model: Model) -> Model:
 
 
 def _likeliest_points(misfit: Misfit) -> list[np.ndarray]:
-    """Of points all over what the parameters may be those that simulate the recording best, the best first."""
+    """Of points all over what the parameters may be those that simulate the recording best, best first."""
     points = misfit.vector.scattered(_POINTS, np.random.default_rng(0), _SPREADS)
     misfit.chain.free_runs_ahead([misfit.values(z) for z in points])
     costs = [robust_cost(misfit.errors(z)) for z in points]

@@ -65,6 +65,16 @@ def test_a_change_counts_by_size_and_by_rarity():
     assert not stands_out(bench, Change(size=0.015, p_value=1e-9, **large), 0.01)
 
 
+@pytest.mark.parametrize("verdict", ["cannot_tell", "none_of_these"])
+def test_behind_a_difference_without_a_name_no_other_effect_has_begun(verdict):
+    assert list(module._may_be_new(SimpleNamespace(verdict=verdict), CATALOGUE)) == []
+
+
+@pytest.mark.parametrize("verdict", ["no_mismatch", "named"])
+def test_behind_what_is_known_any_effect_may_have_begun(verdict):
+    assert module._may_be_new(SimpleNamespace(verdict=verdict), CATALOGUE) is CATALOGUE
+
+
 def test_noise_of_the_rows_before_goes_on():
     white = np.where(np.arange(100) < 80, 4.0, np.inf)
     white[10] = np.inf
