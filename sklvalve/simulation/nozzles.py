@@ -5,6 +5,10 @@ from math import sqrt
 
 import numba as nb
 
+# from this ratio on air that flows back does so in proportion to what is missing from one
+_LAMINAR = 0.98
+_STEEP = sqrt(1.0 - ((_LAMINAR - 0.3) / 0.7) ** 2) / (1.0 - _LAMINAR)
+
 
 @nb.njit(cache=True, inline="always")
 def _nozzle(ratio):
@@ -21,9 +25,16 @@ def _nozzle(ratio):
 
 @nb.njit(cache=True, inline="always")
 def supply_nozzle(pressure, ps):
-    """Mass flow that fills a chamber, and its slope in the ratio of the pressures."""
-    share, slope = _nozzle(pressure / ps)
-    return ps * share, slope
+    """Mass flow that fills a chamber, below zero into a lower supply, and its slope in the pressure."""
+    if pressure <= ps:
+        share, slope = _nozzle(pressure / ps)
+        return ps * share, slope
+    ratio = ps / pressure
+    share, slope = _nozzle(ratio)
+    if ratio > _LAMINAR:
+        # by a line: upright at no flow, it would shake a chamber that has come to its supply
+        share, slope = _STEEP * (1.0 - ratio), -_STEEP
+    return -pressure * share, slope * ratio - share
 
 
 @nb.njit(cache=True, inline="always")

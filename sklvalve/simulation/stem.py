@@ -20,7 +20,8 @@ def positioner_and_actuator(
     error, by its integral (`reset`), and, by `feedback`, by how far the pressure is from the one that carries
     the spring to the command: so it holds a stuck stem with a pressure in proportion to the error; without,
     pressure builds up until the stem comes loose. The spool fills the chamber or vents it, by nozzles that
-    choke; the stem moves where pressure, spring and bristle friction with a Stribeck fall balance.
+    choke, and a supply that has fallen below the chamber takes air back; the stem moves where pressure,
+    spring and bristle friction with a Stribeck fall balance.
 
     .. math::
 

@@ -177,7 +177,9 @@ def _busy(state, seen, target, chamber, inlet, filling, drive, own):
         # it will not outrun the filter, which carries pressure and spring along
         wish = seen.far + _short(target, chamber.pressure, own)
         wish = own.gain * _beyond(wish, drive.band) + state.integral
-        wide = drive.capacity * min(abs(wish), 1.0) * (inlet if (wish >= 0.0) == filling else drive.supply)
+        wide = (
+            drive.capacity * min(abs(wish), 1.0) * (abs(inlet) if (wish >= 0.0) == filling else drive.supply)
+        )
         eases = 2.0 * abs(target - state.wanted) * own.per_filter_time
         busy = max(busy, min(wide * chamber.per_volume, eases))
     return busy
@@ -250,7 +252,9 @@ def _stiffness(state, chamber, limit, stiff, rising, drive):
 def _air(state, pace, seen, chamber, moved, inlet, slope, spool, hold, loose, drive, own):
     """Air of a step, implicit in pressure and error, between trapezoid (short) and backward Euler (long)."""
     h = pace.length
-    grip = inlet * own.gain * pace.followed
+    # against a supply that takes air back a wider spool does not help, and the positioner has no grip
+    pull = max(inlet, 0.0)
+    grip = pull * own.gain * pace.followed
     y = h * chamber.per_volume * drive.capacity * (grip + abs(slope * spool) * hold)
     theta = (hold + y) / (2.0 * hold + y)
     there = (1.0 - (1.0 - theta) * pace.old) * moved
@@ -264,14 +268,14 @@ def _air(state, pace, seen, chamber, moved, inlet, slope, spool, hold, loose, dr
             spool = 1.0 if spool > 0.0 else -1.0
             grip = 0.0
         else:
-            gauge = drive.capacity * inlet * own.gain * own.feedback
+            gauge = drive.capacity * pull * own.gain * own.feedback
     else:
         # within its dead band a positioner leaves the air as it is
         grip, spool = 0.0, 0.0
     fall = drive.capacity * abs(slope * spool) + chamber.lost_slope + gauge
     share = h / (1.0 + h * theta * fall * chamber.per_volume)
     inflow = (drive.capacity * inlet * spool - chamber.lost) * share
-    back = theta * (drive.capacity * grip * inlet - fall * chamber.stiffness) * share
+    back = theta * (drive.capacity * grip * pull - fall * chamber.stiffness) * share
     return _Air(inflow, back, grip, error, theta)
 
 

@@ -18,7 +18,8 @@ class SupplyPressureDrop(Effect):
 
     .. math:: x_{max} = ((1 - d) p_s - p_{low}) / (p_{high} - p_{low})
 
-    Filling is slow near that end; venting is as before.
+    Filling is slow near that end; venting is as before. A stem that stands higher comes down to that end: its
+    air goes back through the open spool.
     """
 
     name = key = "supply_pressure_drop"

@@ -205,7 +205,12 @@ def _keep_the_best(best: dict[str, Model], models: Iterable[Model]) -> None:
             best[m.terms[-1].effect.key] = m
 
 
-def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Model) -> list[Rival]:
+def weighed(
+    problem: Problem,
+    places: Sequence[tuple[Term, Model]],
+    without: Model,
+    gains: Sequence[float] | None = None,
+) -> list[Rival]:
     """Explanations in one place, with distances from the best and probabilities, the most probable first.
 
     Parameters
@@ -214,8 +219,11 @@ def weighed(problem: Problem, places: Sequence[tuple[Term, Model]], without: Mod
     places : list of (Term, Model)
     without : Model
         The hypothesis without any of them.
+    gains : sequence of float, default=None
+        Log likelihood that each gains on that; by the noise that each leaves unless given.
     """
-    gains = _gains_by_their_noise(problem, [fitted for _, fitted in places], without)
+    if gains is None:
+        gains = _gains_by_their_noise(problem, [fitted for _, fitted in places], without)
     best = max(gains)
     prices = [penalty_with_times(problem, fitted, term) for term, fitted in places]
     probabilities = posterior(np.array(gains) - np.array(prices), best)
