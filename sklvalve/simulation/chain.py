@@ -210,6 +210,15 @@ class Chain:
             run = play(run, values["link_play"])
         return self._through("stem", run, values)
 
+    def lowest(self, values):
+        """Opening below which something keeps the stem [1], a number where that is the same in all rows."""
+        low = 0.0
+        for effect in self.effects:
+            if effect.stops_stem:
+                limit, acting = effect.lowest(self._own(effect, values)), self.active(effect)
+                low = np.maximum(low, limit if acting is None else np.where(acting, limit, 0.0))
+        return low if np.ndim(low) else float(low)
+
     def free_runs_ahead(self, several):
         """Run the stem for several sets of values side by side, to have the results at hand later."""
         wanted = {key_of_free_run(self, values): values for values in several}

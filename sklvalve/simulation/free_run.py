@@ -28,7 +28,7 @@ def key_of_free_run(chain, values):
     """What a free run hangs on: runs of equal keys are the same."""
     own = [tuple((name, values[name]) for name in _of_actuator(tuple(values)))]
     for e in chain.effects:
-        if e.stage in _STAGES:
+        if e.stage in _STAGES or e.stops_stem:
             own.append((e.key, chain.onsets.get(e.key)))
             own += [(p.name, values[f"{e.key}.{p.name}"]) for p in e.parameters]
     return tuple(own)
@@ -86,6 +86,7 @@ def _driven_by_air(chain, command, values, through):
         "dead_band": np.full(n, 0.5 * values.get("actuator_dead_band", 0.0)),
     } | dict.fromkeys(FAULTS, 0.0)
     drive = through("actuator", drive, values)
+    drive["stop_high" if chain.air_closes else "stop_low"] = chain.lowest(values)
     start = chain.measured[:1] if chain.measured is not None else command[:1]
     start = start[0] if np.isfinite(start[0]) else 0.5
     if chain.air_closes:

@@ -45,7 +45,7 @@ def positioner_and_actuator(
     supply, coulomb, extra_stick, dead_band : ndarray of shape (n,)
         Absolute supply pressure; sliding friction; how far friction at rest exceeds it [all in travels of
         spring]; half width of the positioner's dead band [1].
-    faults : ndarray of shape (n, 10), or (0, 10) in a sound actuator
+    faults : ndarray of shape (n, 12), or (0, 12) in a sound actuator
         Columns as `sklvalve.simulation.faults.FAULTS` has them.
     filter_time, gain, reset, rate, feedback, vent, lag : float
         Time constant of the input [s], spool opening for an error [1], spool for the error's integral [1/s],
@@ -77,7 +77,8 @@ def positioner_and_actuator(
             drive = sound(told, spring, rate)
         else:
             f = faults[k]
-            drive = faulty(told, (f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9]), spring, rate)
+            own_faults = f[0], f[1], f[2], f[3], f[4], f[5], f[6], f[7], f[8], f[9], f[10], f[11]
+            drive = faulty(told, own_faults, spring, rate)
         state, pace = after_a_sample(state, pace, target, step[k], drive, own)
         out[k] = state.x
     return out

@@ -30,7 +30,7 @@ class Actuator(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """What acts in one row; forces in travels of the spring, `play` a half, `capacity` [1/s]."""
+    """What acts in one row; forces in travels of the spring, `play` a half, `capacity` [1/s], two stops."""
 
     supply: float
     slide: float
@@ -45,6 +45,8 @@ class Drive(NamedTuple):
     play: float
     bristle: float
     capacity: float
+    low: float
+    high: float
 
 
 class State(NamedTuple):
@@ -85,14 +87,14 @@ def sound(told, spring, rate):
     """Drive of a sound actuator from its supply, sliding friction, extra friction at rest and dead band."""
     supply, slide, stick, band = told
     slide = max(slide, _LEAST_FRICTION)
-    return Drive(supply, slide, stick, band, spring, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _BRISTLE, rate)
+    return Drive(supply, slide, stick, band, spring, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, _BRISTLE, rate, 0.0, 1.0)
 
 
 @compiled
 def faulty(told, faults, spring, rate):
-    """Drive of an actuator with `faults`, ten numbers as `sklvalve.simulation.faults.FAULTS` has them."""
+    """Drive of an actuator with `faults`, twelve numbers as `sklvalve.simulation.faults.FAULTS` has them."""
     supply, slide, stick, band = told
-    preload, softening, hardening, leak, rod, rod_from, load, play, bristle, capacity = faults
+    preload, softening, hardening, leak, rod, rod_from, load, play, bristle, capacity, low, high = faults
     return Drive(
         supply,
         max(slide, _LEAST_FRICTION),
@@ -107,6 +109,8 @@ def faulty(told, faults, spring, rate):
         0.5 * play,
         bristle if bristle > 0.0 else _BRISTLE,
         rate * (1.0 + capacity),
+        low,
+        1.0 - high,
     )
 
 

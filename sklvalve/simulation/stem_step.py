@@ -132,7 +132,7 @@ def _after_a_step(state, pace, target, remaining, drive, own):
     way, bend, back, speed = _way(
         state, pace, chamber, air, side * force, side, tight, ground, limit, stiff, drive
     )
-    x, way, speed = _within_travel(state.x, side, way, speed)
+    x, way, speed = _within_travel(state.x, side, way, speed, drive)
     mass = state.mass + air.inflow - side * back * way
     error = air.error - (side * air.theta * pace.followed * way if air.grip > 0.0 else 0.0)
     integral = min(max(state.integral + pace.length * own.reset * error, -0.2), 0.2)
@@ -305,7 +305,7 @@ def _way(state, pace, chamber, air, push, side, tight, ground, limit, stiff, dri
     """How far a force moves the stem, the bristles' bend then, what of the air comes back, and the speed."""
     bend, back = state.bend, air.back
     way, speed = 0.0, 0.0
-    if not ((state.x < 1.0) if side > 0.0 else (state.x > 0.0)):
+    if not ((state.x < drive.high) if side > 0.0 else (state.x > drive.low)):
         return way, bend, back, speed
     through = tight + back * chamber.per_volume + pace.drag
     if drive.rod * (state.x - drive.rod_from) > 0.0:
@@ -341,11 +341,12 @@ def _way(state, pace, chamber, air, push, side, tight, ground, limit, stiff, dri
 
 
 @compiled
-def _within_travel(x, side, way, speed):
+def _within_travel(before, side, way, speed, drive):
     """Opening after a way, the way up to the end of travel, and the speed, which ends there."""
-    x = x + side * way
-    if not 0.0 <= x <= 1.0:
-        end = 1.0 if x > 1.0 else 0.0
-        way, speed = way - abs(x - end), 0.0
-        x = end
+    x = before + side * way
+    if not drive.low <= x <= drive.high:
+        end = drive.high if x > drive.high else drive.low
+        # a stop that comes about takes along a stem that stands beyond it
+        way = way - abs(x - end) if drive.low <= before <= drive.high else side * (end - before)
+        x, speed = end, 0.0
     return x, way, speed

@@ -154,3 +154,18 @@ def test_lag_makes_the_same_share_of_every_step():
     np.testing.assert_allclose(
         effect.apply(0.1 * command, {"time_constant": 8.0}, chain)[5:], 0.1 * after, atol=1e-12
     )
+
+
+@pytest.mark.parametrize("fail", ["closed", "open"])
+def test_a_stem_leaves_what_blocks_it_when_its_chamber_is_filled_again(fail):
+    command = np.r_[np.full(20, 0.6), np.full(60, 0.05), np.full(60, 0.6)]
+    strong = WEAK_AIR | {"supply_pressure": 340.0, "fail": fail}
+    slow = VALUES | {"actuator_rate": 0.1}
+    sound = chain_of(command, actuator=strong).stem_of_free_run(slow)
+    blocked = chain_of(command, "clogging_closing", actuator=strong)
+    blocked = blocked.stem_of_free_run(slow | {"clogging_closing.limit": 0.3})
+    assert blocked[79] == pytest.approx(0.3, abs=1e-6)
+    assert blocked.min() == pytest.approx(0.3, abs=1e-6)
+    # a sound stem has further to go, and is back sooner than one whose chamber is empty
+    back = [80 + np.flatnonzero(stem[80:] > 0.4)[0] for stem in (sound, blocked)]
+    assert back[1] > back[0]

@@ -73,13 +73,22 @@ def test_a_bent_rod_rubs_beyond_where_it_begins():
 
 
 def test_a_stem_does_not_leave_its_travel():
-    assert stem_step._within_travel(0.95, 1.0, 0.2, 0.1) == pytest.approx((1.0, 0.05, 0.0))
-    assert stem_step._within_travel(0.05, -1.0, 0.2, 0.1) == pytest.approx((0.0, 0.05, 0.0))
-    assert stem_step._within_travel(0.5, -1.0, 0.2, 0.1) == pytest.approx((0.3, 0.2, 0.1))
+    assert stem_step._within_travel(0.95, 1.0, 0.2, 0.1, SOUND) == pytest.approx((1.0, 0.05, 0.0))
+    assert stem_step._within_travel(0.05, -1.0, 0.2, 0.1, SOUND) == pytest.approx((0.0, 0.05, 0.0))
+    assert stem_step._within_travel(0.5, -1.0, 0.2, 0.1, SOUND) == pytest.approx((0.3, 0.2, 0.1))
+
+
+@pytest.mark.parametrize(("before", "side", "after"), [(0.1, 1.0, 0.3), (0.1, -1.0, 0.3), (0.9, -1.0, 0.8)])
+def test_a_stop_takes_along_a_stem_that_stands_beyond_it(before, side, after):
+    narrow = SOUND._replace(low=0.3, high=0.8)
+    x, way, speed = stem_step._within_travel(before, side, 0.01, 0.1, narrow)
+    assert x == pytest.approx(after)
+    assert before + side * way == pytest.approx(after)
+    assert speed == 0.0
 
 
 def test_faults_change_what_they_say():
-    zeros = [0.0] * 10
+    zeros = [0.0] * 12
     same = stem_state.faulty((SUPPLY, 0.01, 0.0, 0.0), tuple(zeros), SPRING, 1.0)
     assert tuple(same) == pytest.approx(tuple(SOUND))
     for place, name, value in (
@@ -87,9 +96,11 @@ def test_faults_change_what_they_say():
         (7, "play", 0.02),
         (8, "bristle", 20.0),
         (9, "capacity", 1.5),
+        (10, "low", 0.2),
+        (11, "high", 0.7),
     ):
         wrong = list(zeros)
-        wrong[place] = {"play": 0.04, "capacity": 0.5}.get(name, value)
+        wrong[place] = {"play": 0.04, "capacity": 0.5, "high": 0.3}.get(name, value)
         drive = stem_state.faulty((SUPPLY, 0.01, 0.0, 0.0), tuple(wrong), SPRING, 1.0)
         changed = {k for k, v in drive._asdict().items() if v != pytest.approx(SOUND._asdict()[k])}
         assert changed == {name}

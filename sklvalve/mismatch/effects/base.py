@@ -126,6 +126,8 @@ class Effect:
     in_loop : bool
         Whether it is a sensor's that positioner and recording share; then `stops` says what it reads at both
         stops of the stem.
+    stops_stem : bool
+        Whether a stem driven by air runs against it; then `lowest` says where.
     grows : bool
         Whether it grows from its onset on, so that with another onset it is another signal.
     damadics : str
@@ -156,6 +158,7 @@ class Effect:
     grows = False
     motor = False
     in_loop = False
+    stops_stem = False
     needs: tuple = ()
     parameters: tuple = ()
 
@@ -187,6 +190,10 @@ class Effect:
     def beyond_tolerance(self, p: dict[str, float], chain: Chain, tolerance: Tolerance, late: bool) -> bool:
         """Whether parameters `p` lie beyond what a data sheet leaves open; `late`: it began in the record."""
         return True
+
+    def lowest(self, p: dict[str, float]) -> float:
+        """Opening below which it keeps the stem [1]."""
+        return 0.0
 
     def possible(self, chain: Chain) -> bool:
         """Whether the effect makes sense for this valve at all."""

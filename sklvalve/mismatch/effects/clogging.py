@@ -47,7 +47,8 @@ class Clogging(Effect):
 class ClosingBlocked(Clogging):
     r"""Something between plug and seat: the stem stops before the valve is shut, :math:`x' = \max(x, x_c)`.
 
-    The recorded opening shows it; the flow follows the opening as ever.
+    The recorded opening shows it; the flow follows the opening as ever. The positioner lets out the air of a
+    stem that it wants to shut, and has to fill the chamber again before that leaves the stop.
     """
 
     key = "clogging_closing"
@@ -60,6 +61,10 @@ class ClosingBlocked(Clogging):
     damadics = "f1"
     requires = "commands below 95 % opening"
     _left_alone = (0.005, 0.03, 0.15, 0.5)
+    stops_stem = True
+
+    def lowest(self, p: dict[str, float]) -> float:
+        return p["limit"]
 
     def apply(self, value: np.ndarray, p: dict[str, float], chain: Chain) -> np.ndarray:
         return np.maximum(value, p["limit"])
