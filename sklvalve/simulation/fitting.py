@@ -223,6 +223,8 @@ def _minimise(stacked, slopes, z, vector, max_steps, loss):
             # relative to each parameter's own curvature, with a little of its scale where there is none
             damped = hessian + damping * np.diag(np.diag(hessian) + 1e-6 / vector.scale**2)
             moved = z + step_inside(damped, gradient, vector.low - z, vector.high - z)
+            # by rounding it may end beyond a bound, and a file of such a fit is refused
+            moved = np.clip(moved, vector.low, vector.high)
             new_left = stacked(moved)
             new_cost = loss.cost(new_left)
             way = (moved - z) / vector.scale
