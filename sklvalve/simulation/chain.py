@@ -134,7 +134,7 @@ class Chain:
 
     def active(self, effect):
         """Rows in which an effect acts."""
-        times = self._times(effect)
+        times = self.times(effect)
         if times is None:
             return None
         acting = self._acting.get(times)
@@ -146,7 +146,7 @@ class Chain:
             self._acting[times] = acting
         return acting
 
-    def _times(self, effect):
+    def times(self, effect):
         """When an effect begins, stops, begins again [s, absolute]; None where it acts throughout."""
         times = self.onsets.get(effect.key)
         return None if times is None else tuple(np.atleast_1d(times).tolist())
@@ -211,11 +211,14 @@ class Chain:
         return self._through("stem", run, values)
 
     def lowest(self, values):
-        """Opening below which something keeps the stem [1], a number where that is the same in all rows."""
-        low = 0.0
+        """Opening below which something keeps the actuator [1], a number where that is alike in all rows.
+
+        What blocks the plug lets the actuator go on by the play between them.
+        """
+        low, play_left = 0.0, 0.5 * values.get("link_play", 0.0)
         for effect in self.effects:
             if effect.stops_stem:
-                limit, acting = effect.lowest(self._own(effect, values)), self.active(effect)
+                limit, acting = effect.lowest(self._own(effect, values)) - play_left, self.active(effect)
                 low = np.maximum(low, limit if acting is None else np.where(acting, limit, 0.0))
         return low if np.ndim(low) else float(low)
 

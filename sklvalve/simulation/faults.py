@@ -15,8 +15,8 @@ FAULTS = (
     "feedback_play",  # whole play between the stem and the positioner's lever [1]
     "bristle",  # stiffness of the friction's bristles in place of the ordinary one [travels of spring]
     "capacity",  # added to the spool's capacity, share of it [1]
-    "stop_low",  # what the stem is kept from at the spring's end of its travel [1]
-    "stop_high",  # and at the other end [1]
+    "stop_low",  # how much of its travel is closed to the stem where the spring drives it [1]
+    "stop_high",  # and where the air drives it [1]
 )
 
 

@@ -28,8 +28,11 @@ def key_of_free_run(chain, values):
     """What a free run hangs on: runs of equal keys are the same."""
     own = [tuple((name, values[name]) for name in _of_actuator(tuple(values)))]
     for e in chain.effects:
-        if e.stage in _STAGES or e.stops_stem:
-            own.append((e.key, chain.onsets.get(e.key)))
+        stops = e.stops_stem and not chain.electric
+        if stops:
+            own.append(("link_play", values.get("link_play")))
+        if stops or e.stage in _STAGES:
+            own.append((e.key, chain.times(e)))
             own += [(p.name, values[f"{e.key}.{p.name}"]) for p in e.parameters]
     return tuple(own)
 

@@ -99,10 +99,19 @@ def _nozzle(filling, pressure, drive, own):
 def after_a_sample(state, pace, target, step, drive, own):
     """State and pace one sample later, the input standing at `target` [1] for `step` [s]."""
     remaining = min(step, _SETTLED)
+    if not drive.low <= state.x <= drive.high:
+        state = _at_the_stop(state, drive)
     while remaining > 1e-9:
         state, pace = _after_a_step(state, pace, target, remaining, drive, own)
         remaining -= pace.length
     return state, pace
+
+
+@compiled
+def _at_the_stop(state, drive):
+    """State of a stem that a stop, new in this row, takes along from beyond it, its air shut in."""
+    x = min(max(state.x, drive.low), drive.high)
+    return State(x, state.mass, state.bend, 0.0, state.lever, state.felt, state.wanted, state.integral)
 
 
 @compiled
@@ -132,7 +141,7 @@ def _after_a_step(state, pace, target, remaining, drive, own):
     way, bend, back, speed = _way(
         state, pace, chamber, air, side * force, side, tight, ground, limit, stiff, drive
     )
-    x, way, speed = _within_travel(state.x, side, way, speed, drive)
+    x, way, speed = _within_travel(state.x + side * way, way, speed, drive)
     mass = state.mass + air.inflow - side * back * way
     error = air.error - (side * air.theta * pace.followed * way if air.grip > 0.0 else 0.0)
     integral = min(max(state.integral + pace.length * own.reset * error, -0.2), 0.2)
@@ -292,12 +301,14 @@ def _displacement(push, tight, held, stiff):
     for _ in range(4):
         fade = exp(-stiff * d)
         off = (push - tight * d - held * (1.0 - fade)) / (tight + steep * fade)
-        d += off
+        # no push drives a stem back
+        d = max(d + off, 0.0)
         off *= stiff
         fade *= 1.0 - off + 0.5 * off * off
         if abs(off) < 3e-3:
-            break
-    return d, fade
+            return d, fade
+    # still under way: the series for what is left holds near the end only
+    return d, exp(-stiff * d)
 
 
 @compiled
@@ -341,12 +352,10 @@ def _way(state, pace, chamber, air, push, side, tight, ground, limit, stiff, dri
 
 
 @compiled
-def _within_travel(before, side, way, speed, drive):
+def _within_travel(x, way, speed, drive):
     """Opening after a way, the way up to the end of travel, and the speed, which ends there."""
-    x = before + side * way
     if not drive.low <= x <= drive.high:
         end = drive.high if x > drive.high else drive.low
-        # a stop that comes about takes along a stem that stands beyond it
-        way = way - abs(x - end) if drive.low <= before <= drive.high else side * (end - before)
-        x, speed = end, 0.0
+        way, speed = way - abs(x - end), 0.0
+        x = end
     return x, way, speed

@@ -169,3 +169,23 @@ def test_a_stem_leaves_what_blocks_it_when_its_chamber_is_filled_again(fail):
     # a sound stem has further to go, and is back sooner than one whose chamber is empty
     back = [80 + np.flatnonzero(stem[80:] > 0.4)[0] for stem in (sound, blocked)]
     assert back[1] > back[0]
+
+
+def test_every_limit_of_what_blocks_a_valve_has_a_run_of_its_own():
+    command = np.r_[np.full(20, 0.6), np.full(60, 0.05)]
+    chain = chain_of(command, "clogging_closing", actuator=WEAK_AIR | {"supply_pressure": 340.0})
+    lowest = [run(chain, limit=limit).min() for limit in (0.3, 0.2, 0.3)]
+    assert lowest == pytest.approx([0.3, 0.2, 0.3], abs=1e-6)
+    later = chain.beside(chain.effects, {"clogging_closing": 50.0})
+    stem = run(later, limit=0.3)
+    assert stem[49] < 0.1
+    assert stem[-1] == pytest.approx(0.3, abs=1e-6)
+
+
+def test_the_play_behind_an_actuator_lets_it_go_on_where_the_plug_is_blocked():
+    command = np.r_[np.full(20, 0.6), np.full(60, 0.05)]
+    chain = chain_of(command, "clogging_closing", actuator=WEAK_AIR | {"supply_pressure": 340.0})
+    for play in (0.0, 0.04):
+        values = VALUES | {"clogging_closing.limit": 0.3, "link_play": play}
+        assert chain.lowest(values) == pytest.approx(0.3 - 0.5 * play)
+        assert chain.stem_of_free_run(values).min() == pytest.approx(0.3, abs=1e-6)

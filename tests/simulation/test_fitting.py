@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Fits inside bounds end inside them."""
+"""Fits end inside the bounds of the numbers that they move."""
 
 import numpy as np
 import pytest

@@ -72,19 +72,33 @@ def test_a_bent_rod_rubs_beyond_where_it_begins():
     assert stem_step._friction(_rest(0.8)[0], 0.0, bent)[0] == pytest.approx(0.05)
 
 
+def test_bristles_never_bend_back_however_the_search_for_the_way_ends():
+    rng = np.random.default_rng(0)
+    for push, tight, held, stiff in 10.0 ** rng.uniform([-6, 0, -5, 1], [1, 2, 0, 6], (20_000, 4)):
+        d, fade = stem_step._displacement(push, tight, held, stiff)
+        assert d >= 0.0
+        assert 0.0 <= fade <= 1.0 + 1e-9
+
+
 def test_a_stem_does_not_leave_its_travel():
-    assert stem_step._within_travel(0.95, 1.0, 0.2, 0.1, SOUND) == pytest.approx((1.0, 0.05, 0.0))
-    assert stem_step._within_travel(0.05, -1.0, 0.2, 0.1, SOUND) == pytest.approx((0.0, 0.05, 0.0))
-    assert stem_step._within_travel(0.5, -1.0, 0.2, 0.1, SOUND) == pytest.approx((0.3, 0.2, 0.1))
+    assert stem_step._within_travel(1.15, 0.2, 0.1, SOUND) == pytest.approx((1.0, 0.05, 0.0))
+    assert stem_step._within_travel(-0.15, 0.2, 0.1, SOUND) == pytest.approx((0.0, 0.05, 0.0))
+    assert stem_step._within_travel(0.3, 0.2, 0.1, SOUND) == pytest.approx((0.3, 0.2, 0.1))
 
 
-@pytest.mark.parametrize(("before", "side", "after"), [(0.1, 1.0, 0.3), (0.1, -1.0, 0.3), (0.9, -1.0, 0.8)])
-def test_a_stop_takes_along_a_stem_that_stands_beyond_it(before, side, after):
-    narrow = SOUND._replace(low=0.3, high=0.8)
-    x, way, speed = stem_step._within_travel(before, side, 0.01, 0.1, narrow)
-    assert x == pytest.approx(after)
-    assert before + side * way == pytest.approx(after)
-    assert speed == 0.0
+@pytest.mark.parametrize(("before", "after"), [(0.1, 0.3), (0.9, 0.8)])
+def test_a_stop_takes_along_a_stem_that_stands_beyond_it_and_shuts_in_its_air(before, after):
+    quick = stem_state.actuator(SPRING, AIR, 3.0, 25.0, 0.3, 0.0, 1.0, 0.0)
+    narrow = SOUND._replace(low=0.3, high=0.8, capacity=9.6)
+    state, pace = _rest(before, quick)
+    moved = stem_step._at_the_stop(state, narrow)
+    assert moved.x == after
+    assert moved.mass == state.mass
+    for _ in range(30):
+        state, pace = stem_step.after_a_sample(state, pace, before, 1.0, narrow, quick)
+        pressure = state.mass / (stem_state.DEAD_VOLUME + state.x)
+        assert AIR - 0.1 < pressure < SUPPLY + 0.1
+    assert state.x == pytest.approx(after, abs=1e-9)
 
 
 def test_faults_change_what_they_say():

@@ -26,6 +26,7 @@ from sklvalve.mismatch.search.rivals import Finding, weighed
 from sklvalve.mismatch.search.screening import screened
 from sklvalve.recording import Recording
 from sklvalve.simulation.noise import NoiseModel
+from sklvalve.simulation.parallel_map import parallel_map
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -153,7 +154,7 @@ def with_late_event(
 def _may_be_new(judged: Judgement, effects: Sequence[Effect]) -> Sequence[Effect]:
     """Effects that may have begun with an event, beside those that end what a valve does.
 
-    None where the rows before differ by what has no name: that may come and go, and be the event.
+    There are none where the rows before differ by what has no name: that may come and go, and be the event.
     """
     return effects if judged.verdict in ("no_mismatch", "named") else ()
 
@@ -196,10 +197,10 @@ def _named(
     onset = float(model.chain.clock[event.row])
     ends, usable = _may_have_begun(problem, model, event, effects)
     base = problem.judged(model)
-    # no race: few rows speak, and among many that explain them half is no class
+    # no race: few rows speak, and many effects explain them as well
     rough = screened(problem, base, usable, onset=onset, always=usable)
     end_keys = {e.key for e in ends}
-    fits = [problem.fit(m.terms, start=m, max_steps=_STEPS) for m in rough]
+    fits = parallel_map(lambda m: problem.fit(m.terms, start=m, max_steps=_STEPS), rough)
     without = problem.fit(model.terms, start=model, max_steps=_STEPS)
     places = [
         (m.terms[-1], m)

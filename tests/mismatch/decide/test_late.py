@@ -9,6 +9,7 @@ import pytest
 
 from benchmarks.late_plant import ENDS, record
 from sklvalve import MissingPhysicsFinder, Recording, Valve
+from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch.decide import late as module
 from sklvalve.mismatch.decide.late import before, stands_out
 from sklvalve.mismatch.effects import CATALOGUE, LATE
@@ -36,6 +37,18 @@ def test_an_event_of_the_last_rows_is_dated_and_named():
     (event,) = (e for e in told["effects"] if e["onset"] is not None and e["onset"] > 0.94 * ROWS)
     assert truth["name"] in [m["name"] for m in event["members"]]
     assert not told.get("reasons")
+
+
+@pytest.mark.slow
+def test_an_air_supply_that_falls_at_the_end_is_told_from_no_stem_that_stands_still():
+    made = make_valve_recording(
+        "supply_pressure_drop", 0.85, loop="closed", onset=1430.0, n_samples=1500, n_later=0, random_state=2
+    )
+    recording = Recording.from_frame(made.frame, Valve.from_dict(made.valve))
+    told = MissingPhysicsFinder(n_jobs=1, random_state=0).fit(recording).diagnosis_.to_dict()
+    (event,) = told["effects"]
+    assert event["onset"] > 1430.0
+    assert {"supply_pressure_drop", "stuck_valve"} <= {m["name"] for m in event["members"]}
 
 
 @pytest.mark.slow
