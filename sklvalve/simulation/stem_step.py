@@ -301,13 +301,14 @@ def _displacement(push, tight, held, stiff):
     for _ in range(4):
         fade = exp(-stiff * d)
         off = (push - tight * d - held * (1.0 - fade)) / (tight + steep * fade)
-        # no push drives a stem back
-        d = max(d + off, 0.0)
+        d += off
         off *= stiff
         fade *= 1.0 - off + 0.5 * off * off
         if abs(off) < 3e-3:
             return d, fade
-    # still under way: the series for what is left holds near the end only
+    # still under way, perhaps to nowhere: no push drives a stem back
+    if not d > 0.0:
+        return 0.0, 1.0
     return d, exp(-stiff * d)
 
 
