@@ -183,7 +183,9 @@ def fit_chain(
     z = np.clip(vector.pack(start or {}), vector.low + inside, vector.high - inside)
     z, cost, hessian, settled = _minimise(misfit.errors, misfit.slopes, z, vector, max_steps, loss or SOFT)
     spreads = _spreads(hessian, vector)
-    return ChannelFit(misfit.values(z), -cost, misfit.predictions(z), tuple(parameters), spreads, settled)
+    # by rounding a fit may end beyond a bound, and a file of such a value is refused
+    values = misfit.values(np.clip(z, vector.low, vector.high))
+    return ChannelFit(values, -cost, misfit.predictions(z), tuple(parameters), spreads, settled)
 
 
 @dataclass(frozen=True)
@@ -223,8 +225,6 @@ def _minimise(stacked, slopes, z, vector, max_steps, loss):
             # relative to each parameter's own curvature, with a little of its scale where there is none
             damped = hessian + damping * np.diag(np.diag(hessian) + 1e-6 / vector.scale**2)
             moved = z + step_inside(damped, gradient, vector.low - z, vector.high - z)
-            # by rounding it may end beyond a bound, and a file of such a fit is refused
-            moved = np.clip(moved, vector.low, vector.high)
             new_left = stacked(moved)
             new_cost = loss.cost(new_left)
             way = (moved - z) / vector.scale

@@ -5,19 +5,22 @@ import numpy as np
 import pytest
 
 from sklvalve.simulation import fitting
-from sklvalve.simulation.parameters import Parameter, ParameterVector
+from sklvalve.simulation.parameters import Parameter
 
 
-@pytest.mark.parametrize(("wanted", "end"), [(-1.0, 0.0), (2.0, 1.0)])
-def test_a_fit_that_ends_at_a_bound_does_not_lie_beyond_it_by_rounding(monkeypatch, wanted, end):
-    vector = ParameterVector([Parameter("share", "1", 0.0, 1.0, 0.5)])
-    exactly = fitting.step_inside
-    monkeypatch.setattr(fitting, "step_inside", lambda *given: exactly(*given) * (1.0 + 1e-15))
+class Chain:
+    """A flow that is one parameter in all rows."""
 
-    def slopes(z, left):
-        return np.full((1, 1), 10.0)
+    measured = None
+    recording = {"flow": np.full(50, 1.0)}  # noqa: RUF012
 
-    z, *_ = fitting._minimise(
-        lambda z: 10.0 * (z - wanted), slopes, np.array([0.5]), vector, 20, fitting.SOFT
-    )
-    assert z == end
+
+@pytest.mark.parametrize(("start", "beyond", "end"), [(0.5, -6.6e-24, 0.0), (0.5, 1.0 + 2e-16, 1.0)])
+def test_a_fit_that_ends_at_a_bound_does_not_lie_beyond_it_by_rounding(monkeypatch, start, beyond, end):
+    def ends_beyond(stacked, slopes, z, vector, max_steps, loss):
+        return np.array([beyond]), 1.0, np.eye(1), True
+
+    monkeypatch.setattr(fitting, "_minimise", ends_beyond)
+    monkeypatch.setattr(fitting, "simulate_channels", lambda chain, values, channels: {})
+    fit = fitting.fit_chain(Chain(), [Parameter("share", "1", 0.0, 1.0, start)], ("flow",), {})
+    assert fit.values["share"] == end
