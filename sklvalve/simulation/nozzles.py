@@ -30,10 +30,11 @@ def supply_nozzle(pressure, ps):
         share, slope = _nozzle(pressure / ps)
         return ps * share, slope
     ratio = ps / pressure
-    share, slope = _nozzle(ratio)
     if ratio > _LAMINAR:
         # by a line: upright at no flow, it would shake a chamber that has come to its supply
         share, slope = _STEEP * (1.0 - ratio), -_STEEP
+    else:
+        share, slope = _nozzle(ratio)
     return -pressure * share, slope * ratio - share
 
 

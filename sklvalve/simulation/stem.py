@@ -27,6 +27,8 @@ def positioner_and_actuator(
 
         \dot m = c\, s\, p_s \psi(p / p_s) \;\text{or}\; c\, s\, p\, \psi(p_a / p), \quad m = p (V_0 + x)
 
+        \dot m = -c\, s\, p\, \psi(p_s / p) \;\text{where the spool fills and}\; p > p_s
+
         p - p_0 - x = \sigma z + b \dot x, \quad \dot z = \dot x - |\dot x| \sigma z / F(\dot x)
 
     What the positioner feels of the stem passes a lag, :math:`\tau \dot x' = x - x'`: relays and converters

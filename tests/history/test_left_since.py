@@ -147,6 +147,18 @@ def test_an_effect_may_be_wrong_by_a_share_of_what_it_explains(learnt, after, sh
 
 
 @pytest.mark.slow
+def test_a_dozen_equal_pulses_are_told_and_get_no_name(learnt, after):
+    # a meter's zero in spells comes near to explaining them, so they are not said to be of no catalogue
+    pulses = 0.03 * np.nanmax(after["flow"]) * _pulses(len(after))
+    finder = MissingPhysicsFinder(history=learnt, random_state=0, n_jobs=1)
+    told = finder.fit(changed(after, flow=after["flow"] + pulses)).diagnosis_.content
+    assert told["verdict"] in ("none_of_these", "cannot_tell")
+    assert told["mismatch"]["p_value"] < 0.01
+    assert not told["effects"]
+    assert told["reasons"]
+
+
+@pytest.mark.slow
 def test_pulses_without_an_equation_are_new_and_none_of_the_known_effects(learnt, after):
     # more of them than spells of an effect: a meter's zero that comes and goes explains a dozen
     pulses = 0.03 * np.nanmax(after["flow"]) * (np.arange(len(after)) % 40 < 5)
