@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from functools import partial
 from numbers import Integral, Real
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -35,7 +36,7 @@ from sklvalve.mismatch.decide.behind import judged_behind
 from sklvalve.mismatch.decide.compare import compared
 from sklvalve.mismatch.decide.dated import dated
 from sklvalve.mismatch.decide.decision import decided
-from sklvalve.mismatch.decide.detect import covariates_of
+from sklvalve.mismatch.decide.detect import covariates_of, leaves_much
 from sklvalve.mismatch.decide.detection_limits import detection_limits
 from sklvalve.mismatch.decide.judging import Case, blocked, judge
 from sklvalve.mismatch.decide.kinds import with_kinds
@@ -503,6 +504,7 @@ class MissingPhysicsFinder(BaseEstimator):
                 most=self.max_effects,
                 hidden=[e for e in hidden if not is_in(e, bench.held)],
                 report=lambda done: self._say("comparing explanations", 0.1 + 0.7 * done),
+                leaves_much=partial(leaves_much, covariates),
             )
             comparison = compared(explanation, self.evidence)
             self._say("looking for the unknown", 0.8)

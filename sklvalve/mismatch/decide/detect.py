@@ -14,7 +14,7 @@ last rows (`late`), a change without a name (`dated`), what lies behind a proper
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.constants import LEAST_P_VALUE
+from sklvalve.mismatch.constants import LEAST_P_VALUE, NO_IMITATION
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
@@ -32,6 +32,7 @@ from sklvalve.mismatch.decide.null_reference import (
     NullLaw,
     survival,
 )
+from sklvalve.mismatch.residual.since_history import left_since
 from sklvalve.mismatch.search.relevance import standardized_effect_size
 from sklvalve.recording.dead_bands import flow_moved_by
 from sklvalve.simulation.calibration import drop_is_unknown
@@ -39,6 +40,7 @@ from sklvalve.simulation.given import ACTUATOR_STAGES
 
 if TYPE_CHECKING:
     from sklvalve.history.rehearsal import Rehearsal
+    from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.explain import Explanation, Tried
     from sklvalve.mismatch.search.rivals import Finding
@@ -277,6 +279,31 @@ def p_value_of_residual(evidence: Evidence) -> float:
         if evidence.residual is None
         else survival(evidence.law.residual, evidence.residual, evidence.covariates)
     )
+
+
+def leaves_much(
+    covariates: Covariates, problem: Problem, model: Model, channels: Collection[str]
+) -> bool | None:
+    """Whether a hypothesis leaves over more since the history than may be left for a name.
+
+    Parameters
+    ----------
+    covariates : Covariates
+    problem : Problem
+    model : Model
+    channels : collection of str
+        Those that are looked at.
+
+    Returns
+    -------
+    much : bool or None
+        None where it is not known what a healthy valve leaves.
+    """
+    asked = tuple(c for c in problem.channels if c in channels)
+    new = left_since(problem, problem.least_squares(model), asked)
+    if new is None:
+        return None
+    return survival(law_for(problem).residual, new.effect_size, covariates) <= NO_IMITATION
 
 
 def p_value_of_what_counts(findings: Sequence[Finding], tried: dict[str, Tried], problem: Problem) -> float:

@@ -217,9 +217,14 @@ def _upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list
         level = case.alpha if _shows_alone(case.problem, finding, stand) else _BESIDE * case.alpha
         if case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level):
             stand.append(finding)
-    if len(stand) < len(findings):
-        model = case.problem.fit(tuple(f.term for f in stand), start=model)
-    return stand, model
+    return stand, _fitted_with(case, stand, findings, model)
+
+
+def _fitted_with(case: Case, stand: Sequence[Finding], findings: Sequence[Finding], model: Model) -> Model:
+    """The model of some findings with those of them that stand."""
+    if len(stand) == len(findings):
+        return model
+    return case.problem.fit(tuple(f.term for f in stand), start=model)
 
 
 def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]) -> bool:
@@ -243,9 +248,11 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
             # of all recordings together, as the unknown is
             bare = case.problem.baseline(model, (), nominal)
             explained = case.problem.change_in_all(unknown.channel, model, bare)
-        of_fit, why = _of_fit(case, findings, model, weighed.evidence)
+        of_fit, kept, why = _of_fit(case, findings, model, weighed.evidence)
         asked += of_fit
-        findings = [] if why else findings
+        if kept:
+            model = _fitted_with(case, kept, findings, model)
+        findings = kept
     if unknown is not None and weighed.enough:
         asked.append(rules.residual(unknown.size, explained if findings else 0.0))
     verdict, findings = by_evidence(findings, unknown, weighed.enough, explained)
@@ -268,18 +275,40 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
 
 def _of_fit(
     case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence
-) -> tuple[list[rules.Rule], str]:
-    """Rules on the fit of findings, and why none of them may be named; empty where they may."""
+) -> tuple[list[rules.Rule], list[Finding], str]:
+    """Rules on the fit of findings, those that may be named, and why others may not; empty where all may."""
     asked = [rules.held_out(case.held_out_gain(findings[0]))]
     if not asked[-1].passed:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
-        return asked, not_upheld(findings)
-    new = case.left_where_they_act(findings, model)
-    if new is None:
-        return asked, ""
-    # an imitation leaves over what healthy valves do not, in the signals that it is to explain
-    asked.append(rules.history_noise(p_value_of_residual(replace(evidence, residual=new.effect_size))))
-    return asked, "" if asked[-1].passed else exceeds_noise(new, findings, case.problem)
+        return asked, [], not_upheld(findings)
+    kept: list[Finding] = []
+    outcomes: dict[float, rules.Rule] = {}
+    why = ""
+    for some in _by_signals(case.problem, findings):
+        new = case.left_where_they_act(some, model)
+        if new is None:
+            kept += some
+            continue
+        # an imitation leaves over what healthy valves do not, in the signals that it is to explain
+        p_value = p_value_of_residual(replace(evidence, residual=new.effect_size))
+        outcomes[p_value] = rules.history_noise(p_value)
+        if outcomes[p_value].passed:
+            kept += some
+        else:
+            why = exceeds_noise(new, some, case.problem)
+    # that of the signals which are explained, where any are: what acts on the others has no name
+    counting = [p_value for p_value, rule in outcomes.items() if rule.passed or not kept]
+    asked += [outcomes[p_value] for p_value in sorted(counting)[:1]]
+    return asked, [f for f in findings if f in kept], why
+
+
+def _by_signals(problem: Problem, findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Findings in groups of which each has signals of its own; one group where any two share some."""
+    groups: dict[frozenset[str], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault(frozenset(problem.touched_by([finding.term])), []).append(finding)
+    alone = sum(map(len, groups)) == len(frozenset().union(*groups))
+    return list(groups.values()) if alone else [list(findings)]
 
 
 def _elsewhere(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> LeftSince | None:

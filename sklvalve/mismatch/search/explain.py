@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
@@ -61,6 +61,8 @@ class Tried:
     over_time: OverTime = field(default_factory=OverTime)
 
 
+#: Whether a hypothesis leaves over more in some channels than a healthy valve does; None where not known.
+LeavesMuch = Callable[["Problem", "Model", Collection[str]], "bool | None"]
 _Gained = TypeVar("_Gained", Tried, "Finding")
 
 
@@ -104,6 +106,7 @@ def explain(
     most: int = 4,
     hidden: Sequence[Effect] = (),
     report: Report | None = None,
+    leaves_much: LeavesMuch | None = None,
 ) -> Explanation:
     """Search of the effects that the recording asks for.
 
@@ -123,12 +126,15 @@ def explain(
         No candidates, for data that hide them, but what is found may be one of them.
     report : callable, default=None
         Called with the share done.
+    leaves_much : callable, default=None
+        Called as ``leaves_much(problem, model, channels)``: whether a hypothesis leaves over more than a
+        healthy valve does beside its history; None where that is not known, as it is always unless given.
 
     Returns
     -------
     explanation : Explanation
     """
-    search = _Search(effects, threshold, most, report)
+    search = _Search(effects, threshold, most, report, leaves_much)
     problem, model = search.taken_up(problem, nominal)
     for last in (False, False, True):
         problem, model = _what_stands(problem, model, threshold)
@@ -164,7 +170,7 @@ class _Search:
 
     Parameters
     ----------
-    effects, threshold, most, report
+    effects, threshold, most, report, leaves_much
         As `explain` takes them.
 
     Attributes
@@ -183,9 +189,16 @@ class _Search:
         Every hypothesis that was settled by its own noise.
     """
 
-    def __init__(self, effects: Sequence[Effect], threshold: float, most: int, report: Report | None) -> None:
+    def __init__(
+        self,
+        effects: Sequence[Effect],
+        threshold: float,
+        most: int,
+        report: Report | None,
+        leaves_much: LeavesMuch | None,
+    ) -> None:
         self.effects, self.threshold = effects, threshold
-        self.most, self.report = most, report
+        self.most, self.report, self.leaves_much = most, report, leaves_much
         self.tried: dict[str, Tried] = {}
         self.acting: dict[str, Tried] = {}
         self.throughout: Model | None = None
@@ -287,16 +300,31 @@ class _Search:
             if not model.terms and may_explain(by_its_noise, settled, without):
                 self._note(problem, settled, without)
         if model.terms and counting:
-            so_far = penalised_by_its_noise(problem, model)
-            counting = [
-                (by_its_noise, m)
-                for by_its_noise, m in counting
-                if not explains_as_much(
-                    problem, model, m.terms[-1], so_far, penalised_by_its_noise(problem, m)
-                )
-            ]
+            counting = self._asking_for_more(problem, model, counting)
         nothing = problem.with_noise_of(model, cautious=True), None
         return max(counting, key=lambda one: penalised_across_noises(*one)) if counting else nothing
+
+    def _asking_for_more(
+        self, problem: Problem, model: Model, counting: Sequence[tuple[Problem, Model]]
+    ) -> list[tuple[Problem, Model]]:
+        """Hypotheses with one effect more that are no other name for one, for that leaves too much.
+
+        Noise learnt anew takes up what an effect would explain. A history knows better what noise is.
+        """
+        touched = [frozenset(problem.touched_by(m.terms[-1:])) for _, m in counting]
+        much: dict[frozenset[str], bool | None] = dict.fromkeys(touched)
+        if self.leaves_much is not None:
+            much = {channels: self.leaves_much(problem, model, channels) for channels in much}
+        so_far = penalised_by_its_noise(problem, model) if None in much.values() else 0.0
+
+        def asks(channels: frozenset[str], other: Model) -> bool:
+            known = much[channels]
+            if known is not None:
+                return known
+            of_other = penalised_by_its_noise(problem, other)
+            return not explains_as_much(problem, model, other.terms[-1], so_far, of_other)
+
+        return [one for channels, one in zip(touched, counting, strict=True) if asks(channels, one[1])]
 
 
 def _gained(problem: Problem, model: Model, without: Model) -> Tried:

@@ -147,6 +147,55 @@ def test_what_shows_in_a_signal_of_its_own(signals, coupled, alone):
     assert judging._shows_alone(problem, second, [first]) is alone
 
 
+@pytest.mark.parametrize(
+    ("shown", "leave_much", "kept", "passed"),
+    [
+        ({"a": "flow", "b": "opening"}, {"opening"}, "a", True),
+        ({"a": "flow", "b": "opening"}, {"flow"}, "b", True),
+        ({"a": "flow", "b": "opening"}, {"flow", "opening"}, "", False),
+        ({"a": "flow", "b": "opening"}, set(), "ab", True),
+        ({"a": "flow", "b": "flow", "c": "opening"}, {"opening"}, "ab", True),
+        ({"a": "flow", "b": "flow opening"}, {"opening"}, "", False),
+        ({"a": "flow", "b": "opening"}, {"flow", "opening", "not asked"}, "ab", None),
+    ],
+    ids=[
+        "one signal",
+        "the stronger one's",
+        "both",
+        "none",
+        "two in one",
+        "two share one",
+        "without a history",
+    ],
+)
+def test_what_is_explained_keeps_its_name_beside_a_signal_that_is_not(
+    monkeypatch, shown, leave_much, kept, passed
+):
+    findings = [SimpleNamespace(term=name) for name in shown]
+    problem = SimpleNamespace(
+        touched_by=lambda terms: {channel for term in terms for channel in shown[term].split()}
+    )
+
+    class Asked(_Case):
+        def left_where_they_act(self, findings, model):
+            if "not asked" in leave_much:
+                return None
+            met = leave_much & problem.touched_by([f.term for f in findings])
+            return SimpleNamespace(effect_size=9.0 if met else 0.1)
+
+    monkeypatch.setattr(
+        judging, "p_value_of_residual", lambda evidence: 0.001 if evidence.residual > 1.0 else 0.5
+    )
+    monkeypatch.setattr(judging, "exceeds_noise", lambda new, some, problem: "too much is left")
+    case = Asked(problem=problem, explanation=None, alpha=0.01, gains=dict.fromkeys(shown, 9.0), rarity={})
+    evidence = Evidence(1.0, 1.0, None, None)
+    asked, stand, why = judging._of_fit(case, findings, None, evidence)
+    assert "".join(f.term for f in stand) == kept
+    assert bool(why) is (len(stand) < len(findings))
+    of_noise = [rule.passed for rule in asked if rule.name == "history_noise"]
+    assert of_noise == ([] if passed is None else [passed])
+
+
 LEFT = LeftSince("opening", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)
 
 

@@ -14,7 +14,9 @@ from sklvalve.mismatch.search import explain, onset, own_noise, relevance, settl
 from sklvalve.mismatch.search.rivals import Rival
 from sklvalve.recording import Recording, Valve
 
-CLOGGING, LEAK = (next(e for e in CATALOGUE if e.key == key) for key in ("clogging", "seat_leakage"))
+CLOGGING, LEAK, DEAD = (
+    next(e for e in CATALOGUE if e.key == key) for key in ("clogging", "seat_leakage", "dead_time")
+)
 
 
 class _Bench:
@@ -137,6 +139,30 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
     monkeypatch.setattr(explain, "find_rivals", lambda *_, **__: [])
     explain.explain(bench, bench.fit(()), (), threshold=1.0)
     assert judged == [("first", "first"), ("cautious", "cautious")]
+
+
+@pytest.mark.parametrize("own_noise_asks", [True, False])
+@pytest.mark.parametrize(
+    ("much", "taken"),
+    [({"flow": True}, {LEAK}), ({"flow": False}, set()), ({"flow": True, "opening": True}, {LEAK, DEAD}),
+     ({"opening": True}, {DEAD}), (None, set())],
+)  # fmt: skip
+def test_beside_a_history_what_is_left_asks_for_one_effect_more(monkeypatch, own_noise_asks, much, taken):
+    """Noise learnt anew is asked only where a history does not say what a healthy valve leaves."""
+    touched = {LEAK: "flow", DEAD: "opening"}
+    problem = SimpleNamespace(touched_by=lambda terms: {touched[m.effect] for m in terms})
+    monkeypatch.setattr(explain, "penalised_by_its_noise", lambda problem, model: 0.0)
+    monkeypatch.setattr(explain, "explains_as_much", lambda *_: not own_noise_asks)
+
+    def leaves_much(bench, model, channels):
+        assert (bench, model) == (problem, "so far")
+        return (much or {}).get(*channels)
+
+    search = explain._Search((), 1.0, 4, None, None if much is None else leaves_much)
+    counting = [(None, SimpleNamespace(terms=(Term(CLOGGING), Term(effect)))) for effect in (LEAK, DEAD)]
+    found = {model.terms[-1].effect for _, model in search._asking_for_more(problem, "so far", counting)}
+    unknown = {effect for effect, channel in touched.items() if channel not in (much or {})}
+    assert found == taken | (unknown if own_noise_asks else set())
 
 
 def test_what_the_data_hide_is_no_candidate_and_stands_in_the_place_of_what_is_found(monkeypatch):
