@@ -42,8 +42,9 @@ if TYPE_CHECKING:
     from sklvalve.history.rehearsal import Rehearsal
     from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
-    from sklvalve.mismatch.search.explain import Explanation, Tried
+    from sklvalve.mismatch.search.explain import Explanation
     from sklvalve.mismatch.search.rivals import Finding
+    from sklvalve.mismatch.search.taking_up import Tried
 
 # shares of the level that each look at a recording gets; the residual seldom sees what the effects do not
 _SHARES = {"throughout": 0.225, "stem": 0.225, "within": 0.3, "residual": 0.25}

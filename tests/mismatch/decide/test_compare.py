@@ -15,8 +15,8 @@ from sklvalve.mismatch.constants import IN_CLASS
 from sklvalve.mismatch.decide import compare, rules
 from sklvalve.mismatch.decide.compare import Comparison, HeldOut, Row, compared
 from sklvalve.mismatch.inference.hypothesis import Term
-from sklvalve.mismatch.search.explain import Tried
 from sklvalve.mismatch.search.rivals import Finding, Rival
+from sklvalve.mismatch.search.taking_up import Tried
 from sklvalve.recording import Recording, Valve
 
 BY_KEY = {effect.key: effect for effect in CATALOGUE}

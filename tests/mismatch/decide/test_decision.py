@@ -15,9 +15,9 @@ from sklvalve.mismatch.decide.detect import p_value_of_what_counts
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.next_test.suggestions import next_test
-from sklvalve.mismatch.search.explain import Tried
 from sklvalve.mismatch.search.onset import best_onset
 from sklvalve.mismatch.search.rivals import Rival, class_of
+from sklvalve.mismatch.search.taking_up import Tried
 from sklvalve.simulation.fitting import PlainNoise
 
 EFFECTS = {effect.key: effect for effect in CATALOGUE}

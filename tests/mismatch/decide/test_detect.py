@@ -26,10 +26,10 @@ from sklvalve.mismatch.decide.null_reference import (
     survival,
 )
 from sklvalve.mismatch.inference.hypothesis import Term
-from sklvalve.mismatch.search.explain import Tried
 from sklvalve.mismatch.search.relevance import standardized_effect_size as effect_size
 from sklvalve.mismatch.search.rivals import Finding
 from sklvalve.mismatch.search.scatter import OverTime
+from sklvalve.mismatch.search.taking_up import Tried
 
 EFFECTS, BEGUN, RESIDUAL = AGAINST_SHEET.throughout, AGAINST_SHEET.within, AGAINST_SHEET.residual
 TABLES = [table for law in (AGAINST_SHEET, AGAINST_HISTORY) for table in law.tables.values()]

@@ -11,7 +11,7 @@ from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import judging
 from sklvalve.mismatch.decide.detect import Evidence
 from sklvalve.mismatch.residual.since_history import LeftSince
-from sklvalve.mismatch.search.explain import Tried
+from sklvalve.mismatch.search.taking_up import Tried
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
 from tests.mismatch.conftest import record

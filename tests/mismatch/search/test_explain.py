@@ -10,7 +10,7 @@ from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import MissingPhysicsFinder
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.hypothesis import Term, complexity_penalty
-from sklvalve.mismatch.search import explain, onset, own_noise, relevance, settling
+from sklvalve.mismatch.search import explain, onset, own_noise, relevance, settling, taking_up
 from sklvalve.mismatch.search.rivals import Rival
 from sklvalve.recording import Recording, Valve
 
@@ -132,7 +132,7 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
 
     bench = Bench()
     better = iter([SimpleNamespace(terms=(place,)), None])
-    monkeypatch.setattr(explain._Search, "taken_up", taken_up)
+    monkeypatch.setattr(explain.Search, "taken_up", taken_up)
     monkeypatch.setattr(explain, "_what_stands", what_stands)
     monkeypatch.setattr(explain, "_better_in_place", lambda *_: next(better))
     monkeypatch.setattr(explain, "settled_fit", lambda b, model: (b, model))
@@ -151,16 +151,16 @@ def test_beside_a_history_what_is_left_asks_for_one_effect_more(monkeypatch, own
     """Noise learnt anew is asked only where a history does not say what a healthy valve leaves."""
     touched = {LEAK: "flow", DEAD: "opening"}
     problem = SimpleNamespace(touched_by=lambda terms: {touched[m.effect] for m in terms})
-    monkeypatch.setattr(explain, "penalised_by_its_noise", lambda problem, model: 0.0)
-    monkeypatch.setattr(explain, "explains_as_much", lambda *_: not own_noise_asks)
+    monkeypatch.setattr(taking_up, "penalised_by_its_noise", lambda problem, model: 0.0)
+    monkeypatch.setattr(taking_up, "explains_as_much", lambda *_: not own_noise_asks)
 
     def leaves_much(bench, model, channels):
         assert (bench, model) == (problem, "so far")
         return (much or {}).get(*channels)
 
-    search = explain._Search((), 1.0, 4, None, None if much is None else leaves_much)
+    search = taking_up.Search((), 1.0, 4, None, None if much is None else leaves_much)
     counting = [(None, SimpleNamespace(terms=(Term(CLOGGING), Term(effect)))) for effect in (LEAK, DEAD)]
-    found = {model.terms[-1].effect for _, model in search._asking_for_more(problem, "so far", counting)}
+    found = {model.terms[-1].effect for _, model in search._adding(problem, "so far", counting)}
     unknown = {effect for effect, channel in touched.items() if channel not in (much or {})}
     assert found == taken | (unknown if own_noise_asks else set())
 
@@ -168,7 +168,7 @@ def test_beside_a_history_what_is_left_asks_for_one_effect_more(monkeypatch, own
 def test_what_the_data_hide_is_no_candidate_and_stands_in_the_place_of_what_is_found(monkeypatch):
     asked = {}
     bench = SimpleNamespace(fit=lambda members, **_: SimpleNamespace(terms=members, log_likelihood=0.0))
-    monkeypatch.setattr(explain._Search, "taken_up", lambda s, p, m: asked.update(search=s.effects) or (p, m))
+    monkeypatch.setattr(explain.Search, "taken_up", lambda s, p, m: asked.update(search=s.effects) or (p, m))
     monkeypatch.setattr(explain, "_what_stands", lambda problem, model, _: (problem, model))
 
     def rivals(problem, model, effects, *_, **__):
