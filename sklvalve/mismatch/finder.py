@@ -33,12 +33,13 @@ from sklvalve.mismatch.data.preparation import (
 )
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.behind import judged_behind
+from sklvalve.mismatch.decide.case import Case
 from sklvalve.mismatch.decide.compare import compared
 from sklvalve.mismatch.decide.dated import dated
 from sklvalve.mismatch.decide.decision import decided
 from sklvalve.mismatch.decide.detect import covariates_of, leaves_much
 from sklvalve.mismatch.decide.detection_limits import detection_limits
-from sklvalve.mismatch.decide.judging import Case, blocked, judge
+from sklvalve.mismatch.decide.judging import blocked, judge
 from sklvalve.mismatch.decide.kinds import with_kinds
 from sklvalve.mismatch.decide.known_before import known_before
 from sklvalve.mismatch.decide.late import before, late_event, with_late_event

@@ -6,10 +6,12 @@ In the order in which a diagnosis comes by them:
 `compare`, `records`
     The table of all hypotheses; their posterior is `mismatch.inference.posterior`.
 `detect`, `null_reference`
-    The p-value: how strong a mismatch looks, among healthy recordings. `judging` holds it against alpha.
+    The p-value: how strong a mismatch looks, among healthy recordings.
+`case`, `weighing`, `standing`
+    What a judgement is made on; whether it is enough for a mismatch, at alpha; which findings may be named.
 `judging`, `rules`, `reasons`
-    What stands of the findings, rule after rule. Limits are in `mismatch.constants`, a rule's sentence is its
-    own, and those of a verdict without a name are in `reasons`.
+    The judgement, rule after rule. Limits are in `mismatch.constants`, a rule's sentence is its own, and
+    those of a verdict without a name are in `reasons`.
 `judgement`
     The frozen result, which the steps below replace by another.
 `behind`, `late`, `stretches`

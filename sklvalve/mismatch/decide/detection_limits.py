@@ -27,7 +27,7 @@ from sklvalve.simulation.given import ACTUATOR_STAGES
 from sklvalve.simulation.parallel_map import parallel_map
 
 if TYPE_CHECKING:
-    from sklvalve.mismatch.decide.judging import Case
+    from sklvalve.mismatch.decide.case import Case
     from sklvalve.mismatch.decide.null_reference import Covariates
     from sklvalve.mismatch.effects import Effect
     from sklvalve.mismatch.effects.base import Quantity

@@ -8,10 +8,11 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from sklvalve.history.rehearsal import Rehearsal
+from sklvalve.mismatch.decide.case import Case
 from sklvalve.mismatch.decide.compare import EMPTY
 from sklvalve.mismatch.decide.detect import covariates_of, p_value_of_looks
-from sklvalve.mismatch.decide.judging import Case, evidence_of
 from sklvalve.mismatch.decide.null_reference import AGAINST_HISTORY, share_beyond
+from sklvalve.mismatch.decide.weighing import evidence_of
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.search.explain import explain
 

@@ -8,7 +8,8 @@ import pytest
 
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.constants import HELD_OUT_ERRORS
-from sklvalve.mismatch.decide import judging
+from sklvalve.mismatch.decide import case as case_module
+from sklvalve.mismatch.decide import judging, standing, weighing
 from sklvalve.mismatch.decide.detect import Evidence
 from sklvalve.mismatch.residual.since_history import LeftSince
 from sklvalve.mismatch.search.taking_up import Tried
@@ -42,8 +43,8 @@ def test_suspected_is_what_comes_near_the_best():
 )
 def test_a_weak_finding_stands_where_the_mismatch_is_told_without_it(monkeypatch, rarity, named):
     """Under its own noise the leak is no clear one; that something is missing the first look told already."""
-    monkeypatch.setattr(judging, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
-    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: rarity)
+    monkeypatch.setattr(weighing, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
+    monkeypatch.setattr(case_module, "p_value_of_one", lambda *_: rarity)
     leaking = record("seat_leakage", 0.05, random_state=1)
     found = MissingPhysicsFinder(effects=["seat_leakage", "flow_meter_bias", "line_loss"]).fit(leaking)
     told = found.diagnosis_.to_dict()
@@ -58,9 +59,9 @@ def test_a_weak_finding_stands_where_the_mismatch_is_told_without_it(monkeypatch
 def test_the_p_value_told_is_that_which_decided(monkeypatch):
     """With the finding chance is not ruled out, without it it is: what is named then stands by the latter."""
     first = iter([0.012])
-    monkeypatch.setattr(judging, "mismatch_p_value", lambda evidence: next(first, 1e-5))
-    monkeypatch.setattr(judging, "p_value_of_what_counts", lambda *_: 1e-6)
-    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: 1e-4)
+    monkeypatch.setattr(weighing, "mismatch_p_value", lambda evidence: next(first, 1e-5))
+    monkeypatch.setattr(weighing, "p_value_of_what_counts", lambda *_: 1e-6)
+    monkeypatch.setattr(case_module, "p_value_of_one", lambda *_: 1e-4)
     leaking = record("seat_leakage", 0.05, random_state=1)
     told = MissingPhysicsFinder(effects=["seat_leakage", "line_loss"]).fit(leaking).diagnosis_.to_dict()
     assert (told["verdict"], told["mismatch"]["detected"]) == ("named", True)
@@ -69,8 +70,8 @@ def test_the_p_value_told_is_that_which_decided(monkeypatch):
 
 @pytest.mark.slow
 def test_what_may_not_be_named_tells_when_and_in_which_rows_it_acts(monkeypatch):
-    monkeypatch.setattr(judging, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
-    monkeypatch.setattr(judging, "p_value_of_one", lambda *_: 0.2)
+    monkeypatch.setattr(weighing, "p_value_of_what_counts", lambda findings, *_: 0.05 if findings else 1e-6)
+    monkeypatch.setattr(case_module, "p_value_of_one", lambda *_: 0.2)
     leaking = record("seat_leakage", 0.05, random_state=1, onset=900.0)
     found = MissingPhysicsFinder(effects=["seat_leakage", "flow_meter_bias", "line_loss"]).fit(leaking)
     told, flagged = found.diagnosis_.to_dict(), found.diagnosis_.traces["flagged"]
@@ -127,11 +128,11 @@ CLEAR, RARE, USUAL = 5e-5, 5e-3, 0.02
     ],
 )
 def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(monkeypatch, gains, rarity, alone, kept):
-    monkeypatch.setattr(judging, "_shows_alone", lambda *_: alone)
+    monkeypatch.setattr(standing, "_shows_alone", lambda *_: alone)
     findings = [SimpleNamespace(term=name) for name in "abc"]
     problem, search = SimpleNamespace(fit=lambda terms, start: terms), SimpleNamespace(nominal=None)
     case = _Case(problem=problem, explanation=search, alpha=0.01, gains=gains, rarity=rarity)
-    stand, model = judging._upheld(case, findings, tuple(f.term for f in findings))
+    stand, model = standing.upheld(case, findings, tuple(f.term for f in findings))
     assert "".join(f.term for f in stand) == "".join(model) == kept
 
 
@@ -144,7 +145,7 @@ def test_what_shows_in_a_signal_of_its_own(signals, coupled, alone):
     problem = SimpleNamespace(
         coupled=coupled, touched_by=lambda terms: {c for m in terms for c in shown[m.effect]}
     )
-    assert judging._shows_alone(problem, second, [first]) is alone
+    assert standing._shows_alone(problem, second, [first]) is alone
 
 
 @pytest.mark.parametrize(
@@ -184,12 +185,12 @@ def test_what_is_explained_keeps_its_name_beside_a_signal_that_is_not(
             return SimpleNamespace(effect_size=9.0 if met else 0.1)
 
     monkeypatch.setattr(
-        judging, "p_value_of_residual", lambda evidence: 0.001 if evidence.residual > 1.0 else 0.5
+        standing, "p_value_of_residual", lambda evidence: 0.001 if evidence.residual > 1.0 else 0.5
     )
-    monkeypatch.setattr(judging, "exceeds_noise", lambda new, some, problem: "too much is left")
+    monkeypatch.setattr(standing, "exceeds_noise", lambda new, some, problem: "too much is left")
     case = Asked(problem=problem, explanation=None, alpha=0.01, gains=dict.fromkeys(shown, 9.0), rarity={})
     evidence = Evidence(1.0, 1.0, None, None)
-    asked, stand, why = judging._of_fit(case, findings, None, evidence)
+    asked, stand, why = standing.of_fit(case, findings, None, evidence)
     assert "".join(f.term for f in stand) == kept
     assert bool(why) is (len(stand) < len(findings))
     of_noise = [rule.passed for rule in asked if rule.name == "history_noise"]
@@ -214,15 +215,15 @@ def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
     monkeypatch, touched, channels, asked
 ):
     monkeypatch.setattr(
-        judging, "left_since", lambda problem, model, channels: channels if problem.history else None
+        case_module, "left_since", lambda problem, model, channels: channels if problem.history else None
     )
-    monkeypatch.setattr(judging.Case, "residual_of", lambda case, model: SimpleNamespace(fitted=model))
+    monkeypatch.setattr(case_module.Case, "residual_of", lambda case, model: SimpleNamespace(fitted=model))
     problem = SimpleNamespace(
         channels=("opening", "flow"),
         touched_by=lambda terms: {c for _ in terms for c in touched},
         history="learnt",
     )
-    case = judging.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0, channels)
+    case = case_module.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0, channels)
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
     assert case.left_where_they_act([finding], None) == asked
     problem.history = None
@@ -235,9 +236,9 @@ def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
     ids=["elsewhere", "by chance", "where it acts"],
 )
 def test_what_differs_in_another_signal_is_kept_beside_a_name(monkeypatch, touched, rare, kept):
-    monkeypatch.setattr(judging, "_is_rare", lambda case, evidence: rare and evidence.residual == 5.0)
+    monkeypatch.setattr(standing, "leaves_rare", lambda case, evidence: rare and evidence.residual == 5.0)
     problem = SimpleNamespace(touched_by=lambda terms: {c for _ in terms for c in touched})
     case = SimpleNamespace(problem=problem, residual_of=lambda model: SimpleNamespace(new=LEFT))
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
-    new = judging._elsewhere(case, [finding], None, Evidence(0.0, 0.0, 1.0, None))
+    new = standing.elsewhere(case, [finding], None, Evidence(0.0, 0.0, 1.0, None))
     assert new is (LEFT if kept else None)

@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Which findings may be named: what is rare, gains on rows left out, and explains its signals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS
+from sklvalve.mismatch.decide import rules
+from sklvalve.mismatch.decide.detect import Evidence, p_value_of_residual
+from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld
+from sklvalve.mismatch.decide.weighing import leaves_rare
+from sklvalve.mismatch.residual.since_history import LeftSince
+
+if TYPE_CHECKING:
+    from sklvalve.mismatch.decide.case import Case
+    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.search.rivals import Finding
+
+# of the level of an alarm, what is named beside a stronger effect of the same signals
+_BESIDE = 0.1
+
+
+def upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[Finding], Model]:
+    """The strongest finding and those beside it that may be named, and the model with them.
+
+    One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
+    alarm and gains on rows left out is named in signals of its own; to be named beside a stronger one of the
+    same signals it must be ten times as rare.
+
+    Parameters
+    ----------
+    case : Case
+    findings : sequence of Finding
+        The strongest first.
+    model : Model
+        With all of them.
+
+    Returns
+    -------
+    stand : list of Finding
+    model : Model
+        With these.
+    """
+    if not findings:
+        return [], model
+    stand = [findings[0]]
+    for finding in findings[1:]:
+        level = case.alpha if _shows_alone(case.problem, finding, stand) else _BESIDE * case.alpha
+        if case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level):
+            stand.append(finding)
+    return stand, fitted_with(case, stand, findings, model)
+
+
+def fitted_with(case: Case, stand: Sequence[Finding], findings: Sequence[Finding], model: Model) -> Model:
+    """The model of some findings with those of them that stand.
+
+    Parameters
+    ----------
+    case : Case
+    stand, findings : sequence of Finding
+        Those that stand, and all.
+    model : Model
+        With all of them.
+    """
+    if len(stand) == len(findings):
+        return model
+    return case.problem.fit(tuple(f.term for f in stand), start=model)
+
+
+def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]) -> bool:
+    """Whether a finding shows in no signal in which a stronger one does."""
+    if problem.coupled:
+        return False
+    elsewhere = problem.touched_by(f.term for f in stronger)
+    return elsewhere.isdisjoint(problem.touched_by([finding.term]))
+
+
+def of_fit(
+    case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence
+) -> tuple[list[rules.Rule], list[Finding], str]:
+    """Rules on the fit of findings, and what they leave of these.
+
+    Parameters
+    ----------
+    case : Case
+    findings : sequence of Finding
+        The strongest first.
+    model : Model
+        With all of them.
+    evidence : Evidence
+
+    Returns
+    -------
+    asked : list of Rule
+    kept : list of Finding
+        Those that may be named.
+    why : str
+        Why others may not; empty where all may.
+    """
+    asked = [rules.held_out(case.held_out_gain(findings[0]))]
+    if not asked[-1].passed:
+        # blocks that the fit had not seen speak against it: no name is better than a wrong one
+        return asked, [], not_upheld(findings)
+    kept: list[Finding] = []
+    outcomes: dict[float, rules.Rule] = {}
+    why = ""
+    for some in _by_signals(case.problem, findings):
+        new = case.left_where_they_act(some, model)
+        if new is None:
+            kept += some
+            continue
+        # an imitation leaves over what healthy valves do not, in the signals that it is to explain
+        p_value = p_value_of_residual(replace(evidence, residual=new.effect_size))
+        outcomes[p_value] = rules.history_noise(p_value)
+        if outcomes[p_value].passed:
+            kept += some
+        else:
+            why = exceeds_noise(new, some, case.problem)
+    # that of the signals which are explained, where any are: what acts on the others has no name
+    counting = [p_value for p_value, rule in outcomes.items() if rule.passed or not kept]
+    asked += [outcomes[p_value] for p_value in sorted(counting)[:1]]
+    return asked, [f for f in findings if f in kept], why
+
+
+def _by_signals(problem: Problem, findings: Sequence[Finding]) -> list[list[Finding]]:
+    """Findings in groups of which each has signals of its own; one group where any two share some."""
+    groups: dict[frozenset[str], list[Finding]] = {}
+    for finding in findings:
+        groups.setdefault(frozenset(problem.touched_by([finding.term])), []).append(finding)
+    alone = sum(map(len, groups)) == len(frozenset().union(*groups))
+    return list(groups.values()) if alone else [list(findings)]
+
+
+def elsewhere(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> LeftSince | None:
+    """What differs from the history in a signal that no finding changes.
+
+    Parameters
+    ----------
+    case : Case
+    findings : sequence of Finding
+    model : Model
+        With them.
+    evidence : Evidence
+
+    Returns
+    -------
+    new : LeftSince or None
+        None where nothing rare does.
+    """
+    new = case.residual_of(model).new
+    if new is None or new.channel in case.problem.touched_by(f.term for f in findings):
+        return None
+    return new if leaves_rare(case, replace(evidence, residual=new.effect_size)) else None
