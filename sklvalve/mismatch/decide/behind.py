@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, cast
 
 from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide.compare import HeldOut
-from sklvalve.mismatch.decide.detect import p_value_of_one
+from sklvalve.mismatch.decide.detect import leaves_much, p_value_of_one
 from sklvalve.mismatch.inference.hypothesis import Term, is_in
 from sklvalve.mismatch.proof.held_out import cross_validated
 from sklvalve.mismatch.search.own_noise import fitted_with_its_noise
@@ -57,6 +57,7 @@ def judged_behind(
     judged : Judgement
     """
     explanation, covariates, judged = judge_on(problem, effects)
+    known = covariates
     behind: Judgement | None = None
     for _ in range(_MOST):
         held = _property_in_front(explanation, covariates, alpha)
@@ -67,7 +68,7 @@ def judged_behind(
         explanation, covariates, judged_beside = judge_on(holding, left)
         if judged_beside.verdict == "named":
             behind = judged_beside
-    return judged if behind is None else _joined(judged, behind, effects)
+    return judged if behind is None else _joined(judged, behind, effects, known)
 
 
 def _property_in_front(explanation: Explanation, covariates: Covariates, alpha: float) -> Term | None:
@@ -91,7 +92,9 @@ def _alone(explanation: Explanation, term: Term) -> tuple[Problem, Model]:
     )
 
 
-def _joined(judged: Judgement, judged_beside: Judgement, effects: Sequence[Effect]) -> Judgement:
+def _joined(
+    judged: Judgement, judged_beside: Judgement, effects: Sequence[Effect], covariates: Covariates
+) -> Judgement:
     """What was found behind properties that the problem of `judged_beside` holds, and those beside it."""
     added = tuple(m for m in judged_beside.problem.held if m not in judged.problem.held)
     problem = judged.problem.with_noise(judged_beside.problem.noise)
@@ -106,6 +109,9 @@ def _joined(judged: Judgement, judged_beside: Judgement, effects: Sequence[Effec
     # what is named anew must predict better than what was judged without it, not than nothing alone
     gain, error = HeldOut(problem, judged.model).gain(model)
     if not (gain >= HELD_OUT_ERRORS * error):
+        return judged
+    # a property is named by the same right as what lies behind it: where its own signals are explained
+    if leaves_much(covariates, problem, model, problem.touched_by(added)):
         return judged
     behind = [
         replace(f, rivals=[replace(r, model=whole(r.model)) for r in f.rivals])

@@ -15,7 +15,7 @@ from sklvalve.mismatch.decide.detect import (
 )
 from sklvalve.mismatch.decide.judgement import Judgement, with_learnt
 from sklvalve.mismatch.decide.reasons import too_much_left
-from sklvalve.mismatch.decide.standing import elsewhere, fitted_with, of_fit, upheld
+from sklvalve.mismatch.decide.standing import Fit, elsewhere, fit_of, fitted_with, upheld
 from sklvalve.mismatch.decide.weighing import Weighed, what_evidence_leaves
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.proof.held_out import cross_validated
@@ -30,6 +30,7 @@ from sklvalve.mismatch.search.rivals import class_of
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.explain import Explanation
     from sklvalve.mismatch.search.rivals import Finding
 
@@ -96,40 +97,56 @@ def _judged(case: Case, findings: Sequence[Finding], model: Model) -> Judgement:
 
 def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgement:
     """Verdict by the evidence, by rows left out of the fit, and by what is left beside the findings."""
-    nominal = case.explanation.nominal
     findings, unknown, weighed = what_evidence_leaves(case, findings, model)
+    fit = fit_of(case, findings, model, weighed.evidence) if findings else Fit()
+    kept = fit.kept
+    if kept and len(kept) < len(findings):
+        model = fitted_with(case, kept, findings, model)
+        findings, unknown, weighed = what_evidence_leaves(case, kept, model)
+        kept = findings
     asked = [rules.rarity(weighed.p_value, case.alpha)]
     if weighed.by_chance is not None:
         asked.append(rules.relevance(weighed.by_chance, case.alpha))
-    explained, why = 0.0, ""
-    if findings:
-        if unknown is not None:
-            # of all recordings together, as the unknown is
-            bare = case.problem.baseline(model, (), nominal)
-            explained = case.problem.change_in_all(unknown.channel, model, bare)
-        more, kept, why = of_fit(case, findings, model, weighed.evidence)
-        asked += more
-        if kept:
-            model = fitted_with(case, kept, findings, model)
-        findings = kept
-    if unknown is not None and weighed.enough:
-        asked.append(rules.residual(unknown.size, explained if findings else 0.0))
-    verdict, findings = by_evidence(findings, unknown, weighed.enough, explained)
+    asked += fit.asked
+    beside = _beside(case.problem, kept, unknown)
+    explained = _explained(case, findings, model, beside)
+    if beside is not None and weighed.enough:
+        asked.append(rules.residual(beside.size, explained if kept else 0.0))
+    verdict, kept = by_evidence(kept, beside, weighed.enough, explained)
     return Judgement(
         case.problem,
         verdict,
         weighed.p_value,
-        findings,
+        kept,
         unknown,
-        nominal,
+        case.explanation.nominal,
         model,
         evidence=weighed.evidence,
         suspects=_suspects(case.explanation),
-        why=(why,) if why else (),
-        also=elsewhere(case, findings, model, weighed.evidence) if findings else None,
+        why=(fit.why,) if fit.why else (),
+        also=(fit.beside or elsewhere(case, kept, model, weighed.evidence)) if kept else None,
         rules=tuple(asked),
-        left=None if findings else _of_none(case, weighed),
+        left=None if kept else _of_none(case, weighed),
     )
+
+
+def _beside(problem: Problem, kept: Sequence[Finding], unknown: Unknown | None) -> Unknown | None:
+    """What no effect explains, where that speaks against those that may be named.
+
+    Beside a history each signal has a noise of its own that is known: what is left of a signal in which
+    nothing named acts is something else that has changed.
+    """
+    if unknown is None or problem.history is None or not kept:
+        return unknown
+    return unknown if unknown.channel in problem.touched_by(f.term for f in kept) else None
+
+
+def _explained(case: Case, findings: Sequence[Finding], model: Model, unknown: Unknown | None) -> float:
+    """What findings explain in the signal of an unknown, of all recordings together, as the unknown is."""
+    if unknown is None or not findings:
+        return 0.0
+    bare = case.problem.baseline(model, (), case.explanation.nominal)
+    return case.problem.change_in_all(unknown.channel, model, bare)
 
 
 def _of_none(case: Case, weighed: Weighed) -> LeftSince | None:

@@ -4,20 +4,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.constants import HELD_OUT_ERRORS
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS, NO_IMITATION
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import Evidence, p_value_of_residual
 from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld
 from sklvalve.mismatch.decide.weighing import leaves_rare
-from sklvalve.mismatch.residual.since_history import LeftSince
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.case import Case
     from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.residual.since_history import LeftSince
     from sklvalve.mismatch.search.rivals import Finding
 
 # of the level of an alarm, what is named beside a stronger effect of the same signals
@@ -79,51 +79,61 @@ def _shows_alone(problem: Problem, finding: Finding, stronger: Sequence[Finding]
     return elsewhere.isdisjoint(problem.touched_by([finding.term]))
 
 
-def of_fit(
-    case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence
-) -> tuple[list[rules.Rule], list[Finding], str]:
-    """Rules on the fit of findings, and what they leave of these.
+@dataclass(frozen=True)
+class Fit:
+    """What rules on the fit of findings leave of these.
+
+    Attributes
+    ----------
+    asked : tuple of Rule
+    kept : list of Finding
+        Those that may be named.
+    why : str
+        Why none may; empty where some may.
+    beside : LeftSince or None
+        What differs from the history in the signals of those that may not.
+    """
+
+    asked: tuple[rules.Rule, ...] = ()
+    kept: list[Finding] = field(default_factory=list)
+    why: str = ""
+    beside: LeftSince | None = None
+
+
+def fit_of(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> Fit:
+    """Rules on the fit of findings: what they leave since a history, and what rows left out gain by them.
+
+    An imitation leaves over what healthy valves do not, in the signals that it is to explain. What explains
+    signals of its own is none for that.
 
     Parameters
     ----------
     case : Case
     findings : sequence of Finding
-        The strongest first.
+        The strongest first, one at least.
     model : Model
         With all of them.
     evidence : Evidence
-
-    Returns
-    -------
-    asked : list of Rule
-    kept : list of Finding
-        Those that may be named.
-    why : str
-        Why others may not; empty where all may.
     """
-    asked = [rules.held_out(case.held_out_gain(findings[0]))]
-    if not asked[-1].passed:
-        # blocks that the fit had not seen speak against it: no name is better than a wrong one
-        return asked, [], not_upheld(findings)
-    kept: list[Finding] = []
-    outcomes: dict[float, rules.Rule] = {}
-    why = ""
+    explained: list[Finding] = []
+    asked: list[tuple[rules.Rule, LeftSince, list[Finding]]] = []
     for some in _by_signals(case.problem, findings):
         new = case.left_where_they_act(some, model)
-        if new is None:
-            kept += some
-            continue
-        # an imitation leaves over what healthy valves do not, in the signals that it is to explain
-        p_value = p_value_of_residual(replace(evidence, residual=new.effect_size))
-        outcomes[p_value] = rules.history_noise(p_value)
-        if outcomes[p_value].passed:
-            kept += some
-        else:
-            why = exceeds_noise(new, some, case.problem)
-    # that of the signals which are explained, where any are: what acts on the others has no name
-    counting = [p_value for p_value, rule in outcomes.items() if rule.passed or not kept]
-    asked += [outcomes[p_value] for p_value in sorted(counting)[:1]]
-    return asked, [f for f in findings if f in kept], why
+        p_value = 1.0
+        if new is not None:
+            p_value = p_value_of_residual(replace(evidence, residual=new.effect_size))
+            asked.append((rules.history_noise(p_value), new, some))
+        explained += some if p_value > NO_IMITATION else []
+    kept = [f for f in findings if f in explained]
+    held_out = rules.held_out(case.held_out_gain((kept or findings)[0]))
+    if not held_out.passed:
+        # blocks that the fit had not seen speak against it: no name is better than a wrong one
+        return Fit((held_out,), why=not_upheld(kept or findings))
+    of_kept = [rule for rule, _, _ in asked if rule.passed]
+    failed = next((each for each in asked if not each[0].passed), None)
+    if failed is None or kept:
+        return Fit((held_out, *of_kept[:1]), kept, beside=None if failed is None else failed[1])
+    return Fit((held_out, failed[0]), why=exceeds_noise(failed[1], failed[2], case.problem))
 
 
 def _by_signals(problem: Problem, findings: Sequence[Finding]) -> list[list[Finding]]:

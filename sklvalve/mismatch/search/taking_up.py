@@ -212,7 +212,9 @@ class Search:
         touched = [frozenset(problem.touched_by(m.terms[-1:])) for _, m in counting]
         much: dict[frozenset[str], bool | None] = dict.fromkeys(touched)
         if self.leaves_much is not None:
-            much = {channels: self.leaves_much(problem, model, channels) for channels in much}
+            # in signals of its own an effect is no other name for what was taken up
+            shared = [channels for channels in much if channels & problem.touched_by(model.terms)]
+            much |= {channels: self.leaves_much(problem, model, channels) for channels in shared}
         so_far = penalised_by_its_noise(problem, model) if None in much.values() else 0.0
 
         def asks(channels: frozenset[str], other: Model) -> bool:

@@ -92,3 +92,16 @@ def test_a_meter_may_read_off_by_half_of_what_it_shows():
     found = MissingPhysicsFinder(effects=["flow_meter_bias", "external_leakage"]).fit(off)
     (effect,) = found.diagnosis_.to_dict()["effects"]
     assert "flow_meter_bias" in {member["name"] for member in effect["members"]}
+
+
+@pytest.mark.parametrize(
+    ("history", "acts_on", "counts"),
+    [("learnt", "flow", False), ("learnt", "opening", True), (None, "flow", True), ("learnt", None, True)],
+    ids=["another signal", "its own", "no history", "nothing named"],
+)
+def test_what_is_left_of_another_signal_takes_no_name_beside_a_history(history, acts_on, counts):
+    problem = SimpleNamespace(history=history, touched_by=set)
+    kept = [] if acts_on is None else [SimpleNamespace(term=acts_on)]
+    unknown = SimpleNamespace(channel="opening")
+    assert judging._beside(problem, kept, unknown) is (unknown if counts else None)
+    assert judging._beside(problem, kept, None) is None

@@ -105,11 +105,42 @@ def test_what_is_explained_keeps_its_name_beside_a_signal_that_is_not(
     monkeypatch.setattr(standing, "exceeds_noise", lambda new, some, problem: "too much is left")
     case = Asked(problem=problem, explanation=None, alpha=0.01, gains=dict.fromkeys(shown, 9.0), rarity={})
     evidence = Evidence(1.0, 1.0, None, None)
-    asked, stand, why = standing.of_fit(case, findings, None, evidence)
-    assert "".join(f.term for f in stand) == kept
-    assert bool(why) is (len(stand) < len(findings))
-    of_noise = [rule.passed for rule in asked if rule.name == "history_noise"]
+    fit = standing.fit_of(case, findings, None, evidence)
+    assert "".join(f.term for f in fit.kept) == kept
+    # why there is no name, or what differs beside one
+    assert bool(fit.why) is not bool(kept)
+    assert (fit.beside is not None) is (0 < len(fit.kept) < len(findings))
+    of_noise = [rule.passed for rule in fit.asked if rule.name == "history_noise"]
     assert of_noise == ([] if passed is None else [passed])
+
+
+@pytest.mark.parametrize(
+    ("leave_much", "gains", "kept"),
+    [
+        ({"flow"}, {"a": 0.0, "b": 9.0}, "b"),
+        ({"flow"}, {"a": 9.0, "b": 0.0}, ""),
+        (set(), {"a": 0.0, "b": 9.0}, ""),
+    ],
+    ids=["of what is dropped", "of what is kept", "of the strongest"],
+)
+def test_rows_left_out_are_asked_of_the_strongest_that_may_be_named(monkeypatch, leave_much, gains, kept):
+    signals = {"a": {"flow"}, "b": {"opening"}}
+    findings = [SimpleNamespace(term=name) for name in signals]
+
+    class Asked(_Case):
+        def left_where_they_act(self, findings, model):
+            met = any(leave_much & signals[f.term] for f in findings)
+            return SimpleNamespace(effect_size=9.0 if met else 0.1)
+
+    monkeypatch.setattr(
+        standing, "p_value_of_residual", lambda evidence: 0.001 if evidence.residual > 1.0 else 0.5
+    )
+    monkeypatch.setattr(standing, "not_upheld", lambda findings: "predicts nothing")
+    problem = SimpleNamespace(touched_by=lambda terms: {c for term in terms for c in signals[term]})
+    case = Asked(problem=problem, explanation=None, alpha=0.01, gains=gains, rarity={})
+    fit = standing.fit_of(case, findings, None, Evidence(1.0, 1.0, None, None))
+    assert "".join(f.term for f in fit.kept) == kept
+    assert [rule.passed for rule in fit.asked if rule.name == "held_out"] == [bool(kept)]
 
 
 LEFT = LeftSince("opening", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)

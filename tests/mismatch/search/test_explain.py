@@ -143,26 +143,35 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
 
 @pytest.mark.parametrize("own_noise_asks", [True, False])
 @pytest.mark.parametrize(
-    ("much", "taken"),
-    [({"flow": True}, {LEAK}), ({"flow": False}, set()), ({"flow": True, "opening": True}, {LEAK, DEAD}),
-     ({"opening": True}, {DEAD}), (None, set())],
-)  # fmt: skip
-def test_beside_a_history_what_is_left_asks_for_one_effect_more(monkeypatch, own_noise_asks, much, taken):
-    """Noise learnt anew is asked only where a history does not say what a healthy valve leaves."""
-    touched = {LEAK: "flow", DEAD: "opening"}
+    ("so_far", "much", "taken"),
+    [
+        (LEAK, {"flow": True}, {CLOGGING}),
+        (LEAK, {"flow": False}, set()),
+        (LEAK, {"flow": None}, None),
+        (LEAK, None, None),
+        (DEAD, {"opening": True}, None),
+        (DEAD, {"opening": False}, None),
+    ],
+    ids=["much", "little", "not known", "no history", "much elsewhere", "little elsewhere"],
+)
+def test_beside_a_history_what_is_left_asks_for_one_effect_more(
+    monkeypatch, own_noise_asks, so_far, much, taken
+):
+    """Noise learnt anew is asked where a history does not say what is left, and in signals of their own."""
+    touched = {LEAK: "flow", CLOGGING: "flow", DEAD: "opening"}
     problem = SimpleNamespace(touched_by=lambda terms: {touched[m.effect] for m in terms})
     monkeypatch.setattr(taking_up, "penalised_by_its_noise", lambda problem, model: 0.0)
     monkeypatch.setattr(taking_up, "explains_as_much", lambda *_: not own_noise_asks)
+    model = SimpleNamespace(terms=(Term(so_far),))
 
-    def leaves_much(bench, model, channels):
-        assert (bench, model) == (problem, "so far")
-        return (much or {}).get(*channels)
+    def leaves_much(bench, which, channels):
+        assert (bench, which) == (problem, model)
+        return much[next(iter(channels))]
 
     search = taking_up.Search((), 1.0, 4, None, None if much is None else leaves_much)
-    counting = [(None, SimpleNamespace(terms=(Term(CLOGGING), Term(effect)))) for effect in (LEAK, DEAD)]
-    found = {model.terms[-1].effect for _, model in search._adding(problem, "so far", counting)}
-    unknown = {effect for effect, channel in touched.items() if channel not in (much or {})}
-    assert found == taken | (unknown if own_noise_asks else set())
+    counting = [(None, SimpleNamespace(terms=(Term(so_far), Term(CLOGGING))))]
+    found = {more.terms[-1].effect for _, more in search._adding(problem, model, counting)}
+    assert found == (({CLOGGING} if own_noise_asks else set()) if taken is None else taken)
 
 
 def test_what_the_data_hide_is_no_candidate_and_stands_in_the_place_of_what_is_found(monkeypatch):
