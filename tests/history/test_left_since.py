@@ -184,3 +184,28 @@ def test_an_imitation_that_leaves_more_than_the_noise_is_no_name(learnt, after):
     assert not rule["passed"]
     assert told["verdict"] != "named"
     assert "capacity error" in told["reasons"][0]
+
+
+def _offset(command):
+    """A command that a characteriser nobody knows of bends."""
+    return command + 0.006 * np.sin(2.0 * np.pi * command / 0.3)
+
+
+def _hysteresis(command):
+    """One that lags in its own direction and wanders."""
+    walk = np.random.default_rng(1).normal(size=len(command)).cumsum() / 20.0
+    return command + np.where(np.gradient(command) > 0.0, 0.01, -0.01) + 0.006 * walk
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("bent", [_offset, _hysteresis])
+def test_a_cause_of_the_flow_keeps_its_name_where_the_opening_is_not_explained(learnt, after, bent):
+    shifted = after["flow"] + 0.03 * np.nanmax(after["flow"])
+    recording = changed(after, flow=shifted, command=bent(after["command"]))
+    told = MissingPhysicsFinder(history=learnt, random_state=0, n_jobs=1).fit(recording).diagnosis_.content
+    assert told["verdict"] == "named"
+    (effect,) = told["effects"]
+    assert "flow_meter_bias" in {member["name"] for member in effect["members"]}
+    # and it is said that the opening differs too
+    assert told["reasons"][0].startswith("The opening differs from the history too")
+    assert all(rule["passed"] for rule in told["rules"] if rule["name"] == "history_noise")

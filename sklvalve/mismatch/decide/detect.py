@@ -300,6 +300,8 @@ def leaves_much(
     much : bool or None
         None where it is not known what a healthy valve leaves.
     """
+    if problem.history is None:
+        return None
     asked = tuple(c for c in problem.channels if c in channels)
     new = left_since(problem, problem.least_squares(model), asked)
     if new is None:
