@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
-from sklvalve.mismatch.constants import HELD_OUT_ERRORS, NO_IMITATION
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import Evidence, p_value_of_residual
 from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld
@@ -115,25 +115,30 @@ def fit_of(case: Case, findings: Sequence[Finding], model: Model, evidence: Evid
         With all of them.
     evidence : Evidence
     """
-    explained: list[Finding] = []
-    asked: list[tuple[rules.Rule, LeftSince, list[Finding]]] = []
-    for some in _by_signals(case.problem, findings):
-        new = case.left_where_they_act(some, model)
-        p_value = 1.0
-        if new is not None:
-            p_value = p_value_of_residual(replace(evidence, residual=new.effect_size))
-            asked.append((rules.history_noise(p_value), new, some))
-        explained += some if p_value > NO_IMITATION else []
-    kept = [f for f in findings if f in explained]
+    groups = _by_signals(case.problem, findings)
+    outcomes = [(some, *_held_to_history(case, some, model, evidence)) for some in groups]
+    refused = [(some, rule, new) for some, rule, new in outcomes if not rule.passed]
+    kept = [f for f in findings if not any(f in some for some, _, _ in refused)]
     held_out = rules.held_out(case.held_out_gain((kept or findings)[0]))
     if not held_out.passed:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         return Fit((held_out,), why=not_upheld(kept or findings))
-    of_kept = [rule for rule, _, _ in asked if rule.passed]
-    failed = next((each for each in asked if not each[0].passed), None)
-    if failed is None or kept:
-        return Fit((held_out, *of_kept[:1]), kept, beside=None if failed is None else failed[1])
-    return Fit((held_out, failed[0]), why=exceeds_noise(failed[1], failed[2], case.problem))
+    if kept:
+        passed = [rule for _, rule, new in outcomes if rule.passed and new is not None]
+        return Fit((held_out, *passed[:1]), kept, beside=refused[0][2] if refused else None)
+    some, rule, new = refused[0]
+    return Fit((held_out, rule), why=exceeds_noise(cast("LeftSince", new), some, case.problem))
+
+
+def _held_to_history(
+    case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence
+) -> tuple[rules.Rule, LeftSince | None]:
+    """The rule on what findings leave since the history, and that; passed where it is not known."""
+    new = case.left_where_they_act(findings, model)
+    p_value = 1.0
+    if new is not None:
+        p_value = p_value_of_residual(replace(evidence, residual=new.effect_size))
+    return rules.history_noise(p_value), new
 
 
 def _by_signals(problem: Problem, findings: Sequence[Finding]) -> list[list[Finding]]:
