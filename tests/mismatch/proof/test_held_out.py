@@ -8,6 +8,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
+import sklvalve.mismatch.decide.case as case_module
 import sklvalve.mismatch.decide.judgement as judgement_module
 import sklvalve.mismatch.decide.judging as judging_module
 import sklvalve.mismatch.finder as finder_module
@@ -125,10 +126,10 @@ def test_a_rest_that_does_not_hold_out_is_not_told(monkeypatch, kept):
         told.append(correction_holds_out(*args)[1])
         return kept, told[-1]
 
-    monkeypatch.setattr(judging_module, "correction_holds_out", judged)
+    monkeypatch.setattr(case_module, "correction_holds_out", judged)
     monkeypatch.setattr(judgement_module, "correction_holds_out", judged)
     # a rest as large as this one would be told all the same, and so would one beyond noise
-    monkeypatch.setattr(judging_module, "_LARGE", 1e3)
+    monkeypatch.setattr(case_module, "_LARGE", 1e3)
     monkeypatch.setattr(judging_module, "held_against_noise", lambda *args: (None, judging_module.FINE))
     # what rows ahead in time say of it is asked elsewhere
     monkeypatch.setattr(finder_module, "refereed", _unrefereed)
@@ -153,7 +154,7 @@ def test_a_rest_that_does_not_hold_out_is_not_told(monkeypatch, kept):
 
 @pytest.mark.slow
 def test_a_large_rest_that_does_not_hold_out_is_told_and_left_out(bowed, monkeypatch):
-    for module in (judging_module, judgement_module):
+    for module in (case_module, judgement_module):
         monkeypatch.setattr(module, "correction_holds_out", lambda *args: (False, (1.0, 2.0)))
     finder = MissingPhysicsFinder(effects=("clogging",)).fit(bowed)
     content = finder.diagnosis_.content
