@@ -205,9 +205,10 @@ class Search:
     def _adding(
         self, problem: Problem, model: Model, counting: Sequence[tuple[Problem, Model]]
     ) -> list[tuple[Problem, Model]]:
-        """Hypotheses with one effect more that are no other name for one, for that leaves too much.
+        """Hypotheses with one effect more that are no other name for one, by the noise that each leaves.
 
-        Noise learnt anew takes up what an effect would explain. A history knows better what noise is.
+        Noise learnt anew may take up what an effect would explain. A history knows better what noise is: one
+        that leaves more than a healthy valve does asks for an effect more by that alone.
         """
         touched = [frozenset(problem.touched_by(m.terms[-1:])) for _, m in counting]
         much: dict[frozenset[str], bool | None] = dict.fromkeys(touched)
@@ -215,12 +216,11 @@ class Search:
             # in signals of its own an effect is no other name for what was taken up
             shared = [channels for channels in much if channels & problem.touched_by(model.terms)]
             much |= {channels: self.leaves_much(problem, model, channels) for channels in shared}
-        so_far = penalised_by_its_noise(problem, model) if None in much.values() else 0.0
+        so_far = 0.0 if all(much.values()) else penalised_by_its_noise(problem, model)
 
         def asks(channels: frozenset[str], other: Model) -> bool:
-            known = much[channels]
-            if known is not None:
-                return known
+            if much[channels]:
+                return True
             of_other = penalised_by_its_noise(problem, other)
             return not explains_as_much(problem, model, other.terms[-1], so_far, of_other)
 

@@ -146,7 +146,7 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
     ("so_far", "much", "taken"),
     [
         (LEAK, {"flow": True}, {CLOGGING}),
-        (LEAK, {"flow": False}, set()),
+        (LEAK, {"flow": False}, None),
         (LEAK, {"flow": None}, None),
         (LEAK, None, None),
         (DEAD, {"opening": True}, None),
@@ -157,7 +157,7 @@ def test_what_is_taken_up_next_is_held_against_the_same_noise(monkeypatch):
 def test_beside_a_history_what_is_left_asks_for_one_effect_more(
     monkeypatch, own_noise_asks, so_far, much, taken
 ):
-    """Noise learnt anew is asked where a history does not say what is left, and in signals of their own."""
+    """Noise learnt anew is asked where that is not much, or not known, and in signals of their own."""
     touched = {LEAK: "flow", CLOGGING: "flow", DEAD: "opening"}
     problem = SimpleNamespace(touched_by=lambda terms: {touched[m.effect] for m in terms})
     monkeypatch.setattr(taking_up, "penalised_by_its_noise", lambda problem, model: 0.0)
