@@ -57,7 +57,7 @@ def judged_behind(
     judged : Judgement
     """
     explanation, covariates, judged = judge_on(problem, effects)
-    known = covariates
+    of_all = covariates
     behind: Judgement | None = None
     for _ in range(_MOST):
         held = _property_in_front(explanation, covariates, alpha)
@@ -68,7 +68,7 @@ def judged_behind(
         explanation, covariates, judged_beside = judge_on(holding, left)
         if judged_beside.verdict == "named":
             behind = judged_beside
-    return judged if behind is None else _joined(judged, behind, effects, known)
+    return judged if behind is None else _joined(judged, behind, effects, of_all)
 
 
 def _property_in_front(explanation: Explanation, covariates: Covariates, alpha: float) -> Term | None:

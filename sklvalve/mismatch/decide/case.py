@@ -7,9 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from sklvalve.mismatch.decide.detect import (
-    p_value_of_one,
-)
+from sklvalve.mismatch.decide.detect import p_value_of_one
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.since_history import LeftSince, left_since
 from sklvalve.mismatch.residual.unknown import Unknown, look_for_residual

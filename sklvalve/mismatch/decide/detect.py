@@ -22,7 +22,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import chi2
 
-from sklvalve.mismatch.constants import LEAST_P_VALUE, NO_IMITATION
+from sklvalve.mismatch.constants import LEAST_P_VALUE
+from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.null_reference import (
     AGAINST_HISTORY,
     AGAINST_SHEET,
@@ -306,7 +307,8 @@ def leaves_much(
     new = left_since(problem, problem.least_squares(model), asked)
     if new is None:
         return None
-    return survival(law_for(problem).residual, new.effect_size, covariates) <= NO_IMITATION
+    p_value = survival(law_for(problem).residual, new.effect_size, covariates)
+    return not rules.history_noise(p_value).passed
 
 
 def p_value_of_what_counts(findings: Sequence[Finding], tried: dict[str, Tried], problem: Problem) -> float:

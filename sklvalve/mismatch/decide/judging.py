@@ -108,7 +108,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
     if weighed.by_chance is not None:
         asked.append(rules.relevance(weighed.by_chance, case.alpha))
     asked += fit.asked
-    beside = _beside(case.problem, kept, unknown)
+    beside = _in_their_signals(case.problem, kept, unknown)
     explained = _explained(case, findings, model, beside)
     if beside is not None and weighed.enough:
         asked.append(rules.residual(beside.size, explained if kept else 0.0))
@@ -130,7 +130,7 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
     )
 
 
-def _beside(problem: Problem, kept: Sequence[Finding], unknown: Unknown | None) -> Unknown | None:
+def _in_their_signals(problem: Problem, kept: Sequence[Finding], unknown: Unknown | None) -> Unknown | None:
     """What no effect explains, where that speaks against those that may be named.
 
     Beside a history each signal has a noise of its own that is known: what is left of a signal in which

@@ -103,5 +103,5 @@ def test_what_is_left_of_another_signal_takes_no_name_beside_a_history(history, 
     problem = SimpleNamespace(history=history, touched_by=set)
     kept = [] if acts_on is None else [SimpleNamespace(term=acts_on)]
     unknown = SimpleNamespace(channel="opening")
-    assert judging._beside(problem, kept, unknown) is (unknown if counts else None)
-    assert judging._beside(problem, kept, None) is None
+    assert judging._in_their_signals(problem, kept, unknown) is (unknown if counts else None)
+    assert judging._in_their_signals(problem, kept, None) is None
