@@ -283,9 +283,7 @@ def p_value_of_residual(evidence: Evidence) -> float:
     )
 
 
-def leaves_much(
-    covariates: Covariates, problem: Problem, model: Model, channels: Collection[str]
-) -> bool | None:
+def leaves_much(covariates: Covariates, problem: Problem, model: Model, channels: Collection[str]) -> bool:
     """Whether a hypothesis leaves over more since the history than may be left for a name.
 
     Parameters
@@ -298,15 +296,15 @@ def leaves_much(
 
     Returns
     -------
-    much : bool or None
-        None where it is not known what a healthy valve leaves.
+    much : bool
+        False where it is not known what a healthy valve leaves.
     """
     if problem.history is None:
-        return None
+        return False
     asked = tuple(c for c in problem.channels if c in channels)
     new = left_since(problem, problem.least_squares(model), asked)
     if new is None:
-        return None
+        return False
     p_value = survival(law_for(problem).residual, new.effect_size, covariates)
     return not rules.history_noise(p_value).passed
 

@@ -85,7 +85,7 @@ def explain(
         Called with the share done.
     leaves_much : callable, default=None
         Called as ``leaves_much(problem, model, channels)``: whether a hypothesis leaves over more than a
-        healthy valve does beside its history; None where that is not known, as it is always unless given.
+        healthy valve does beside its history; never unless given.
 
     Returns
     -------

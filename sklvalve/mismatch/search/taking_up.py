@@ -58,8 +58,8 @@ class Tried:
     over_time: OverTime = field(default_factory=OverTime)
 
 
-#: Whether a hypothesis leaves over more in some channels than a healthy valve does; None where not known.
-LeavesMuch = Callable[["Problem", "Model", Collection[str]], "bool | None"]
+#: Whether a hypothesis leaves over more in some channels than a healthy valve does beside its history.
+LeavesMuch = Callable[["Problem", "Model", Collection[str]], bool]
 _Gained = TypeVar("_Gained", Tried, "Finding")
 
 
@@ -211,15 +211,15 @@ class Search:
         that leaves more than a healthy valve does asks for an effect more by that alone.
         """
         touched = [frozenset(problem.touched_by(m.terms[-1:])) for _, m in counting]
-        much: dict[frozenset[str], bool | None] = dict.fromkeys(touched)
+        much: set[frozenset[str]] = set()
         if self.leaves_much is not None:
             # in signals of its own an effect is no other name for what was taken up
-            shared = [channels for channels in much if channels & problem.touched_by(model.terms)]
-            much |= {channels: self.leaves_much(problem, model, channels) for channels in shared}
-        so_far = 0.0 if all(much.values()) else penalised_by_its_noise(problem, model)
+            shared = {channels for channels in touched if channels & problem.touched_by(model.terms)}
+            much = {channels for channels in shared if self.leaves_much(problem, model, channels)}
+        so_far = 0.0 if much.issuperset(touched) else penalised_by_its_noise(problem, model)
 
         def asks(channels: frozenset[str], other: Model) -> bool:
-            if much[channels]:
+            if channels in much:
                 return True
             of_other = penalised_by_its_noise(problem, other)
             return not explains_as_much(problem, model, other.terms[-1], so_far, of_other)
