@@ -163,6 +163,8 @@ def beyond_noise(d: dict) -> str:
                 f"{size}, where the history's noise comes to {allowed}"
             )
         return f"follows from nothing recorded, but its slow part ({size}) is larger than slow noise can be"
+    if unknown and not inputs:
+        return "is smoother than noise, though it follows from nothing recorded"
     told = either([role_words(name) for name in inputs], "and") if inputs else "the recorded signals"
     return f"follows from {told}, so it is not noise"
 

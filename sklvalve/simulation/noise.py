@@ -122,6 +122,10 @@ class NoiseModel:
         """Innovations of the residuals in their standard deviations, zero in gaps."""
         return _innovations(np.ascontiguousarray(residuals, dtype=float), *self._filters)
 
+    def without(self, rows: np.ndarray) -> NoiseModel:
+        """The same noise, with some rows, a mask of shape (n,), as a gap."""
+        return replace(self, white=np.where(rows, np.inf, self.white))
+
     @property
     def pieces(self) -> list[tuple[int, int, np.ndarray, np.ndarray, np.ndarray]]:
         """First row, row behind the last, gains, what is kept, and spreads, of each recording: one here."""

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -34,6 +34,10 @@ class NoiseOfPieces:
         """Innovations of the residuals in their standard deviations, zero in gaps."""
         residuals = np.asarray(residuals, dtype=float)
         return np.concatenate([m.whiten(residuals[low:high]) for (low, high), m in self._each()])
+
+    def without(self, rows: np.ndarray) -> NoiseOfPieces:
+        """The same noise, with some rows, a mask of shape (n,), as a gap."""
+        return replace(self, models=[m.without(rows[low:high]) for (low, high), m in self._each()])
 
     @property
     def pieces(self) -> list[tuple[int, int, np.ndarray, np.ndarray, np.ndarray]]:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from sklvalve.mismatch.decide.detect import p_value_of_one
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
 from sklvalve.mismatch.residual.since_history import LeftSince, left_since
+from sklvalve.mismatch.residual.smooth_pattern import Pattern, pattern_left
 from sklvalve.mismatch.residual.unknown import Unknown, look_for_residual
 
 if TYPE_CHECKING:
@@ -88,15 +89,18 @@ class Case:
             self._residuals[model] = Residual(fitted, unknown if stands else None, strong, new)
         return self._residuals[model]
 
-    def left_where_they_act(self, findings: Sequence[Finding], model: Model) -> LeftSince | None:
-        """What is left over since the history in the signals that some findings change.
+    def left_where_they_act(
+        self, findings: Sequence[Finding], model: Model
+    ) -> tuple[LeftSince | None, Pattern | None]:
+        """What is left since the history in the signals that some findings change, in blocks and smoothly.
 
         What is left of another signal is something else that is missing.
         """
         touched = self.problem.touched_by(f.term for f in findings)
         asked = self.problem.channels if self.channels is None else self.channels
         asked = tuple(c for c in asked if c in touched)
-        return left_since(self.problem, self.residual_of(model).fitted, asked)
+        fitted = self.residual_of(model).fitted
+        return left_since(self.problem, fitted, asked), pattern_left(self.problem, fitted, asked)
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
         """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
     from sklvalve.mismatch.residual.pulses import Pulses
     from sklvalve.mismatch.residual.since_history import LeftSince
+    from sklvalve.mismatch.residual.smooth_pattern import Pattern
     from sklvalve.mismatch.residual.stem_residual import StemResidual
     from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.rivals import Finding
@@ -72,10 +73,12 @@ class Judgement:
         The same where it is one of the last rows, which were judged by themselves.
     why : tuple of str
         Checks that stopped a name, in words.
-    also : LeftSince or None
+    also : LeftSince, Pattern or None
         What differs from the history in a signal that no finding of the search changes.
     comparison : Comparison
         All hypotheses that were compared.
+    pattern : Pattern or None
+        A smooth pattern since the history, for which what was found is no name.
     rules : tuple of Rule
         Those that were asked, in turn.
     limits : tuple of DetectionLimit
@@ -104,8 +107,9 @@ class Judgement:
     change: Change | None = None
     event: Change | None = None
     why: tuple[str, ...] = ()
-    also: LeftSince | None = None
+    also: LeftSince | Pattern | None = None
     comparison: Comparison = EMPTY
+    pattern: Pattern | None = None
     rules: tuple[Rule, ...] = ()
     limits: tuple[DetectionLimit, ...] = ()
 

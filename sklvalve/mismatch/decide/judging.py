@@ -108,11 +108,8 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
     if weighed.by_chance is not None:
         asked.append(rules.relevance(weighed.by_chance, case.alpha))
     asked += fit.asked
-    beside = _in_their_signals(case.problem, kept, unknown)
-    explained = _explained(case, findings, model, beside)
-    if beside is not None and weighed.enough:
-        asked.append(rules.residual(beside.size, explained if kept else 0.0))
-    verdict, kept = by_evidence(kept, beside, weighed.enough, explained)
+    left = replace(weighed, unknown=unknown)
+    verdict, kept, about = _beside_what_is_left(case, replace(fit, kept=kept), findings, model, left)
     return Judgement(
         case.problem,
         verdict,
@@ -125,20 +122,27 @@ def _named_or_not(case: Case, findings: list[Finding], model: Model) -> Judgemen
         suspects=_suspects(case.explanation),
         why=(fit.why,) if fit.why else (),
         also=(fit.beside or elsewhere(case, kept, model, weighed.evidence)) if kept else None,
-        rules=tuple(asked),
+        rules=(*asked, *about),
         left=None if kept else _of_none(case, weighed),
+        pattern=fit.pattern if verdict == "none_of_these" else None,
     )
 
 
-def _in_their_signals(problem: Problem, kept: Sequence[Finding], unknown: Unknown | None) -> Unknown | None:
-    """What no effect explains, where that speaks against those that may be named.
-
-    Beside a history each signal has a noise of its own that is known: what is left of a signal in which
-    nothing named acts is something else that has changed.
-    """
-    if unknown is None or problem.history is None or not kept:
-        return unknown
-    return unknown if unknown.channel in problem.touched_by(f.term for f in kept) else None
+def _beside_what_is_left(
+    case: Case, fit: Fit, findings: Sequence[Finding], model: Model, weighed: Weighed
+) -> tuple[str, list[Finding], list[rules.Rule]]:
+    """Verdict and names by what is left beside them, and the rule on that where it was not asked yet."""
+    asked = next((rule for rule in fit.asked if rule.name == "residual"), None)
+    # since a history a pattern beside names was asked for by the history's own noise
+    unknown = None if fit.kept and asked is not None else weighed.unknown
+    explained = _explained(case, findings, model, unknown)
+    about = []
+    if unknown is not None and weighed.enough and (asked is None or asked.passed):
+        about.append(rules.residual(unknown.size, explained if fit.kept else 0.0))
+    verdict, kept = by_evidence(fit.kept, unknown, weighed.enough, explained)
+    if fit.pattern is not None and verdict == "cannot_tell":
+        verdict = "none_of_these"
+    return verdict, kept, about
 
 
 def _explained(case: Case, findings: Sequence[Finding], model: Model, unknown: Unknown | None) -> float:
@@ -182,7 +186,8 @@ def _nameless(case: Case, judged: Judgement, refuted: bool) -> Judgement:
     if judged.findings or judged.verdict == "no_mismatch":
         return judged
     unknown = case.residual_of(case.explanation.nominal).unknown or judged.unknown
-    verdict = "none_of_these" if refuted or unknown is not None else "cannot_tell"
+    shown = refuted or unknown is not None or judged.verdict == "none_of_these"
+    verdict = "none_of_these" if shown else "cannot_tell"
     return replace(judged, verdict=verdict, unknown=unknown)
 
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
 from sklvalve.mismatch.search.rivals import class_of
 
 if TYPE_CHECKING:
@@ -49,15 +50,30 @@ def exceeds_noise(left: LeftSince, findings: Sequence[Finding], problem: Problem
     )
 
 
+def leaves_pattern(pattern: Pattern, findings: Sequence[Finding], problem: Problem) -> str:
+    """The reason where findings leave a smooth pattern that no effect makes."""
+    size = in_recorded(problem, pattern.channel, pattern.size)
+    return (
+        f"With {_names(findings)} the simulation's {pattern.channel} is still off by {size}, smoothly over "
+        f"{pattern.over}, by more than the history's noise and the errors of such a simulation. No effect "
+        "that was tried makes it."
+    )
+
+
 def differs_too(judgement: Judgement, problem: Problem) -> list[str]:
     """The sentence on a signal that nothing named changes, and that differs from the history; else none."""
     left = judgement.also
     if left is None or left.channel in problem.touched_by(f.term for f in judgement.findings):
         return []
-    size, allowed = (in_recorded(problem, left.channel, share) for share in (left.size, left.allowed))
+    size = in_recorded(problem, left.channel, left.size)
+    if isinstance(left, Pattern):
+        shown = f"as a smooth pattern over {left.over}"
+    else:
+        allowed = in_recorded(problem, left.channel, left.allowed)
+        shown = f"within about {left.rows} rows, where its noise comes to {allowed}"
     return [
-        f"The {left.channel} differs from the history too, by {size} within about {left.rows} rows, where "
-        f"its noise comes to {allowed}: something else has changed, and nothing that is named explains it."
+        f"The {left.channel} differs from the history too, by {size} {shown}: something else has changed, "
+        "and nothing that is named explains it."
     ]
 
 

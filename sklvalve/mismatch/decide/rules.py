@@ -122,6 +122,19 @@ def residual(unknown: float, explained: float) -> Rule:
     return Rule("residual", share, limit, share <= limit, f"{words}; at most {percent(limit)} is allowed.")
 
 
+def pattern(posterior: float, over: str) -> Rule:
+    """A smooth pattern without an equation, since a history, must not be likely beside a name."""
+    limit = constants.PATTERN_POSTERIOR
+    return Rule(
+        "residual",
+        posterior,
+        limit,
+        posterior <= limit,
+        f"Of the posterior, {percent(posterior)} is on the side of a smooth pattern over {over} beside the "
+        f"finding, since the history; at most {percent(limit)} may be.",
+    )
+
+
 def noise(times: float | None, passed: bool) -> Rule:
     """The flow must be explained down to the noise of a valve at rest, by no two slow effects that add up.
 

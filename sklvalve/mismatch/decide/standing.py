@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, cast
 from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import Evidence, p_value_of_residual
-from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld
+from sklvalve.mismatch.decide.reasons import exceeds_noise, leaves_pattern, not_upheld
 from sklvalve.mismatch.decide.weighing import leaves_rare
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
+from sklvalve.simulation.given import ACTUATOR_STAGES
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.case import Case
@@ -90,14 +92,53 @@ class Fit:
         Those that may be named.
     why : str
         Why none may; empty where some may.
-    beside : LeftSince or None
+    pattern : Pattern or None
+        What none may be named for, where it is a smooth pattern that no effect makes.
+    beside : LeftSince, Pattern or None
         What differs from the history in the signals of those that may not.
     """
 
     asked: tuple[rules.Rule, ...] = ()
     kept: list[Finding] = field(default_factory=list)
     why: str = ""
-    beside: LeftSince | None = None
+    pattern: Pattern | None = None
+    beside: LeftSince | Pattern | None = None
+
+
+@dataclass(frozen=True)
+class _Held:
+    """Findings of the same signals, held against the noise of a history, and what they leave of it."""
+
+    findings: list[Finding]
+    asked: tuple[rules.Rule, ...]
+    new: LeftSince | None
+    pattern: Pattern | None
+
+    @property
+    def passed(self) -> bool:
+        return all(rule.passed for rule in self.asked)
+
+    def imitates(self, problem: Problem) -> bool:
+        """Whether a smooth pattern that no effect makes is left."""
+        if self.pattern is None or self.asked[-1].passed:
+            return False
+        # a stem that hunts is not simulated in phase: what an effect on it leaves need not be of no catalogue
+        of_stem = problem.touched_by(f.term for f in self.findings if f.stage in ACTUATOR_STAGES)
+        return self.pattern.channel not in of_stem
+
+    @property
+    def too_much(self) -> LeftSince | Pattern | None:
+        """What is left of which there may not be so much."""
+        if self.passed:
+            return None
+        return self.new if self.new is not None and not self.asked[0].passed else self.pattern
+
+    def why(self, problem: Problem) -> str:
+        """Why they may not be named, in a sentence."""
+        left = self.too_much
+        if isinstance(left, Pattern):
+            return leaves_pattern(left, self.findings, problem)
+        return exceeds_noise(cast("LeftSince", left), self.findings, problem)
 
 
 def fit_of(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> Fit:
@@ -115,30 +156,31 @@ def fit_of(case: Case, findings: Sequence[Finding], model: Model, evidence: Evid
         With all of them.
     evidence : Evidence
     """
-    groups = _by_signals(case.problem, findings)
-    outcomes = [(some, *_held_to_history(case, some, model, evidence)) for some in groups]
-    refused = [(some, rule, new) for some, rule, new in outcomes if not rule.passed]
-    kept = [f for f in findings if not any(f in some for some, _, _ in refused)]
+    groups = [_held_to_history(case, some, model, evidence) for some in _by_signals(case.problem, findings)]
+    refused = [group for group in groups if not group.passed]
+    kept = [f for f in findings if not any(f in group.findings for group in refused)]
     held_out = rules.held_out(case.held_out_gain((kept or findings)[0]))
     if not held_out.passed:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
         return Fit((held_out,), why=not_upheld(kept or findings))
     if kept:
-        passed = [rule for _, rule, new in outcomes if rule.passed and new is not None]
-        return Fit((held_out, *passed[:1]), kept, beside=refused[0][2] if refused else None)
-    some, rule, new = refused[0]
-    return Fit((held_out, rule), why=exceeds_noise(cast("LeftSince", new), some, case.problem))
+        passed = next((group.asked for group in groups if group.passed and group.asked), ())
+        return Fit((held_out, *passed), kept, beside=refused[0].too_much if refused else None)
+    imitating = [group for group in refused if group.imitates(case.problem)]
+    group = (imitating or refused)[0]
+    pattern = group.pattern if imitating else None
+    return Fit((held_out, *group.asked), why=group.why(case.problem), pattern=pattern)
 
 
-def _held_to_history(
-    case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence
-) -> tuple[rules.Rule, LeftSince | None]:
-    """The rule on what findings leave since the history, and that; passed where it is not known."""
-    new = case.left_where_they_act(findings, model)
-    p_value = 1.0
+def _held_to_history(case: Case, findings: list[Finding], model: Model, evidence: Evidence) -> _Held:
+    """What findings leave since the history, quick or slow and as a smooth pattern; nothing where unknown."""
+    new, pattern = case.left_where_they_act(findings, model)
+    asked = []
     if new is not None:
-        p_value = p_value_of_residual(replace(evidence, residual=new.effect_size))
-    return rules.history_noise(p_value), new
+        asked.append(rules.history_noise(p_value_of_residual(replace(evidence, residual=new.effect_size))))
+    if pattern is not None:
+        asked.append(rules.pattern(pattern.posterior, pattern.over))
+    return _Held(findings, tuple(asked), new, pattern)
 
 
 def _by_signals(problem: Problem, findings: Sequence[Finding]) -> list[list[Finding]]:

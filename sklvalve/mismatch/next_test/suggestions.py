@@ -11,11 +11,12 @@ from sklvalve.mismatch.next_test.planning import planned
 from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
 from sklvalve.mismatch.residual.since_history import LeftSince
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
+from sklvalve.mismatch.residual.unknown import Unknown
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.next_test.plan import TestPlan
-    from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.rivals import Finding
 
 # of what comes and goes in a channel and follows from nothing recorded
@@ -28,7 +29,7 @@ _CAUSES = {
 def next_test(
     classes: Sequence[dict[str, tuple[float, Term, Model]]],
     verdict: str,
-    unknown: Unknown | LeftOver | LeftSince | Pulses | None,
+    unknown: Unknown | LeftOver | LeftSince | Pulses | Pattern | None,
     problem: Problem,
     plan: TestPlan | None = None,
 ) -> str | None:
@@ -39,7 +40,7 @@ def next_test(
     classes : list of dict
         Classes as `class_of` gives them.
     verdict : str
-    unknown : Unknown, LeftOver, LeftSince, Pulses or None
+    unknown : Unknown, LeftOver, LeftSince, Pulses, Pattern or None
     problem : Problem
     plan : TestPlan or None, default=None
         The one that simulations have shown to tell most (`plan_of`); its words go before the catalogue's.
@@ -54,9 +55,11 @@ def next_test(
     for explanations in open_ones or classes:
         term = next(iter(explanations.values()))[1]
         return term.effect.separated_by
-    if isinstance(unknown, LeftOver | LeftSince | Pulses):
+    if isinstance(unknown, LeftOver | LeftSince | Pulses) or (
+        isinstance(unknown, Pattern) and not unknown.inputs
+    ):
         return _held(_CAUSES[unknown.channel])
-    if unknown is not None and unknown.period is not None:
+    if isinstance(unknown, Unknown) and unknown.period is not None:
         return (
             f"Look for something that repeats every {unknown.period:.3g} s, such as a pump, another loop or "
             "a batch. Record it, or record the valve while it is off."

@@ -7,7 +7,7 @@ An effect is never simulated just as it is: a share of what it explains may be l
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -124,7 +124,7 @@ def _in_channel(
         return None
     left, noise = problem.residuals(model)[channel], problem.noise[channel]
     seen = np.isfinite(left)
-    known = history.range_.met(problem.recording, _DRIVERS[channel]) & seen
+    known = rows_known(problem, channel) & seen
     white = np.clip(noise.whiten(left), -_FURTHEST, _FURTHEST)
     before = sum(window.rows for window in history.windows_)
     span, counts = problem.spans[channel], problem.least(channel)
@@ -148,6 +148,19 @@ def _in_channel(
         size, allowed = usual * np.sqrt(ratio), usual * np.sqrt(free)
         each.append(LeftSince(channel, float(size), float(usual), float(allowed), many, rows, effect_size))
     return max(each, key=lambda left: left.effect_size, default=None)
+
+
+def rows_known(problem: Problem, channel: str) -> np.ndarray:
+    """Rows in which what drives a channel is where the history has been.
+
+    Parameters
+    ----------
+    problem : Problem
+        With a history.
+    channel : str
+    """
+    history = cast("ValveHistory", problem.history)
+    return history.range_.met(problem.recording, _DRIVERS[channel])
 
 
 def _ratio(white: np.ndarray, known: np.ndarray, length: int) -> tuple[int, float]:

@@ -19,6 +19,7 @@ from sklvalve.mismatch.describe.describing import described, scales_of
 from sklvalve.mismatch.describe.locate import acting_rows, location_of
 from sklvalve.mismatch.next_test.suggestions import next_test
 from sklvalve.mismatch.residual.since_history import LeftSince
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
 from sklvalve.mismatch.result.effect_entry import effect_entry
 from sklvalve.mismatch.result.referee_entry import referee_entry
 from sklvalve.mismatch.result.since_history import of_history, since_history
@@ -135,9 +136,9 @@ def _spans(whole: Recording, problem: Problem) -> dict[str, float]:
     return {c: float(f"{problem.spans[c] * abs(whole.per_si(c)):.4g}") for c in problem.channels}
 
 
-def _unexplained(judgement: Judgement) -> Unknown | LeftOver | LeftSince | Pulses | None:
+def _unexplained(judgement: Judgement) -> Unknown | LeftOver | LeftSince | Pulses | Pattern | None:
     """What no effect explains, of whatever kind; None where nothing is."""
-    kinds = judgement.unknown, judgement.left, judgement.pulses
+    kinds = judgement.unknown, judgement.left, judgement.pulses, judgement.pattern
     return next((kind for kind in kinds if kind is not None), None)
 
 
@@ -260,16 +261,21 @@ def _recordings(whole: Recording) -> list[dict[str, Any]]:
     ]
 
 
-def _unlearnt(left: Unknown | LeftOver | LeftSince | Pulses, judgement: Judgement) -> dict[str, Any]:
-    """The entry of a rest that follows from nothing recorded, as far as can be told."""
-    if isinstance(left, LeftSince):
+def _unlearnt(
+    left: Unknown | LeftOver | LeftSince | Pulses | Pattern, judgement: Judgement
+) -> dict[str, Any]:
+    """The entry of a rest of which nothing is learnt; it follows from nothing recorded but a pattern."""
+    signals = []
+    if isinstance(left, Pattern):
+        p_value, signals = None, list(left.inputs)
+    elif isinstance(left, LeftSince):
         # how often chance leaves as much is asked of healthy valves and their histories
         p_value = None if judgement.evidence is None else p_value_of_residual(judgement.evidence)
     else:
         p_value = left.p_value
     return {
         "signal": left.channel,
-        "inputs": [],
+        "inputs": signals,
         "size": left.size,
         "skill": None,
         "p_value": p_value,

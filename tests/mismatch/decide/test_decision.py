@@ -15,6 +15,7 @@ from sklvalve.mismatch.decide.detect import p_value_of_what_counts
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.hypothesis import Term
 from sklvalve.mismatch.next_test.suggestions import next_test
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
 from sklvalve.mismatch.search.onset import best_onset
 from sklvalve.mismatch.search.rivals import Rival, class_of
 from sklvalve.mismatch.search.taking_up import Tried
@@ -150,5 +151,9 @@ def test_next_test_separates_what_is_open_first():
     assert next_test([clogging], "named", None, stem_seen) == EFFECTS["clogging"].separated_by
     unknown = SimpleNamespace(inputs=("opening", "pressure_ratio"), period=None)
     assert "opening and the pressure ratio" in next_test([], "none_of_these", unknown, stem_seen)
+    pattern = Pattern("flow", ("opening", "pressure_ratio"), 0.01, 4.0)
+    assert "opening and the pressure ratio" in next_test([], "none_of_these", pattern, stem_seen)
+    over_time = Pattern("flow", (), 0.01, 4.0)
+    assert next_test([], "none_of_these", over_time, stem_seen).startswith("Hold the command")
     assert next_test([], "no_mismatch", None, stem_seen) is None
     assert "stem position" in next_test([], "no_mismatch", None, SimpleNamespace(recording=set()))

@@ -8,7 +8,8 @@ import pytest
 
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.decide import case as case_module
-from sklvalve.mismatch.decide import judging, weighing
+from sklvalve.mismatch.decide import judging, rules, weighing
+from sklvalve.mismatch.decide.standing import Fit
 from sklvalve.mismatch.search.taking_up import Tried
 from sklvalve.recording import Recording
 from sklvalve.simulation.calibration import span_of
@@ -95,13 +96,45 @@ def test_a_meter_may_read_off_by_half_of_what_it_shows():
 
 
 @pytest.mark.parametrize(
-    ("history", "acts_on", "counts"),
-    [("learnt", "flow", False), ("learnt", "opening", True), (None, "flow", True), ("learnt", None, True)],
-    ids=["another signal", "its own", "no history", "nothing named"],
+    ("history", "kept", "asked", "verdict", "shares"),
+    [
+        ("learnt", True, [rules.pattern(0.1, "time")], "named", []),
+        ("learnt", True, [], "none_of_these", [False]),
+        (None, True, [], "none_of_these", [False]),
+        ("learnt", False, [rules.pattern(0.1, "time")], "none_of_these", [False]),
+        ("learnt", False, [rules.pattern(0.99, "time")], "none_of_these", []),
+    ],
+    ids=[
+        "no pattern beside a name",
+        "nothing known since the history",
+        "no history",
+        "refused otherwise",
+        "refused for a pattern",
+    ],
 )
-def test_what_is_left_of_another_signal_takes_no_name_beside_a_history(history, acts_on, counts):
-    problem = SimpleNamespace(history=history, touched_by=set)
-    kept = [] if acts_on is None else [SimpleNamespace(term=acts_on)]
-    unknown = SimpleNamespace(channel="opening")
-    assert judging._in_their_signals(problem, kept, unknown) is (unknown if counts else None)
-    assert judging._in_their_signals(problem, kept, None) is None
+def test_what_is_learnt_of_a_residual_is_asked_where_a_pattern_has_not_decided(
+    monkeypatch, history, kept, asked, verdict, shares
+):
+    monkeypatch.setattr(judging, "_explained", lambda *_: 0.01)
+    finding = SimpleNamespace(term="leak")
+    fit = Fit(tuple(asked), [finding] if kept else [])
+    weighed = SimpleNamespace(unknown=SimpleNamespace(channel="flow", size=0.05), enough=True)
+    case = SimpleNamespace(problem=SimpleNamespace(history=history))
+    said, names, about = judging._beside_what_is_left(case, fit, [finding], None, weighed)
+    assert (said, bool(names)) == (verdict, verdict == "named")
+    assert [rule.passed for rule in about] == shares
+
+
+@pytest.mark.parametrize(("pattern", "verdict"), [(None, "cannot_tell"), ("left", "none_of_these")])
+def test_what_imitates_is_none_of_these_though_nothing_was_learnt_of_the_residual(pattern, verdict):
+    fit = Fit(why="A pattern is left.", pattern=pattern)
+    weighed = SimpleNamespace(unknown=None, enough=True)
+    case = SimpleNamespace(problem=SimpleNamespace(history="learnt"))
+    assert judging._beside_what_is_left(case, fit, [], None, weighed)[0] == verdict
+    judged = SimpleNamespace(findings=[], verdict=verdict, unknown=None)
+    nothing = SimpleNamespace(
+        residual_of=lambda model: SimpleNamespace(unknown=None), explanation=SimpleNamespace(nominal=None)
+    )
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(judging, "replace", lambda judged, **new: new)
+        assert judging._nameless(nothing, judged, False)["verdict"] == verdict

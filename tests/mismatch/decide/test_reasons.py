@@ -7,10 +7,17 @@ import numpy as np
 import pytest
 
 from sklvalve.mismatch.decide.judgement import Judgement
-from sklvalve.mismatch.decide.reasons import exceeds_noise, not_upheld, reasons_of, too_much_left
+from sklvalve.mismatch.decide.reasons import (
+    exceeds_noise,
+    leaves_pattern,
+    not_upheld,
+    reasons_of,
+    too_much_left,
+)
 from sklvalve.mismatch.residual.goodness_of_fit import LeftOver
 from sklvalve.mismatch.residual.pulses import Pulses
 from sklvalve.mismatch.residual.since_history import LeftSince
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
 
 # 50 m3/h of span, recorded in m3/h
 BENCH = SimpleNamespace(
@@ -82,6 +89,21 @@ def test_what_differs_beside_a_name_is_said_with_its_size(signals):
         assert "its noise comes to 0.5 m3/h" in words
     # a name that is taken back takes it along
     assert not any("too" in words for words in reasons_of(_judged("cannot_tell", also=left), None, bench))
+
+
+@pytest.mark.parametrize(
+    ("inputs", "over"), [((), "time"), (("opening", "dp"), "opening and dp")], ids=["time", "signals"]
+)
+def test_a_pattern_is_said_with_its_size_and_what_it_follows(inputs, over):
+    pattern = Pattern("flow", inputs, 0.03, 4.0)
+    words = leaves_pattern(pattern, [_finding(("backlash", 0.9))], BENCH)
+    assert words.startswith(
+        f"With backlash the simulation's flow is still off by 1.5 m3/h, smoothly over {over},"
+    )
+    bench = SimpleNamespace(**vars(BENCH), touched_by=lambda terms: {"opening"})
+    stem = SimpleNamespace(term=SimpleNamespace(effect="dead_time"))
+    (words,) = reasons_of(_judged("named", findings=[stem], also=pattern), None, bench)
+    assert f"by 1.5 m3/h as a smooth pattern over {over}:" in words
 
 
 def test_moments_a_rest_and_a_change_are_reasons():

@@ -45,6 +45,7 @@ def test_of_a_rule_asked_twice_the_last_outcome_counts():
         rules.history_noise(constants.NO_IMITATION - 0.001),
         rules.residual(0.05, 0.05),
         rules.residual(0.05, 0.0),
+        rules.pattern(0.96, "opening and dp"),
         rules.noise(1.4, False),
         rules.forecast(constants.FORECAST_ERRORS + 0.1, 1.1, 1.0),
         rules.black_box(1.3, constants.MARGIN, False),

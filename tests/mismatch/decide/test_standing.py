@@ -10,6 +10,7 @@ from sklvalve.mismatch.decide import case as case_module
 from sklvalve.mismatch.decide import standing
 from sklvalve.mismatch.decide.detect import Evidence
 from sklvalve.mismatch.residual.since_history import LeftSince
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
 
 
 class _Case(SimpleNamespace):
@@ -87,7 +88,7 @@ def test_what_shows_in_a_signal_of_its_own(signals, coupled, alone):
 def test_what_is_explained_keeps_its_name_beside_a_signal_that_is_not(
     monkeypatch, shown, leave_much, kept, passed
 ):
-    findings = [SimpleNamespace(term=name) for name in shown]
+    findings = [SimpleNamespace(term=name, stage="meter") for name in shown]
     problem = SimpleNamespace(
         touched_by=lambda terms: {channel for term in terms for channel in shown[term].split()}
     )
@@ -95,9 +96,9 @@ def test_what_is_explained_keeps_its_name_beside_a_signal_that_is_not(
     class Asked(_Case):
         def left_where_they_act(self, findings, model):
             if "not asked" in leave_much:
-                return None
+                return None, None
             met = leave_much & problem.touched_by([f.term for f in findings])
-            return SimpleNamespace(effect_size=9.0 if met else 0.1)
+            return SimpleNamespace(effect_size=9.0 if met else 0.1), None
 
     monkeypatch.setattr(
         standing, "p_value_of_residual", lambda evidence: 0.001 if evidence.residual > 1.0 else 0.5
@@ -125,12 +126,12 @@ def test_what_is_explained_keeps_its_name_beside_a_signal_that_is_not(
 )
 def test_rows_left_out_are_asked_of_the_strongest_that_may_be_named(monkeypatch, leave_much, gains, kept):
     signals = {"a": {"flow"}, "b": {"opening"}}
-    findings = [SimpleNamespace(term=name) for name in signals]
+    findings = [SimpleNamespace(term=name, stage="meter") for name in signals]
 
     class Asked(_Case):
         def left_where_they_act(self, findings, model):
             met = any(leave_much & signals[f.term] for f in findings)
-            return SimpleNamespace(effect_size=9.0 if met else 0.1)
+            return SimpleNamespace(effect_size=9.0 if met else 0.1), None
 
     monkeypatch.setattr(
         standing, "p_value_of_residual", lambda evidence: 0.001 if evidence.residual > 1.0 else 0.5
@@ -141,6 +142,38 @@ def test_rows_left_out_are_asked_of_the_strongest_that_may_be_named(monkeypatch,
     fit = standing.fit_of(case, findings, None, Evidence(1.0, 1.0, None, None))
     assert "".join(f.term for f in fit.kept) == kept
     assert [rule.passed for rule in fit.asked if rule.name == "held_out"] == [bool(kept)]
+
+
+@pytest.mark.parametrize(
+    ("stages", "patterns", "kept", "imitates"),
+    [
+        ({"a": "meter", "b": "stem"}, set(), "ab", False),
+        ({"a": "meter", "b": "stem"}, {"flow"}, "b", False),
+        ({"a": "meter"}, {"flow"}, "", True),
+        ({"b": "stem"}, {"opening"}, "", False),
+    ],
+    ids=["no pattern", "of one", "of the flow", "of the stem"],
+)
+def test_beside_a_pattern_nothing_is_named(stages, patterns, kept, imitates):
+    signals = {"a": {"flow"}, "b": {"opening"}}
+    findings = [SimpleNamespace(term=name, stage=stage) for name, stage in stages.items()]
+
+    class Asked(_Case):
+        def left_where_they_act(self, findings, model):
+            met = any(patterns & signals[f.term] for f in findings)
+            channel = min(signals[findings[0].term])
+            return None, Pattern(channel, ("opening",), 0.01, 4.0 if met else 2.0)
+
+    problem = SimpleNamespace(touched_by=lambda terms: {c for term in terms for c in signals[term]})
+    gains = dict.fromkeys(signals, 9.0)
+    case = Asked(problem=problem, explanation=None, alpha=0.01, gains=gains, rarity={})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(standing, "leaves_pattern", lambda pattern, some, problem: "a pattern is left")
+        fit = standing.fit_of(case, findings, None, Evidence(1.0, 1.0, None, None))
+    assert "".join(f.term for f in fit.kept) == kept
+    assert (fit.pattern is not None, bool(fit.why)) == (imitates, not kept)
+    assert isinstance(fit.beside, Pattern) is (0 < len(kept) < len(stages))
+    assert [rule.name for rule in fit.asked] == ["held_out", "residual"]
 
 
 LEFT = LeftSince("opening", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0)
@@ -160,9 +193,10 @@ LEFT = LeftSince("opening", 0.03, 0.008, 0.01, many=60, rows=16, effect_size=5.0
 def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
     monkeypatch, touched, channels, asked
 ):
-    monkeypatch.setattr(
-        case_module, "left_since", lambda problem, model, channels: channels if problem.history else None
-    )
+    for name in ("left_since", "pattern_left"):
+        monkeypatch.setattr(
+            case_module, name, lambda problem, model, channels: channels if problem.history else None
+        )
     monkeypatch.setattr(case_module.Case, "residual_of", lambda case, model: SimpleNamespace(fitted=model))
     problem = SimpleNamespace(
         channels=("opening", "flow"),
@@ -171,9 +205,9 @@ def test_an_imitation_is_sought_in_the_signals_that_the_findings_change(
     )
     case = case_module.Case(SimpleNamespace(problem=problem), None, None, 0.01, 0, channels)
     finding = SimpleNamespace(term=SimpleNamespace(effect="seat_leakage"))
-    assert case.left_where_they_act([finding], None) == asked
+    assert case.left_where_they_act([finding], None) == (asked, asked)
     problem.history = None
-    assert case.left_where_they_act([finding], None) is None
+    assert case.left_where_they_act([finding], None) == (None, None)
 
 
 @pytest.mark.parametrize(

@@ -20,6 +20,8 @@ from sklvalve.mismatch.residual.goodness_of_fit import (
     imitates_any_time_profile,
     left_over,
 )
+from sklvalve.mismatch.residual.smooth_pattern import Pattern
+from sklvalve.mismatch.result import contents
 from sklvalve.mismatch.search.explain import Explanation
 from sklvalve.mismatch.search.rivals import Finding
 from sklvalve.recording.dead_bands import DeadBand
@@ -160,6 +162,26 @@ def test_the_sentence_says_what_comes_closest_and_what_it_leaves():
     d["unknown"]["closest_leaves"] = None
     told = "Backlash fits best, but two slow drifts together can mimic almost any third."
     assert told in summary_sentence(d)
+
+
+@pytest.mark.parametrize(
+    ("inputs", "words"),
+    [((), "is smoother than noise, though it follows from nothing recorded"), (("opening",), "follows from")],
+    ids=["time", "opening"],
+)
+def test_the_sentence_says_what_a_pattern_follows(inputs, words):
+    entry = contents._unlearnt(Pattern("flow", inputs, 0.02, 4.0), None)
+    assert (entry["inputs"], entry["size"], entry["p_value"]) == (list(inputs), 0.02, None)
+    d = {
+        "verdict": "none_of_these",
+        "mismatch": {"detected": True, "p_value": 1e-6},
+        "location": {"blocks": ["valve"], "regions": [], "onset": None, "intervals": []},
+        "effects": [],
+        "fit": {},
+        "unknown": entry,
+    }
+    assert words in summary_sentence(d)
+    assert "the recorded signals" not in summary_sentence(d)
 
 
 def _said(recording):
