@@ -118,13 +118,12 @@ def learnt_history(
     allowed : sequence of (str, float), default=()
         Of ``--allow``; each takes the place of what the history, or the default, allows.
     """
-    from sklvalve.history import Allowance
 
     if history is None:
         return None
     learnt = finder.history_of(history) if isinstance(history, list) else history
     if allowed:
-        learnt.allowing(replace(learnt.allowance or Allowance(), **dict(allowed)))
+        learnt.allowing(replace(learnt.allowed, **dict(allowed)))
     return learnt
 
 

@@ -288,6 +288,11 @@ class ValveHistory(BaseEstimator):
         return sum(window.rows for window in self.windows_)
 
     @property
+    def allowed(self) -> Allowance:
+        """What may change without a fault: `allowance`, or the default."""
+        return self.allowance or Allowance()
+
+    @property
     def days(self) -> float:
         """Time that was recorded [d]."""
         return sum(window.seconds for window in self.windows_) / 86_400.0
@@ -394,7 +399,7 @@ class ValveHistory(BaseEstimator):
     def _expected(self) -> JointPrior:
         """The prior of the next recording, of all groups of channels in one."""
         self.__dict__.pop("_known", None)
-        allowance = self.allowance or Allowance()
+        allowance = self.allowed
         names, means, covariances = [], [], []
         for k, group in enumerate(self._groups_):
             sheet = FromSheet.of(group.parameters, self.values_)

@@ -13,6 +13,8 @@ from dataclasses import dataclass, field, replace
 import numba as nb
 import numpy as np
 
+from sklvalve.recording.gaps import filled
+
 # a healthy simulation is wrong by about this share of what counts as an effect, and no correlated noise of a
 # sensor is larger than so many times that
 _INADEQUACY, _LARGEST = 0.2, 2.0
@@ -168,10 +170,8 @@ def movement(simulated: np.ndarray, step: np.ndarray, memory: float = 4.5) -> np
     memory : float, default=4.5
         Time constant with which a movement is forgotten [s]; a healthy response is over after a few.
     """
-    signal = np.asarray(simulated, dtype=float)
-    known = np.isfinite(signal)
-    filled = np.interp(np.arange(len(signal)), np.flatnonzero(known), signal[known])
-    slope = np.abs(np.diff(filled, prepend=filled[0]))
+    bridged = filled(simulated)
+    slope = np.abs(np.diff(bridged, prepend=bridged[0]))
     ahead = np.append(slope[1:], 0.0)
     return _forgotten(np.maximum(slope, 0.5 * ahead), np.exp(-step / memory))
 

@@ -155,7 +155,7 @@ def test_what_noise_may_be_is_no_pattern(monkeypatch, shape):
         noise={"flow": noise},
         spans={"flow": 100.0},
         least=lambda channel: 0.005,
-        history=SimpleNamespace(allowance=None),
+        history=SimpleNamespace(allowed=Allowance()),
         recording=None,
     )
     model = SimpleNamespace(predictions={"flow": np.zeros(n)}, chain=None, values=None)

@@ -10,6 +10,7 @@ from scipy.fft import irfft, next_fast_len, rfft
 from scipy.stats import f as f_distribution
 
 import sklvalve.mismatch.loop.constants as constants
+from sklvalve.recording.gaps import filled
 
 _CROSSINGS = 12  # of the autocorrelation: five periods, as Thornhill et al. count them
 _FEWEST_CROSSINGS = 7  # from which the scatter of half periods is known
@@ -48,14 +49,6 @@ class Oscillation:
     share: float
     signal: str
     cycles: float
-
-
-def filled(values: ArrayLike) -> NDArray:
-    """Signal with rows that were not recorded interpolated; zeros where nothing was recorded."""
-    values = np.asarray(values, dtype=float)
-    known = np.isfinite(values)
-    rows = np.arange(len(values))
-    return np.interp(rows, rows[known], values[known]) if known.any() else np.zeros(len(values))
 
 
 def find_oscillation(

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 
 import sklvalve.mismatch.loop.constants as constants
 from sklvalve.mismatch.loop.controller import process_gain_sign
-from sklvalve.mismatch.loop.oscillation import filled, swing_spectrum
+from sklvalve.mismatch.loop.oscillation import swing_spectrum
 from sklvalve.recording.errors import InputError
+from sklvalve.recording.gaps import filled
 from sklvalve.recording.recording import Recording
 from sklvalve.recording.runs import runs
 

@@ -11,9 +11,10 @@ import numpy as np
 from sklvalve.lssvm import LSSVMRegressor
 from sklvalve.lssvm.held_out import least_in_error
 from sklvalve.mismatch.loop.process import forecast_command
-from sklvalve.mismatch.proof.feedback import driver_of, filled
+from sklvalve.mismatch.proof.feedback import driver_of
 from sklvalve.mismatch.proof.one_sign import one_sign_predictions
 from sklvalve.recording import Recording
+from sklvalve.recording.gaps import filled
 
 LAGS = (0, 1, 2, 3, 5, 8, 13, 21, 34)
 # rows learnt from at most, and how many of them span what is learnt: as good on later rows as all of them

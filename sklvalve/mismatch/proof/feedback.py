@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from sklvalve.recording import Recording
+from sklvalve.recording.gaps import filled
 
 #: Log likelihood that the value must add to a forecast of the driver: seven coefficients that mean nothing
 #: add 12 nats in one of a thousand recordings (chi-squared law).
@@ -62,14 +63,6 @@ def answers(driver: np.ndarray, value: np.ndarray, simulated: np.ndarray) -> flo
     nats = _gain(of_driver, past, moves)[0]
     now, slope = _gain(before, [*before, value[rows]], moves)
     return nats + (now if slope < 0.0 else 0.0)
-
-
-def filled(values: np.ndarray) -> np.ndarray:
-    """Values with gaps bridged by straight lines; zero where nothing is known."""
-    known = np.flatnonzero(np.isfinite(values))
-    if not len(known):
-        return np.zeros(len(values))
-    return np.interp(np.arange(len(values)), known, values[known])
 
 
 def _gain(few: Sequence[np.ndarray], many: Sequence[np.ndarray], moves: np.ndarray) -> tuple[float, float]:

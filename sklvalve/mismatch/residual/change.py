@@ -19,6 +19,7 @@ from scipy.stats import chi2
 
 from sklvalve.mismatch.constants import LEAST_P_VALUE
 from sklvalve.mismatch.signals.step_search import StepSearch
+from sklvalve.recording.gaps import filled
 from sklvalve.simulation.calibration import drop_is_unknown
 from sklvalve.simulation.noise_of_pieces import noise_of
 
@@ -199,11 +200,11 @@ def _places(spans: Sequence[tuple[int, int]], n: int) -> np.ndarray:
 def _steady_columns(problem: Problem, model: Model, channel: str) -> np.ndarray:
     """What a simulation gets wrong of a valve that stays as it is, as columns over the rows."""
     recording, n = problem.recording, len(problem.recording)
-    shown = _filled(model.predictions[channel])
+    shown = filled(model.predictions[channel])
     columns = [np.linspace(-1.0, 1.0, n), *_bent(recording, channel, shown), *_late(shown), _last_way(shown)]
     for role in ("p1", "p2", "temperature", "supply_pressure"):
         if role in recording and role not in problem.channels:
-            columns.append(_filled(recording[role]))
+            columns.append(filled(recording[role]))
     # each recording has a level of its own; centred, these would lose the one that all have
     levels = [((np.arange(n) >= low) & (np.arange(n) < high)).astype(float) for low, high in recording.spans]
     columns = [*levels, *(c for c in columns if np.any(c))]
@@ -239,12 +240,7 @@ def _late(shown: np.ndarray) -> list[np.ndarray]:
 def _drivers(recording: Recording, channel: str, shown: np.ndarray) -> list[np.ndarray]:
     """Signals over which a simulation of a channel may be bent."""
     role = "opening" if channel == "flow" and "opening" in recording else "command"
-    return [shown, *([_filled(recording[role])] if role in recording else [])]
-
-
-def _filled(values: np.ndarray) -> np.ndarray:
-    seen = np.isfinite(values)
-    return np.interp(np.arange(len(values)), np.flatnonzero(seen), values[seen])
+    return [shown, *([filled(recording[role])] if role in recording else [])]
 
 
 def _last_way(shown: np.ndarray) -> np.ndarray:

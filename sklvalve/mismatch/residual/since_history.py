@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 _DRIVERS = {"opening": ("command",), "flow": ("opening", "drop")}
 # rows of the blocks whose means are looked at
 _LENGTHS = tuple(2**k for k in range(9))
-# an innovation further off counts as this many standard deviations: a stroke that came late is no level
-_FURTHEST = 4.0
+#: An innovation further off counts as this many standard deviations: a stroke that came late is no level.
+FURTHEST = 4.0
 # standard deviation of the logarithm of a block's power by the errors of a noise model, however long known
 _MODEL_ERROR = 0.15
 _STILL = 1e-12
@@ -125,13 +125,13 @@ def _in_channel(
     left, noise = problem.residuals(model)[channel], problem.noise[channel]
     seen = np.isfinite(left)
     known = rows_known(problem, channel) & seen
-    white = np.clip(noise.whiten(left), -_FURTHEST, _FURTHEST)
+    white = np.clip(noise.whiten(left), -FURTHEST, FURTHEST)
     before = sum(window.rows for window in history.windows_)
     span, counts = problem.spans[channel], problem.least(channel)
     wrong = None
     if bare is not None:
         changed = np.where(seen, model.predictions[channel] - bare.predictions[channel], np.nan)
-        wrong = np.clip(noise.whiten(SHARE_WRONG * changed), -_FURTHEST, _FURTHEST)
+        wrong = np.clip(noise.whiten(SHARE_WRONG * changed), -FURTHEST, FURTHEST)
     each = []
     for rows in _LENGTHS:
         many, ratio = _ratio(white, known, rows)

@@ -16,10 +16,10 @@ from scipy.ndimage import uniform_filter1d
 from scipy.special import expit, logsumexp
 from sklearn.kernel_approximation import Nystroem
 
-from sklvalve.history.allowance import Allowance
 from sklvalve.mismatch.constants import SHARE_WRONG
 from sklvalve.mismatch.residual.low_pass_residual import static_inputs
-from sklvalve.mismatch.residual.since_history import rows_known
+from sklvalve.mismatch.residual.since_history import FURTHEST, rows_known
+from sklvalve.recording.gaps import filled
 from sklvalve.simulation.calibration import drop_is_unknown
 
 if TYPE_CHECKING:
@@ -36,8 +36,6 @@ _POINTS, _FEWEST = 25, 100
 _SETTLING = 0.05
 # the largest amplitude, in multiples of what counts or is explained; the smallest is a healthy valve's
 _LARGEST = 4.0
-# an innovation further off counts as this many standard deviations: a stroke that came late is no pattern
-_FURTHEST = 4.0
 
 
 @dataclass(frozen=True)
@@ -124,14 +122,14 @@ def _in_channel(problem: Problem, model: Model, bare: Model, channel: str) -> Pa
         return None
     changed = np.where(seen, model.predictions[channel] - bare.predictions[channel], 0.0)
     counts = problem.least(channel) * problem.spans[channel]
-    healthy = _response(problem) * problem.spans[channel]
+    healthy = cast("ValveHistory", problem.history).allowed.response * problem.spans[channel]
     explained = _rms(changed[rows])
     # an equation is wrong where it changes much, and on the whole where its curve and the true one cross
     nearby = np.concatenate([_nearby(changed[low:high]) for low, high in spans])
     inadequacy = np.hypot(healthy, SHARE_WRONG * np.maximum(nearby, explained))[:, None]
     amplitudes = np.append(0.0, _amplitudes(healthy, max(counts, explained)))
     white = partial(_whitened, noise=noise.without(~settled), seen=seen, rows=rows)
-    w = np.clip(white(left[:, None])[:, 0], -_FURTHEST, _FURTHEST)
+    w = np.clip(white(left[:, None])[:, 0], -FURTHEST, FURTHEST)
     none, some, met = [], [], []
     for inputs, features in _processes(static_inputs(model.chain, model.values, channel), len(left)):
         log_z, weights = _evidence(white(features), white(inadequacy * features), w, amplitudes)
@@ -148,12 +146,6 @@ def _nearby(changed: np.ndarray) -> np.ndarray:
     squares = uniform_filter1d(changed**2, max(int(_OVER_TIME[0] * len(changed)), 1))
     # a running sum may end a rounding error below zero
     return np.sqrt(np.maximum(squares, 0.0))
-
-
-def _response(problem: Problem) -> float:
-    """Share of a span by which a healthy valve may respond otherwise than its history says."""
-    history = cast("ValveHistory", problem.history)
-    return (history.allowance or Allowance()).response
 
 
 def _amplitudes(smallest: float, matters: float) -> np.ndarray:
@@ -188,9 +180,8 @@ def _features(X: np.ndarray, length: float) -> np.ndarray:
 
 def _standard(values: np.ndarray) -> np.ndarray:
     """Values without gaps, of mean 0 and variance 1."""
-    known, index = np.isfinite(values), np.arange(len(values))
-    filled = np.interp(index, index[known], values[known])
-    return (filled - filled.mean()) / max(float(filled.std()), 1e-12)
+    values = filled(values)
+    return (values - values.mean()) / max(float(values.std()), 1e-12)
 
 
 def _whitened(columns: np.ndarray, noise: NoiseModel, seen: np.ndarray, rows: np.ndarray) -> np.ndarray:

@@ -126,7 +126,7 @@ def _rehearsed(judgement: Judgement, alpha: float) -> str | None:
 
 def _allowances(history: ValveHistory) -> list[dict[str, Any]]:
     """What may change without a fault, each a standard deviation."""
-    allowance = history.allowance or Allowance()
+    allowance = history.allowed
     return [
         {
             "name": field.name,

@@ -6,8 +6,9 @@ import pytest
 from scipy.signal import lfilter
 
 from sklvalve.mismatch.loop.process import forecast_command
-from sklvalve.mismatch.proof.feedback import ANSWERS_FROM, answers, driver_of, filled
+from sklvalve.mismatch.proof.feedback import ANSWERS_FROM, answers, driver_of
 from sklvalve.mismatch.proof.one_sign import one_sign_predictions
+from sklvalve.recording.gaps import filled
 
 ROWS = 1500
 

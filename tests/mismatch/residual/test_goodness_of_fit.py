@@ -139,23 +139,30 @@ def test_an_imitation_is_not_named(healthy):
     assert "no known effect" in summary_sentence(told)
 
 
-def test_the_sentence_says_what_comes_closest_and_what_it_leaves():
-    members = [{"name": "backlash", "probability": 0.97}]
-    d = {
+def _nameless(unknown):
+    """A diagnosis of what no effect explains."""
+    return {
         "verdict": "none_of_these",
         "mismatch": {"detected": True, "p_value": 1e-6},
         "location": {"blocks": ["valve"], "regions": [], "onset": None, "intervals": []},
         "effects": [],
         "fit": {},
-        "unknown": {
+        "unknown": unknown,
+    }
+
+
+def test_the_sentence_says_what_comes_closest_and_what_it_leaves():
+    members = [{"name": "backlash", "probability": 0.97}]
+    d = _nameless(
+        {
             "signal": "flow",
             "inputs": [],
             "size": 0.021,
             "beyond_noise": {"size": 0.021, "noise": 0.004, "allowed": 0.005},
             "closest": [{"members": members, "sentence": "There is play.", "size": {"flow": 0.02}}],
             "closest_leaves": 0.02,
-        },
-    }
+        }
+    )
     sentence = summary_sentence(d)
     assert "follows from nothing recorded" in sentence
     assert "Backlash fits best, but 2 % of span beyond noise would remain." in sentence
@@ -172,14 +179,7 @@ def test_the_sentence_says_what_comes_closest_and_what_it_leaves():
 def test_the_sentence_says_what_a_pattern_follows(inputs, words):
     entry = contents._unlearnt(Pattern("flow", inputs, 0.02, 4.0), None)
     assert (entry["inputs"], entry["size"], entry["p_value"]) == (list(inputs), 0.02, None)
-    d = {
-        "verdict": "none_of_these",
-        "mismatch": {"detected": True, "p_value": 1e-6},
-        "location": {"blocks": ["valve"], "regions": [], "onset": None, "intervals": []},
-        "effects": [],
-        "fit": {},
-        "unknown": entry,
-    }
+    d = _nameless(entry)
     assert words in summary_sentence(d)
     assert "the recorded signals" not in summary_sentence(d)
 

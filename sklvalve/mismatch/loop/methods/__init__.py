@@ -8,7 +8,8 @@ from sklvalve.mismatch.loop.methods.ellipse import ellipse
 from sklvalve.mismatch.loop.methods.half_periods import area, curve_shape, relay
 from sklvalve.mismatch.loop.methods.hammerstein import hammerstein
 from sklvalve.mismatch.loop.methods.result import MethodResult
-from sklvalve.mismatch.loop.oscillation import Oscillation, filled, find_oscillation
+from sklvalve.mismatch.loop.oscillation import Oscillation, find_oscillation
+from sklvalve.recording.gaps import filled
 
 __all__ = [
     "MethodResult",

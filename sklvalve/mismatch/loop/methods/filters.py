@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.ndimage import uniform_filter1d
 from scipy.signal import butter, sosfiltfilt
 
-from sklvalve.mismatch.loop.oscillation import filled
+from sklvalve.recording.gaps import filled
 
 
 def control_error(value: ArrayLike, setpoint: ArrayLike | None) -> NDArray:
