@@ -61,12 +61,19 @@ class Pattern:
     @property
     def over(self) -> str:
         """What it is a function of, in words."""
-        return " and ".join(self.inputs) or "time"
+        return " and ".join(map(_in_words, self.inputs)) or "time"
 
     @property
     def posterior(self) -> float:
         """Posterior probability of one, at even odds before [1]."""
         return float(expit(self.log_odds))
+
+
+def _in_words(name: str) -> str:
+    """Name of an input, as `rest_inputs` has it, in words."""
+    signal, _, lag = name.partition(" ")
+    words = {"dp": "pressure drop"}.get(signal, signal.replace("_", " "))
+    return f"{words} lagged by {lag}" if lag else words
 
 
 def pattern_left(problem: Problem, model: Model, channels: Collection[str]) -> Pattern | None:

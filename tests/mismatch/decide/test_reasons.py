@@ -92,7 +92,13 @@ def test_what_differs_beside_a_name_is_said_with_its_size(signals):
 
 
 @pytest.mark.parametrize(
-    ("inputs", "over"), [((), "time"), (("opening", "dp"), "opening and dp")], ids=["time", "signals"]
+    ("inputs", "over"),
+    [
+        ((), "time"),
+        (("opening", "dp"), "opening and pressure drop"),
+        (("pressure_ratio", "temperature 150 s"), "pressure ratio and temperature lagged by 150 s"),
+    ],
+    ids=["time", "signals", "memory"],
 )
 def test_a_pattern_is_said_with_its_size_and_what_it_follows(inputs, over):
     pattern = Pattern("flow", inputs, 0.03, 4.0)
@@ -104,6 +110,16 @@ def test_a_pattern_is_said_with_its_size_and_what_it_follows(inputs, over):
     stem = SimpleNamespace(term=SimpleNamespace(effect="dead_time"))
     (words,) = reasons_of(_judged("named", findings=[stem], also=pattern), None, bench)
     assert f"by 1.5 m3/h as a smooth pattern over {over}:" in words
+
+
+def test_what_an_imitation_leaves_is_told_apart_from_what_was_there_before_it():
+    unknown, pattern = SimpleNamespace(channel="flow", size=0.04), Pattern("flow", (), 0.01, 4.0)
+    found, *_ = reasons_of(_judged("none_of_these", unknown=unknown), None, BENCH)
+    left, *_ = reasons_of(_judged("none_of_these", unknown=unknown, pattern=pattern), None, BENCH)
+    assert found == "No effect that was tried accounts for a predictable deviation of the flow by 2 m3/h."
+    assert left == (
+        "The calibrated simulation without an effect leaves a predictable deviation of the flow by 2 m3/h."
+    )
 
 
 def test_moments_a_rest_and_a_change_are_reasons():
