@@ -118,7 +118,8 @@ def reasons_of(
         )
     elif judgement.change is not None:
         reasons.append(
-            f"The {judgement.change.channel} changed at one time, and no effect that was tried explains it."
+            f"The {judgement.change.channel} changed at one time, and no effect that was tried can be named "
+            "for it."
         )
     if judgement.pulses is not None:
         reasons.append(judgement.pulses.reason)

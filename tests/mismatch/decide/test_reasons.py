@@ -128,6 +128,6 @@ def test_moments_a_rest_and_a_change_are_reasons():
     unknown = SimpleNamespace(channel="flow", size=0.04)
     assert "flow by 2 m3/h" in reasons_of(_judged("none_of_these", unknown=unknown), None, BENCH)[0]
     assert (
-        "The flow changed at one time"
+        "The flow changed at one time, and no effect that was tried can be named for it."
         in reasons_of(_judged("cannot_tell", change=SimpleNamespace(channel="flow")), None, BENCH)[0]
     )
