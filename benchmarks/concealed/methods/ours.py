@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """This package's finder."""
 
+from dataclasses import asdict
+
 from benchmarks.concealed.methods.rows import told_rows
 from sklvalve import MissingPhysicsFinder
+from sklvalve.mismatch.decide.null_reference import survival
 
 _TOLD = ("verdict", "mismatch", "location", "effects", "unknown", "data", "rules", "reasons")
 # rows of the table of explanations that are kept, of each place
@@ -37,8 +40,10 @@ def diagnose(recording, *, folder=None, **settings):
             {"names": [each["name"], *rivals.get(each["name"], [])], "change": each["change"]}
             for each in since["held"]
         ]
-    # with it a change of the rules can be tried on the scores, without a search
+    # with these a change of the rules, or of the null law, can be tried on the scores, without a search
     found["comparison"] = [row for row in content.get("comparison", ()) if row["rank"] <= _RANKS]
+    if finder.evidence_ is not None:
+        found["evidence"] = _looks(finder.evidence_)
     nominal = getattr(finder, "nominal_simulation_", None)
     ratio = opening = None
     if nominal is not None:
@@ -53,3 +58,10 @@ def diagnose(recording, *, folder=None, **settings):
         seconds = recording.time - recording.time[0]
         found["boxes"] = told_rows(content, recording, seconds, opening=opening, pressure_ratio=ratio)
     return found
+
+
+def _looks(evidence):
+    """What each look at a recording saw, how much of the healthy see as much, and what chance depends on."""
+    seen = {look: value for look, value in evidence.looks.items() if value is not None}
+    chance = {look: survival(evidence.law.tables[look], seen[look], evidence.covariates) for look in seen}
+    return {"looks": seen, "chance": chance, "covariates": asdict(evidence.covariates)}
