@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.simulation.noise import NoiseModel
 
-# length scales over time, share of the recording, and over signals, in their standard deviations
+# length scales over time, share of all rows, and over signals, in their standard deviations
 _OVER_TIME, _OVER_SIGNALS = (0.03, 0.1, 0.3), (0.4, 1.0)
 # points that a Gaussian process is spanned by, and the fewest rows that tell one
 _POINTS, _FEWEST = 25, 100

@@ -120,6 +120,7 @@ class Search:
     def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
         first = not self.tried and not model.terms
+        met: set[frozenset[str]] = set()
         while len(model.terms) < self.most:
             problem, model, settled = self._next_effect(problem, model, first=first and not model.terms)
             if settled is None:
@@ -127,6 +128,11 @@ class Search:
             model = drop_what_no_longer_counts(problem, settled, self.threshold)
             problem = problem.with_noise_of(model, cautious=True)
             model = problem.fit(model.terms, start=model)
+            effects = frozenset(term.effect.key for term in model.terms)
+            if effects in met:
+                # each under the noise of the other, two effects could take each other's place for ever
+                break
+            met.add(effects)
         return problem, model
 
     def _next_effect(
@@ -150,10 +156,10 @@ class Search:
             for m in beyond:
                 self._note(problem, m, model)
         promising = [m for m in candidates if is_relevant(problem, m, model, self.threshold)]
-        problem, settled = self._first_that_counts(problem, model, promising)
+        problem, settled = self._likeliest_that_counts(problem, model, promising)
         if settled is None and much_is_left(problem, model):
             elsewhere = restarted(problem, model, [e for e in self.effects if not is_in(e, model.terms)])
-            problem, settled = self._first_that_counts(problem, model, elsewhere)
+            problem, settled = self._likeliest_that_counts(problem, model, elsewhere)
         return problem, model, settled
 
     def _note(self, problem: Problem, model: Model, without: Model) -> None:
@@ -182,12 +188,12 @@ class Search:
         best = max((nominal, *fits), key=lambda m: m.log_likelihood)
         return best if best.log_likelihood > enough else nominal
 
-    def _first_that_counts(
+    def _likeliest_that_counts(
         self, problem: Problem, model: Model, candidates: Sequence[Model]
     ) -> tuple[Problem, Model | None]:
         """The likeliest hypothesis with one effect more that matters, each by its own noise; else None."""
         counting: list[tuple[Problem, Model]] = []
-        for chosen in _in_reach(problem, candidates, model):
+        for chosen in _in_reach(candidates, model):
             by_its_noise, settled = settled_fit(problem, chosen)
             self.met.append(settled)
             without = by_its_noise.fit(settled.terms[:-1], start=model)
@@ -234,7 +240,7 @@ def _gained(problem: Problem, model: Model, without: Model) -> Tried:
     return Tried(model.log_likelihood - without.log_likelihood, sizes, stage=stage, over_time=over_time)
 
 
-def _in_reach(problem: Problem, candidates: Sequence[Model], model: Model) -> list[Model]:
+def _in_reach(candidates: Sequence[Model], model: Model) -> list[Model]:
     """Of hypotheses with one effect more those that may be the likeliest by their own noise."""
     if not candidates:
         return []

@@ -174,6 +174,30 @@ def test_beside_a_history_what_is_left_asks_for_one_effect_more(
     assert found == (({CLOGGING} if own_noise_asks else set()) if taken is None else taken)
 
 
+def test_two_effects_that_take_each_others_place_end_the_search(monkeypatch):
+    asked = []
+
+    class Bench:
+        def fit(self, members, *, start=None):
+            return SimpleNamespace(terms=tuple(members))
+
+        def with_noise_of(self, model, *, cautious=False):
+            return self
+
+    def next_effect(search, problem, model, *, first):
+        assert len(asked) < 9, "the search goes on for ever"
+        asked.append(LEAK if [m.effect for m in model.terms] == [CLOGGING] else CLOGGING)
+        return problem, model, SimpleNamespace(terms=(*model.terms, Term(asked[-1])))
+
+    monkeypatch.setattr(taking_up.Search, "_next_effect", next_effect)
+    monkeypatch.setattr(
+        taking_up, "drop_what_no_longer_counts", lambda _, m, threshold: SimpleNamespace(terms=m.terms[-1:])
+    )
+    _, model = taking_up.Search((), 1.0, 4, None, None).taken_up(Bench(), SimpleNamespace(terms=()))
+    assert asked == [CLOGGING, LEAK, CLOGGING]
+    assert [m.effect for m in model.terms] == [CLOGGING]
+
+
 def test_what_the_data_hide_is_no_candidate_and_stands_in_the_place_of_what_is_found(monkeypatch):
     asked = {}
     bench = SimpleNamespace(fit=lambda members, **_: SimpleNamespace(terms=members, log_likelihood=0.0))
