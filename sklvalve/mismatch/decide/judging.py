@@ -62,7 +62,11 @@ def judge(case: Case, events: Events | None = None) -> Judgement:
     if len(findings) < len(explanation.findings):
         model = problem.fit(tuple(f.term for f in findings), start=model)
     others = tuple(c for c in problem.channels if c != "opening")
-    beside = _judged(replace(case, channels=others, _residuals={}), findings, model)
+    case = replace(case, channels=others, _residuals={})
+    beside = _judged(case, findings, model)
+    also = beside.also
+    if not beside.findings and beside.evidence is not None:
+        also = elsewhere(case, (), beside.model, beside.evidence)
     finding, model = with_events(beside.model, events, problem, case.random_state)
     return replace(
         beside,
@@ -72,7 +76,9 @@ def judge(case: Case, events: Events | None = None) -> Judgement:
         model=model,
         tried=beside.tried or cross_validated(problem, beside.model),
         suspected=None,
-        rules=rules.without(beside.rules, rules.OF_A_FIT),
+        also=also,
+        # what stopped a name beside it is none of its own rules
+        rules=rules.passed(rules.without(beside.rules, rules.OF_A_FIT)),
     )
 
 

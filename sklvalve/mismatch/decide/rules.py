@@ -242,6 +242,11 @@ def without(rules: Iterable[Rule], names: Iterable[str]) -> tuple[Rule, ...]:
     return tuple(rule for rule in rules if rule.name not in tuple(names))
 
 
+def passed(rules: Iterable[Rule]) -> tuple[Rule, ...]:
+    """Rules but those that stopped a name."""
+    return tuple(rule for rule in rules if rule.passed is not False)
+
+
 def without_pattern(rules: Iterable[Rule]) -> tuple[Rule, ...]:
     """Rules without the outcome of `nameless`, of a pattern that was taken back."""
     return tuple(rule for rule in rules if rule.name != "residual" or rule.value is not None)

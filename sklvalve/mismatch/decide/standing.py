@@ -30,8 +30,8 @@ def upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[
     """The strongest finding and those beside it that may be named, and the model with them.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
-    alarm, and gains on rows left out where these are asked, is named in signals of its own; to be named beside
-    a stronger one of the same signals it must be ten times as rare.
+    alarm, and gains on rows left out where these are asked, is named in signals of its own; to be named
+    beside a stronger one of the same signals it must be ten times as rare.
 
     Parameters
     ----------

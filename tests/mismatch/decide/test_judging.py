@@ -9,6 +9,7 @@ import pytest
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder
 from sklvalve.mismatch.decide import case as case_module
 from sklvalve.mismatch.decide import judging, rules, weighing
+from sklvalve.mismatch.decide.judgement import Judgement
 from sklvalve.mismatch.decide.standing import Fit
 from sklvalve.mismatch.search.taking_up import Tried
 from sklvalve.recording import Recording
@@ -138,3 +139,29 @@ def test_what_imitates_is_none_of_these_though_nothing_was_learnt_of_the_residua
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(judging, "replace", lambda judged, **new: new)
         assert judging._nameless(nothing, judged, False)["verdict"] == verdict
+
+
+@pytest.mark.parametrize("beside", [(), ("leak",)], ids=["nothing named beside", "a name beside"])
+def test_what_stops_a_name_beside_events_is_told_and_is_no_rule_of_theirs(monkeypatch, beside):
+    """A stem that slips has its name from its slips; what is wrong with the flow beside it is told."""
+    left, named_too, slips = object(), object(), object()
+    asked = (rules.rarity(1e-6, 0.01), rules.history_noise(1e-5), rules.noise(0.3, True))
+    judged = Judgement(
+        None, "cannot_tell", 1e-6, list(beside), None, None, None, evidence="known", rules=asked,
+        also=named_too if beside else None,
+    )  # fmt: skip
+    problem = SimpleNamespace(channels=("opening", "flow"))
+    explanation = SimpleNamespace(problem=problem, findings=[], model=None)
+    case = case_module.Case(explanation, None, None, 0.01, 0)
+    seen = []
+    monkeypatch.setattr(judging, "_judged", lambda case, findings, model: judged)
+    monkeypatch.setattr(judging, "with_events", lambda *_: (slips, None))
+    monkeypatch.setattr(judging, "cross_validated", lambda *_: None)
+    monkeypatch.setattr(
+        judging, "elsewhere", lambda case, findings, *_: seen.append((case.channels, findings)) or left
+    )
+    told = judging.judge(case, SimpleNamespace(names={"stiction"}))
+    assert (told.verdict, told.findings) == ("named", [slips, *beside])
+    assert [rule.name for rule in told.rules] == ["rarity", "noise"]
+    assert told.also is (named_too if beside else left)
+    assert seen == ([] if beside else [(("flow",), ())])

@@ -28,7 +28,9 @@ CLEAR, RARE, USUAL = 5e-5, 5e-3, 0.02
 
 @pytest.fixture(autouse=True)
 def _noise_known_where_told(monkeypatch):
-    monkeypatch.setattr(standing, "noise_is_known", lambda problem, channels: getattr(problem, "known", False))
+    monkeypatch.setattr(
+        standing, "noise_is_known", lambda problem, channels: getattr(problem, "known", False)
+    )
 
 
 @pytest.mark.parametrize(
