@@ -14,9 +14,9 @@ from sklvalve.mismatch.data.preparation import prepared_problem
 from sklvalve.mismatch.effects.flow_meter_gain import FlowMeterGain
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.inference.hypothesis import Term
-from sklvalve.mismatch.residual.since_history import _in_channel, left_since, noise_is_known
+from sklvalve.mismatch.residual.since_history import _in_channel, left_since
 from sklvalve.report.sentence import summary_sentence
-from tests.history.plant import changed, without
+from tests.history.plant import changed
 
 
 def _left(recording, history):
@@ -119,21 +119,12 @@ def test_nothing_is_said_of_rows_where_the_history_has_not_been(learnt, after):
     elsewhere.range_ = SimpleNamespace(met=lambda recording, _: np.zeros(len(recording), dtype=bool))
     problem, nominal = calibrated(prepared_problem(after, None, None, history=learnt))
     assert left_since(problem, nominal) is not None
-    nowhere = replace(problem, history=elsewhere)
-    assert left_since(nowhere, nominal) is None
-    assert [noise_is_known(each, each.channels) for each in (problem, nowhere)] == [True, False]
+    assert left_since(replace(problem, history=elsewhere), nominal) is None
 
 
 def test_without_a_history_there_is_nothing_to_compare(after):
     problem, nominal = calibrated(prepared_problem(after, None, None))
     assert left_since(problem, nominal) is None
-    assert not noise_is_known(problem, ["opening"])
-
-
-def test_where_nothing_tells_the_drop_the_noise_of_the_opening_alone_is_known(learnt, after):
-    problem = prepared_problem(after, None, None, history=learnt)
-    problem = replace(problem, recording=without(after, "p1", "p2"))
-    assert [noise_is_known(problem, [c]) for c in ("opening", "flow")] == [True, False]
 
 
 @pytest.mark.parametrize(("share", "strong"), [(0.25, False), (0.6, True)])

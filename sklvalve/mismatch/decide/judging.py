@@ -30,6 +30,7 @@ from sklvalve.mismatch.search.rivals import class_of
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.hypothesis import Model
     from sklvalve.mismatch.inference.problem import Problem
+    from sklvalve.mismatch.residual.smooth_pattern import Pattern
     from sklvalve.mismatch.residual.unknown import Unknown
     from sklvalve.mismatch.search.explain import Explanation
     from sklvalve.mismatch.search.rivals import Finding
@@ -64,9 +65,9 @@ def judge(case: Case, events: Events | None = None) -> Judgement:
     others = tuple(c for c in problem.channels if c != "opening")
     case = replace(case, channels=others, _residuals={})
     beside = _judged(case, findings, model)
-    also = beside.also
-    if not beside.findings and beside.evidence is not None:
-        also = elsewhere(case, (), beside.model, beside.evidence)
+    also: LeftSince | Pattern | None = beside.also
+    if beside.verdict != "no_mismatch" and not beside.findings and beside.evidence is not None:
+        also = beside.pattern or elsewhere(case, (), beside.model, beside.evidence)
     finding, model = with_events(beside.model, events, problem, case.random_state)
     return replace(
         beside,
@@ -76,7 +77,9 @@ def judge(case: Case, events: Events | None = None) -> Judgement:
         model=model,
         tried=beside.tried or cross_validated(problem, beside.model),
         suspected=None,
+        why=(),
         also=also,
+        pattern=None,
         # what stopped a name beside it is none of its own rules
         rules=rules.passed(rules.without(beside.rules, rules.OF_A_FIT)),
     )

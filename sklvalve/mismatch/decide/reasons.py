@@ -126,12 +126,13 @@ def reasons_of(
     unknown = judgement.unknown
     if unknown is not None:
         size = in_recorded(problem, unknown.channel, unknown.size)
-        whole = f"a predictable deviation of the {unknown.channel} by {size}."
-        if judgement.pattern is None:
-            reasons.append(f"No effect that was tried accounts for {whole}")
-        else:
-            # of what is left of it the first reason tells
-            reasons.append(f"The calibrated simulation without an effect leaves {whole}")
+        reasons.append(
+            # what an effect leaves of it is told already
+            f"The {unknown.channel} deviates predictably by {size}."
+            if judgement.pattern is not None
+            else f"No effect that was tried accounts for a predictable deviation of the {unknown.channel} by "
+            f"{size}."
+        )
     reasons += compared
     return reasons or [
         "Simulation and recording differ by more than chance, but no single effect that was tried explains "

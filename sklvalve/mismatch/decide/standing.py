@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Which findings may be named: what is rare, predicts, and explains its signals."""
+"""Which findings may be named: what is rare, gains on rows left out, and explains its signals."""
 
 from __future__ import annotations
 
@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, cast
 
+from sklvalve.mismatch.constants import HELD_OUT_ERRORS
 from sklvalve.mismatch.decide import rules
 from sklvalve.mismatch.decide.detect import Evidence, p_value_of_residual
 from sklvalve.mismatch.decide.reasons import exceeds_noise, leaves_pattern, not_upheld
 from sklvalve.mismatch.decide.weighing import leaves_rare
-from sklvalve.mismatch.residual.since_history import noise_is_known
 from sklvalve.mismatch.residual.smooth_pattern import Pattern
 from sklvalve.simulation.given import ACTUATOR_STAGES
 
@@ -30,8 +30,8 @@ def upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[
     """The strongest finding and those beside it that may be named, and the model with them.
 
     One mismatch makes others look likely, for no effect is simulated just as it is. What is rarer than an
-    alarm, and gains on rows left out where these are asked, is named in signals of its own; to be named
-    beside a stronger one of the same signals it must be ten times as rare.
+    alarm and gains on rows left out is named in signals of its own; to be named beside a stronger one of the
+    same signals it must be ten times as rare.
 
     Parameters
     ----------
@@ -52,19 +52,9 @@ def upheld(case: Case, findings: Sequence[Finding], model: Model) -> tuple[list[
     stand = [findings[0]]
     for finding in findings[1:]:
         level = case.alpha if _shows_alone(case.problem, finding, stand) else _BESIDE * case.alpha
-        if all(rule.passed for rule in _held_out(case, finding)) and case.is_rare(finding, level):
+        if case.held_out_gain(finding) >= HELD_OUT_ERRORS and case.is_rare(finding, level):
             stand.append(finding)
     return stand, fitted_with(case, stand, findings, model)
-
-
-def _held_out(case: Case, finding: Finding) -> tuple[rules.Rule, ...]:
-    """The rule on rows left out of the fit of a finding; none where a history knows the noise of its signals.
-
-    What acts seldom gains in few blocks, so its gain scatters, however clear it is.
-    """
-    if noise_is_known(case.problem, case.problem.touched_by([finding.term])):
-        return ()
-    return (rules.held_out(case.held_out_gain(finding)),)
 
 
 def fitted_with(case: Case, stand: Sequence[Finding], findings: Sequence[Finding], model: Model) -> Model:
@@ -152,7 +142,7 @@ class _Held:
 
 
 def fit_of(case: Case, findings: Sequence[Finding], model: Model, evidence: Evidence) -> Fit:
-    """Rules on the fit of findings: what they leave since a history, or else what rows left out gain by them.
+    """Rules on the fit of findings: what they leave since a history, and what rows left out gain by them.
 
     An imitation leaves over what healthy valves do not, in the signals that it is to explain. What explains
     signals of its own is none for that.
@@ -169,17 +159,17 @@ def fit_of(case: Case, findings: Sequence[Finding], model: Model, evidence: Evid
     groups = [_held_to_history(case, some, model, evidence) for some in _by_signals(case.problem, findings)]
     refused = [group for group in groups if not group.passed]
     kept = [f for f in findings if not any(f in group.findings for group in refused)]
-    held_out = _held_out(case, (kept or findings)[0])
-    if not all(rule.passed for rule in held_out):
+    held_out = rules.held_out(case.held_out_gain((kept or findings)[0]))
+    if not held_out.passed:
         # blocks that the fit had not seen speak against it: no name is better than a wrong one
-        return Fit(held_out, why=not_upheld(kept or findings))
+        return Fit((held_out,), why=not_upheld(kept or findings))
     if kept:
         passed = next((group.asked for group in groups if group.passed and group.asked), ())
-        return Fit((*held_out, *passed), kept, beside=refused[0].too_much if refused else None)
+        return Fit((held_out, *passed), kept, beside=refused[0].too_much if refused else None)
     imitating = [group for group in refused if group.imitates(case.problem)]
     group = (imitating or refused)[0]
     pattern = group.pattern if imitating else None
-    return Fit((*held_out, *group.asked), why=group.why(case.problem), pattern=pattern)
+    return Fit((held_out, *group.asked), why=group.why(case.problem), pattern=pattern)
 
 
 def _held_to_history(case: Case, findings: list[Finding], model: Model, evidence: Evidence) -> _Held:

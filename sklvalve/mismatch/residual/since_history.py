@@ -6,7 +6,6 @@ An effect is never simulated just as it is: a share of what it explains may be l
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, cast
 
@@ -149,23 +148,6 @@ def _in_channel(
         size, allowed = usual * np.sqrt(ratio), usual * np.sqrt(free)
         each.append(LeftSince(channel, float(size), float(usual), float(allowed), many, rows, effect_size))
     return max(each, key=lambda left: left.effect_size, default=None)
-
-
-def noise_is_known(problem: Problem, channels: Iterable[str]) -> bool:
-    """Whether a history knows the noise of some channels, in rows enough to hold each against it.
-
-    Parameters
-    ----------
-    problem : Problem
-    channels : iterable of str
-    """
-    return problem.history is not None and all(_is_known(problem, channel) for channel in channels)
-
-
-def _is_known(problem: Problem, channel: str) -> bool:
-    if channel == "flow" and drop_is_unknown(problem.recording):
-        return False
-    return bool((rows_known(problem, channel) & np.isfinite(problem.recording[channel])).sum() >= FEWEST)
 
 
 def rows_known(problem: Problem, channel: str) -> np.ndarray:

@@ -120,7 +120,7 @@ class Search:
     def taken_up(self, problem: Problem, model: Model) -> tuple[Problem, Model]:
         """A hypothesis with one effect after the other taken up, as long as they matter."""
         first = not self.tried and not model.terms
-        met: set[frozenset[str]] = set()
+        met = {_effects_of(model)}
         while len(model.terms) < self.most:
             problem, model, settled = self._next_effect(problem, model, first=first and not model.terms)
             if settled is None:
@@ -128,11 +128,10 @@ class Search:
             model = drop_what_no_longer_counts(problem, settled, self.threshold)
             problem = problem.with_noise_of(model, cautious=True)
             model = problem.fit(model.terms, start=model)
-            effects = frozenset(term.effect.key for term in model.terms)
-            if effects in met:
+            if _effects_of(model) in met:
                 # each under the noise of the other, two effects could take each other's place for ever
                 break
-            met.add(effects)
+            met.add(_effects_of(model))
         return problem, model
 
     def _next_effect(
@@ -231,6 +230,11 @@ class Search:
             return not explains_as_much(problem, model, other.terms[-1], so_far, of_other)
 
         return [one for channels, one in zip(touched, counting, strict=True) if asks(channels, one[1])]
+
+
+def _effects_of(model: Model) -> frozenset[tuple[str, bool]]:
+    """Effects of a hypothesis, and whether each begins within the recording."""
+    return frozenset((term.effect.key, term.onset is not None) for term in model.terms)
 
 
 def _gained(problem: Problem, model: Model, without: Model) -> Tried:

@@ -141,27 +141,35 @@ def test_what_imitates_is_none_of_these_though_nothing_was_learnt_of_the_residua
         assert judging._nameless(nothing, judged, False)["verdict"] == verdict
 
 
-@pytest.mark.parametrize("beside", [(), ("leak",)], ids=["nothing named beside", "a name beside"])
-def test_what_stops_a_name_beside_events_is_told_and_is_no_rule_of_theirs(monkeypatch, beside):
+@pytest.mark.parametrize(
+    ("verdict", "beside", "pattern", "also"),
+    [
+        ("cannot_tell", (), None, "left"),
+        ("none_of_these", (), "pattern", "pattern"),
+        ("no_mismatch", (), None, None),
+        ("named", ("leak",), None, "named too"),
+    ],
+    ids=["more than noise is left", "a pattern is left", "nothing is missing", "a name beside"],
+)
+def test_what_stops_a_name_beside_events_is_told_and_is_no_rule_of_theirs(
+    monkeypatch, verdict, beside, pattern, also
+):
     """A stem that slips has its name from its slips; what is wrong with the flow beside it is told."""
-    left, named_too, slips = object(), object(), object()
     asked = (rules.rarity(1e-6, 0.01), rules.history_noise(1e-5), rules.noise(0.3, True))
     judged = Judgement(
-        None, "cannot_tell", 1e-6, list(beside), None, None, None, evidence="known", rules=asked,
-        also=named_too if beside else None,
+        None, verdict, 1e-6, list(beside), None, None, None, evidence="known", rules=asked, why=("too much",),
+        pattern=pattern, also="named too" if beside else None,
     )  # fmt: skip
     problem = SimpleNamespace(channels=("opening", "flow"))
-    explanation = SimpleNamespace(problem=problem, findings=[], model=None)
-    case = case_module.Case(explanation, None, None, 0.01, 0)
-    seen = []
+    case = case_module.Case(SimpleNamespace(problem=problem, findings=[], model=None), None, None, 0.01, 0)
     monkeypatch.setattr(judging, "_judged", lambda case, findings, model: judged)
-    monkeypatch.setattr(judging, "with_events", lambda *_: (slips, None))
+    monkeypatch.setattr(judging, "_names_one_of", lambda *_: False)
+    monkeypatch.setattr(judging, "with_events", lambda *_: ("slips", None))
     monkeypatch.setattr(judging, "cross_validated", lambda *_: None)
     monkeypatch.setattr(
-        judging, "elsewhere", lambda case, findings, *_: seen.append((case.channels, findings)) or left
+        judging, "elsewhere", lambda case, findings, *_: "left" if case.channels == ("flow",) else "wrong"
     )
     told = judging.judge(case, SimpleNamespace(names={"stiction"}))
-    assert (told.verdict, told.findings) == ("named", [slips, *beside])
+    assert (told.verdict, told.findings) == ("named", ["slips", *beside])
     assert [rule.name for rule in told.rules] == ["rarity", "noise"]
-    assert told.also is (named_too if beside else left)
-    assert seen == ([] if beside else [(("flow",), ())])
+    assert (told.also, told.pattern, told.why) == (also, None, ())

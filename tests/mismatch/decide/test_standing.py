@@ -26,22 +26,14 @@ class _Case(SimpleNamespace):
 CLEAR, RARE, USUAL = 5e-5, 5e-3, 0.02
 
 
-@pytest.fixture(autouse=True)
-def _noise_known_where_told(monkeypatch):
-    monkeypatch.setattr(
-        standing, "noise_is_known", lambda problem, channels: getattr(problem, "known", False)
-    )
-
-
 @pytest.mark.parametrize(
-    ("gains", "rarity", "alone", "known", "kept"),
+    ("gains", "rarity", "alone", "kept"),
     [
-        ({"b": HELD_OUT_ERRORS, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, False, "abc"),
-        ({"b": HELD_OUT_ERRORS - 0.1, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, False, "ac"),
-        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": CLEAR}, False, False, "ac"),
-        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": USUAL}, True, False, "ab"),
-        ({"b": 0.0, "c": 0.0}, {"b": CLEAR, "c": CLEAR}, True, False, "a"),
-        ({"b": 0.0, "c": -9.0}, {"b": RARE, "c": CLEAR}, False, True, "ac"),
+        ({"b": HELD_OUT_ERRORS, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, "abc"),
+        ({"b": HELD_OUT_ERRORS - 0.1, "c": 9.0}, {"b": CLEAR, "c": CLEAR}, False, "ac"),
+        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": CLEAR}, False, "ac"),
+        ({"b": 9.0, "c": 9.0}, {"b": RARE, "c": USUAL}, True, "ab"),
+        ({"b": 0.0, "c": 0.0}, {"b": CLEAR, "c": CLEAR}, True, "a"),
     ],
     ids=[
         "all gain and are clear",
@@ -49,16 +41,12 @@ def _noise_known_where_told(monkeypatch):
         "one is not as rare as alpha twice over",
         "in a signal of its own alpha is enough",
         "the strongest is judged later",
-        "a history knows the noise",
     ],
 )
-def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(
-    monkeypatch, gains, rarity, alone, known, kept
-):
+def test_what_is_named_beside_a_stronger_one_is_rare_and_gains(monkeypatch, gains, rarity, alone, kept):
     monkeypatch.setattr(standing, "_shows_alone", lambda *_: alone)
     findings = [SimpleNamespace(term=name) for name in "abc"]
-    problem = SimpleNamespace(fit=lambda terms, start: terms, touched_by=lambda terms: set(), known=known)
-    search = SimpleNamespace(nominal=None)
+    problem, search = SimpleNamespace(fit=lambda terms, start: terms), SimpleNamespace(nominal=None)
     case = _Case(problem=problem, explanation=search, alpha=0.01, gains=gains, rarity=rarity)
     stand, model = standing.upheld(case, findings, tuple(f.term for f in findings))
     assert "".join(f.term for f in stand) == "".join(model) == kept
@@ -154,11 +142,6 @@ def test_rows_left_out_are_asked_of_the_strongest_that_may_be_named(monkeypatch,
     fit = standing.fit_of(case, findings, None, Evidence(1.0, 1.0, None, None))
     assert "".join(f.term for f in fit.kept) == kept
     assert [rule.passed for rule in fit.asked if rule.name == "held_out"] == [bool(kept)]
-    # where a history knows the noise they are not asked
-    problem.known = True
-    fit = standing.fit_of(case, findings, None, Evidence(1.0, 1.0, None, None))
-    assert {f.term for f in fit.kept} == {name for name in signals if not leave_much & signals[name]}
-    assert "held_out" not in [rule.name for rule in fit.asked]
 
 
 @pytest.mark.parametrize(
