@@ -118,7 +118,6 @@ def learnt_history(
     allowed : sequence of (str, float), default=()
         Of ``--allow``; each takes the place of what the history, or the default, allows.
     """
-
     if history is None:
         return None
     learnt = finder.history_of(history) if isinstance(history, list) else history

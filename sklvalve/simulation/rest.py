@@ -24,6 +24,19 @@ def rest_inputs(chain, values, names, stem=None):
     return np.column_stack([_remembered(chain, columns, *name.split(" ")) for name in names])
 
 
+def input_words(name: str) -> str:
+    """Words of an input, as `rest_inputs` names it; what it remembers is said behind it.
+
+    Examples
+    --------
+    >>> from sklvalve.simulation.rest import input_words
+    >>> input_words("simulated_flow 40 s")
+    'simulated flow lagged by 40 s'
+    """
+    signal, _, memory = name.partition(" ")
+    return signal.replace("_", " ") + (f" lagged by {memory}" if memory else "")
+
+
 def _remembered(chain, columns, signal, seconds=None, _unit="s"):
     if signal in _WAVES:
         return _WAVES[signal](2.0 * np.pi * chain.clock / float(seconds))

@@ -5,7 +5,6 @@ from dataclasses import asdict
 
 from benchmarks.concealed.methods.rows import told_rows
 from sklvalve import MissingPhysicsFinder
-from sklvalve.mismatch.decide.null_reference import survival
 
 _TOLD = ("verdict", "mismatch", "location", "effects", "unknown", "data", "rules", "reasons")
 # rows of the table of explanations that are kept, of each place
@@ -62,6 +61,4 @@ def diagnose(recording, *, folder=None, **settings):
 
 def _looks(evidence):
     """What each look at a recording saw, how much of the healthy see as much, and what chance depends on."""
-    seen = {look: value for look, value in evidence.looks.items() if value is not None}
-    chance = {look: survival(evidence.law.tables[look], seen[look], evidence.covariates) for look in seen}
-    return {"looks": seen, "chance": chance, "covariates": asdict(evidence.covariates)}
+    return {"looks": evidence.looks, "chances": evidence.chances, "covariates": asdict(evidence.covariates)}

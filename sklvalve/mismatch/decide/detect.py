@@ -99,6 +99,12 @@ class Evidence:
         return cls(**best, residual=residual, covariates=covariates, effect_sizes=effect_sizes, law=law)
 
     @property
+    def chances(self) -> dict[str, float]:
+        """Share of healthy recordings in which each look saw as much, or more; of those that are known."""
+        known = {look: seen for look, seen in self.looks.items() if seen is not None}
+        return {look: survival(self.law.tables[look], known[look], self.covariates) for look in known}
+
+    @property
     def looks(self) -> dict[str, float | None]:
         """What each look at the recording saw."""
         return {look: getattr(self, look) for look in LOOKS}
@@ -228,8 +234,7 @@ def mismatch_p_value(evidence: Evidence) -> float:
         Uniform between 0 and 1 among healthy recordings like those of the reference; the stronger any look,
         the smaller. Never below 1e-12.
     """
-    seen = [look for look, value in evidence.looks.items() if value is not None]
-    return p_value_of_looks({look: _survival(evidence, look) for look in seen})
+    return p_value_of_looks(evidence.chances)
 
 
 def p_value_of_looks(beyond: dict[str, float]) -> float:
@@ -253,10 +258,6 @@ def p_value_of_looks(beyond: dict[str, float]) -> float:
         for look, share in beyond.items()
     ]
     return float(np.clip(min(p_values), LEAST_P_VALUE, 1.0))
-
-
-def _survival(evidence: Evidence, look: str) -> float:
-    return survival(evidence.law.tables[look], evidence.looks[look] or 0.0, evidence.covariates)
 
 
 def p_value_of_effects(evidence: Evidence) -> float:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sklvalve.simulation.rest import learnt_at
+from sklvalve.simulation.rest import input_words, learnt_at
 
 if TYPE_CHECKING:
     from sklvalve.recording import Recording
@@ -118,8 +118,7 @@ def _shown(name: str, column: np.ndarray, scales: Scales) -> Shown:
     if signal in _CYCLE:
         return f"{signal}(360 deg time / {memory})", column, ""
     factor, offset, unit = scales.get(signal, (1.0, 0.0, ""))
-    words = signal.replace("_", " ") + (f" lagged by {memory}" if memory else "")
-    return words, factor * column + offset, unit
+    return input_words(name), factor * column + offset, unit
 
 
 def _terms(shown: list[Shown]) -> list[Term]:

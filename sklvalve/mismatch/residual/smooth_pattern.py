@@ -21,6 +21,7 @@ from sklvalve.mismatch.residual.low_pass_residual import static_inputs
 from sklvalve.mismatch.residual.since_history import FURTHEST, rows_known
 from sklvalve.recording.gaps import filled
 from sklvalve.simulation.calibration import drop_is_unknown
+from sklvalve.simulation.rest import input_words
 
 if TYPE_CHECKING:
     from sklvalve.history import ValveHistory
@@ -36,6 +37,7 @@ _POINTS, _FEWEST = 25, 100
 _SETTLING = 0.05
 # the largest amplitude, in multiples of what counts or is explained; the smallest is a healthy valve's
 _LARGEST = 4.0
+_WORDS = {"dp": "pressure drop"}
 
 
 @dataclass(frozen=True)
@@ -61,19 +63,12 @@ class Pattern:
     @property
     def over(self) -> str:
         """What it is a function of, in words."""
-        return " and ".join(map(_in_words, self.inputs)) or "time"
+        return " and ".join(_WORDS.get(name, input_words(name)) for name in self.inputs) or "time"
 
     @property
     def posterior(self) -> float:
         """Posterior probability of one, at even odds before [1]."""
         return float(expit(self.log_odds))
-
-
-def _in_words(name: str) -> str:
-    """Name of an input, as `rest_inputs` has it, in words."""
-    signal, _, lag = name.partition(" ")
-    words = {"dp": "pressure drop"}.get(signal, signal.replace("_", " "))
-    return f"{words} lagged by {lag}" if lag else words
 
 
 def pattern_left(problem: Problem, model: Model, channels: Collection[str]) -> Pattern | None:

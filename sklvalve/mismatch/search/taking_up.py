@@ -128,10 +128,11 @@ class Search:
             model = drop_what_no_longer_counts(problem, settled, self.threshold)
             problem = problem.with_noise_of(model, cautious=True)
             model = problem.fit(model.terms, start=model)
-            if _effects_of(model) in met:
+            effects = _effects_of(model)
+            if effects in met:
                 # each under the noise of the other, two effects could take each other's place for ever
                 break
-            met.add(_effects_of(model))
+            met.add(effects)
         return problem, model
 
     def _next_effect(
