@@ -59,6 +59,11 @@ class PlainNoise:
         """Residuals in standard deviations; gaps become zero."""
         return np.nan_to_num(residuals / self.scale)
 
+    @property
+    def pieces(self):
+        """Filters of the recordings, as `NoiseModel.pieces`: none, for it remembers nothing."""
+        return []
+
 
 def first_noise(spans):
     """Noise of channels before anything is known of it, as share of their spans [SI]."""

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from sklvalve.mismatch.inference.hypothesis import FIRST_ONSET, LAST_ONSET, Model
+from sklvalve.mismatch.inference.whitened_onset import WhitenedOnset
 from sklvalve.simulation.fitting import Misfit
 from sklvalve.simulation.robust import least_within, normal_equations, robust_cost, robust_weights
 
@@ -189,21 +191,39 @@ class Linearised:
 
     def likeliest_onset(self, errors: np.ndarray) -> tuple[float, float]:
         """From when on a change gains most at the best share of it, and what, to second order."""
-        rows = len(self.errors) - len(self._priors)
-        weights = self._weights[:rows]
-        change = (errors - self.errors)[:rows]
-        behind = lambda each: _sums_from_here(each.reshape(-1, self.n).sum(axis=0))  # noqa: E731
-        towards = -behind(weights * change * self.errors[:rows])
-        square = behind(weights * change * change)
-        shared = weights * change * self._slopes[:, :rows]
-        shared = _sums_from_here(shared.reshape(len(shared), -1, self.n).sum(axis=1).T)
-        left = square - np.einsum("ij,jk,ik->i", shared, self._inverse, shared, optimize=True)
+        towards, square = np.zeros(self.n), np.zeros(self.n)
+        shared = np.zeros((len(self._slopes), self.n))
+        changes = self._by_channel(errors - self.errors)
+        for change, (onset, columns, answers) in zip(changes, self._onsets, strict=True):
+            states = onset.states(change)
+            square += onset.squares(change, states)
+            products = onset.products(change, states, columns, answers)
+            towards -= products[0]
+            shared += products[1:]
+        left = square - np.einsum("ji,jk,ki->i", shared, self._inverse, shared, optimize=True)
         left = np.maximum(left, 1e-3 * square + 1e-12)
         share = np.clip(towards / left, 0.0, 1.5)
         gains = share * towards - 0.5 * share**2 * left
         first, last = int(FIRST_ONSET * self.n), int(LAST_ONSET * self.n)
         k = first + int(np.argmax(gains[first:last]))
         return float(gains[k]), float(self.clock[k])
+
+    @cached_property
+    def _onsets(self) -> list[tuple[WhitenedOnset, np.ndarray, np.ndarray]]:
+        """Of each channel the sums from an onset on, its errors and derivatives, and their answers."""
+        noises = [misfit.noise[c] for misfit in self._misfits for c in misfit.channels]
+        weights, errors = self._by_channel(self._weights), self._by_channel(self.errors)
+        onsets = []
+        for noise, weight, error, *slopes in zip(
+            noises, weights, errors, *map(self._by_channel, self._slopes), strict=True
+        ):
+            onset, columns = WhitenedOnset(noise, weight), np.stack([error, *slopes])
+            onsets.append((onset, columns, onset.answers(columns)))
+        return onsets
+
+    def _by_channel(self, each: np.ndarray) -> np.ndarray:
+        """Rows of errors, channel by channel, without the priors."""
+        return each[: len(self.errors) - len(self._priors)].reshape(-1, self.n)
 
     def values(self, steps: np.ndarray) -> dict[str, float]:
         """Values of the calibration after steps."""
@@ -241,8 +261,3 @@ def _derivatives(misfit: Misfit) -> dict[str, Any]:
         "slopes": slopes,
         "raw": raw,
     }
-
-
-def _sums_from_here(each: np.ndarray) -> np.ndarray:
-    """Sum of every row and all behind it."""
-    return np.cumsum(each[::-1], axis=0)[::-1]

@@ -17,6 +17,7 @@ from sklvalve.mismatch.inference.hypothesis import (
     Term,
     complexity_penalty,
 )
+from sklvalve.mismatch.inference.whitened_onset import losses_from_here
 from sklvalve.mismatch.search.growing import fit_growing
 from sklvalve.simulation.robust import ROBUST_FROM
 
@@ -85,8 +86,8 @@ def penalty_with_times(problem: Problem, model: Model, term: Term) -> float:
 
     Notes
     -----
-    Simulated are the effect throughout and none; a row has the loss of the one or the other. An effect of the
-    stem is remembered beyond that row, so that its times cost somewhat too much: 2 to 3 nats in three cases.
+    Simulated are the effect throughout and none; a row has the residual of the one or the other. An effect of
+    the stem is remembered beyond that row, so that its times cost somewhat too much: 2 to 3 nats in three cases.
     """
     penalty = complexity_penalty(problem, term)
     if term.onset is None or term.effect.grows:
@@ -109,9 +110,13 @@ def _losses_by_onset(problem: Problem, without: Model, acting: Model) -> np.ndar
     """Loss of all rows where the last effect of `acting` begins at each of them, and at the end."""
     # a channel that the effect leaves alone says nothing of when it began, only how often it was fitted
     touched = problem.channels_touched(acting.terms[-1].effect)
-    before, after = (row_losses(problem, m, touched) for m in (without, acting))
-    losses = np.concatenate([[0.0], np.cumsum(before)]) + np.sum(after)
-    return losses - np.concatenate([[0.0], np.cumsum(after)])
+    losses = np.append(0.0, np.cumsum(row_losses(problem, without, touched)))
+    left, left_then = problem.residuals(without), problem.residuals(acting)
+    for channel in touched:
+        noise = problem.noise[channel]
+        white, white_then = noise.whiten(left[channel]), noise.whiten(left_then[channel])
+        losses[:-1] += losses_from_here(noise, white, white_then)
+    return losses
 
 
 def fit_with_onset(

@@ -22,7 +22,7 @@ class _Bench:
     def __init__(self, acts, size=1.0):
         self.recording = range(N)
         self.flow = size * np.asarray(acts, dtype=float)
-        self.noise = {"flow": SimpleNamespace(whiten=lambda left: left)}
+        self.noise = {"flow": SimpleNamespace(whiten=lambda left: left, pieces=[])}
         self.size = size
 
     def channels_touched(self, effect):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The race of the effects: who leaves it, and that none of those leaves who would have won."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,7 @@ from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.calibrating import calibrated
 from sklvalve.mismatch.search import screening
 from sklvalve.mismatch.search.screening import screened
+from sklvalve.simulation.noise import NoiseModel
 
 
 def _left(trials, staying=()):
@@ -81,3 +83,23 @@ def test_effects_are_tried_from_other_calibrations_too(bench):
     leak = [e for e in CATALOGUE if e.key == "seat_leakage"]
     once = screened(problem, nominal, leak)
     assert len(screened(problem, nominal, leak, also=[(nominal, leak)])) == 2 * len(once)
+
+
+def test_a_step_beside_a_wander_is_dated_by_its_jump(bench):
+    problem, nominal = bench
+    rows, row = len(problem.recording), 700
+    # a random walk forgets within some rows that it has made a step: all later rows look alike
+    wander = np.cumsum(np.random.default_rng(3).normal(0.0, 1.0, rows))
+    unit = 0.002 * problem.spans["flow"]
+    flow = nominal.predictions["flow"] + unit * (wander + 8.0 * (np.arange(rows) >= row))
+    recording = replace(problem.recording, signals=problem.recording.signals | {"flow": flow})
+    changed = prepared_problem(recording)
+    noise = NoiseModel(
+        np.full(rows, 0.1 * unit**2), np.ones(rows), 1.0, 1e-12, 1000.0, 500.0 * unit**2, sensor=unit**2
+    )
+    changed = changed.with_noise(problem.noise | {"flow": noise})
+    base = changed.judged(changed.simulate((), nominal.values))
+    bias = [e for e in CATALOGUE if e.key == "flow_meter_bias"]
+    late = next(m for m in screened(changed, base, bias) if m.terms[-1].onset is not None)
+    at = changed.plain.clock[row]
+    assert late.terms[-1].onset == pytest.approx(at, abs=1.5 * problem.recording.sample_time)
