@@ -5,10 +5,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from sklvalve.mismatch.decide.detect import p_value_of_one
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
+from sklvalve.mismatch.residual.change import Change, find_change, stands_out
 from sklvalve.mismatch.residual.since_history import LeftSince, left_since
 from sklvalve.mismatch.residual.smooth_pattern import Pattern, pattern_left
 from sklvalve.mismatch.residual.unknown import Unknown, look_for_residual
@@ -101,6 +105,26 @@ class Case:
         asked = tuple(c for c in asked if c in touched)
         fitted = self.residual_of(model).fitted
         return left_since(self.problem, fitted, asked), pattern_left(self.problem, fitted, asked)
+
+    def change_by(self, findings: Sequence[Finding]) -> Change | None:
+        """The change at one time that stands out, where one of some findings began then in its signal.
+
+        What a jump tells, no other noise can make: it needs no null law of effects.
+        """
+        begun = [f.term for f in findings if f.term.onset is not None and not f.term.effect.grows]
+        if not begun or self._change is None:
+            return None
+        first, last = self._change.within
+        begun = [t for t in begun if self._change.channel in self.problem.touched_by([t])]
+        rows = np.searchsorted(self.explanation.nominal.chain.clock, [t.onset for t in begun])
+        # either tells the row to one at best
+        return self._change if np.any((rows >= first - 1) & (rows <= last + 1)) else None
+
+    @cached_property
+    def _change(self) -> Change | None:
+        """The change that the simulation without effects leaves over, where it stands out."""
+        change = find_change(self.problem, self.explanation.nominal)
+        return change if change is not None and stands_out(self.problem, change, self.alpha) else None
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
         """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from sklvalve.mismatch.decide.late import stands_out
-from sklvalve.mismatch.residual.change import Change, find_change, size_of
+from sklvalve.mismatch.residual.change import Change, find_change, size_of, stands_out
 from sklvalve.mismatch.search.rivals import leading_term
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from sklvalve.mismatch.decide.stretches import with_every_row
 from sklvalve.mismatch.effects import CATALOGUE, LATE
 from sklvalve.mismatch.effects.base import Effect
 from sklvalve.mismatch.inference.hypothesis import Model, Term, is_in, penalised_likelihood
-from sklvalve.mismatch.residual.change import find_change
+from sklvalve.mismatch.residual.change import find_change, stands_out
 from sklvalve.mismatch.search.relevance import may_be_instead
 from sklvalve.mismatch.search.rivals import Finding, weighed
 from sklvalve.mismatch.search.screening import screened
@@ -35,10 +35,8 @@ if TYPE_CHECKING:
 # from this share of a recording on a change is taken for an event of its end: what begins before is found by
 # the search itself, whose onsets end at 0.96
 _LATE = 0.94
-# a change counts from so many times what an effect must be, and ends what a valve did from so many
-COUNTS, _ENDS = 2.0, 4.0
-# share of the level of a diagnosis that this look at a recording has, beside what the others have
-_OF_ALPHA = 0.1
+# so many times what an effect must be, a change ends what a valve did
+_ENDS = 4.0
 # of a fit of what explains the last rows
 _STEPS = 8
 # an event has settled where its signal is this near to what it ends at, share of its size
@@ -70,12 +68,6 @@ def late_event(problem: Problem, model: Model, alpha: float) -> Change | None:
     if change is None or change.row < _LATE * len(problem.recording):
         return None
     return change if stands_out(problem, change, alpha, _ENDS) else None
-
-
-def stands_out(problem: Problem, change: Change, alpha: float, counts: float = COUNTS) -> bool:
-    """Whether a change is rare enough, and large enough to count."""
-    least = counts * problem.least(change.channel) * problem.spans[change.channel]
-    return change.p_value <= _OF_ALPHA * alpha and abs(change.size) >= least
 
 
 def before(recording: Recording, event: Change) -> Recording:

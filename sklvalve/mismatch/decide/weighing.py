@@ -65,6 +65,10 @@ def weigh(case: Case, findings: Sequence[Finding], model: Model) -> Weighed:
     elif unknown is not None and unknown.period is not None:
         # a cycle is told by a law of its own
         p_value = min(p_value, unknown.p_value)
+    # so is a change at one time, where a finding is what changed
+    change = case.change_by(findings)
+    if change is not None:
+        p_value = min(p_value, change.p_value)
     counts = by_chance is None or by_chance <= case.alpha
     enough = counts and p_value <= case.alpha
     return Weighed(unknown, evidence, p_value, by_chance, enough, new if enough else None)

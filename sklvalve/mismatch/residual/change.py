@@ -43,6 +43,10 @@ _KNOTS, _LAGS = 6, (2, 8, 32, 128)
 # what a simulation gets wrong gains so many times more than chance: with it 1 of 104 healthy channels of two
 # drawn plants (40 recordings with opening and flow, 24 of a slow motor) has a p-value of 0.01 or less
 _MODEL = 2.5
+# a change counts from so many times what an effect must be
+_COUNTS = 2.0
+# share of the level of a diagnosis that this look at a recording has, beside what the others have
+_OF_ALPHA = 0.1
 
 
 @dataclass(frozen=True)
@@ -97,6 +101,12 @@ def find_change(problem: Problem, model: Model) -> Change | None:
         return None
     best = min(changes, key=lambda each: each.p_value)
     return replace(best, p_value=min(len(problem.channels) * best.p_value, 1.0))
+
+
+def stands_out(problem: Problem, change: Change, alpha: float, counts: float = _COUNTS) -> bool:
+    """Whether a change is rare enough, and large enough to count."""
+    least = counts * problem.least(change.channel) * problem.spans[change.channel]
+    return change.p_value <= _OF_ALPHA * alpha and abs(change.size) >= least
 
 
 def change_in(problem: Problem, model: Model, channel: str) -> Change | None:

@@ -87,7 +87,8 @@ def penalty_with_times(problem: Problem, model: Model, term: Term) -> float:
     Notes
     -----
     Simulated are the effect throughout and none; a row has the residual of the one or the other. An effect of
-    the stem is remembered beyond that row, so that its times cost somewhat too much: 2 to 3 nats in three cases.
+    the stem is remembered beyond that row, so that its times cost somewhat too much: 2 to 3 nats in three
+    cases.
     """
     penalty = complexity_penalty(problem, term)
     if term.onset is None or term.effect.grows:

@@ -11,9 +11,9 @@ from benchmarks.late_plant import ENDS, record
 from sklvalve import MissingPhysicsFinder, Recording, Valve
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch.decide import late as module
-from sklvalve.mismatch.decide.late import before, stands_out
+from sklvalve.mismatch.decide.late import before
 from sklvalve.mismatch.effects import CATALOGUE, LATE
-from sklvalve.mismatch.residual.change import Change
+from sklvalve.mismatch.residual.change import Change, stands_out
 from sklvalve.simulation.noise import NoiseModel
 
 ROWS = 1500

@@ -9,8 +9,13 @@ import pytest
 from sklvalve import Recording, Valve
 from sklvalve.mismatch.decide.dated import change_entry, dated
 from sklvalve.mismatch.decide.judgement import Judgement
-from sklvalve.mismatch.decide.late import stands_out
-from sklvalve.mismatch.residual.change import _steady_columns, change_in, find_change, size_of
+from sklvalve.mismatch.residual.change import (
+    _steady_columns,
+    change_in,
+    find_change,
+    size_of,
+    stands_out,
+)
 
 ROWS, AT, SPAN = 1500, 900, 1e-3
 SHEET = {
