@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -109,16 +109,16 @@ class Case:
     def change_by(self, findings: Sequence[Finding]) -> Change | None:
         """The change at one time that stands out, where one of some findings began then in its signal.
 
-        What a jump tells, no other noise can make: it needs no null law of effects.
+        Its p-value has a null law of its own (`find_change`): no effect is compared with others by chance.
         """
         begun = [f.term for f in findings if f.term.onset is not None and not f.term.effect.grows]
         if not begun or self._change is None:
             return None
         first, last = self._change.within
-        begun = [t for t in begun if self._change.channel in self.problem.touched_by([t])]
-        rows = np.searchsorted(self.explanation.nominal.chain.clock, [t.onset for t in begun])
+        clock = self.explanation.nominal.chain.clock
         # either tells the row to one at best
-        return self._change if np.any((rows >= first - 1) & (rows <= last + 1)) else None
+        then = [t for t in begun if first - 1 <= np.searchsorted(clock, cast("float", t.onset)) <= last + 1]
+        return self._change if self._change.channel in self.problem.touched_by(then) else None
 
     @cached_property
     def _change(self) -> Change | None:
