@@ -189,13 +189,17 @@ class Linearised:
         towards += float(shared @ self._inverse @ (self._slopes @ (self._weights * self.errors)))
         return towards / information, information**-0.5
 
-    def likeliest_onset(self, errors: np.ndarray) -> tuple[float, float]:
-        """From when on a change gains most at the best share of it, and what, to second order."""
+    def likeliest_onset(self, errors: np.ndarray, grows: bool = False) -> tuple[float, float]:
+        """From when on a change gains most at the best share of it, and what, to second order.
+
+        What grows from its onset on begins with no jump there: whitened it is, from some rows on, as if it
+        had grown from the first row on.
+        """
         towards, square = np.zeros(self.n), np.zeros(self.n)
         shared = np.zeros((len(self._slopes), self.n))
         changes = self._by_channel(errors - self.errors)
         for change, (onset, columns, answers) in zip(changes, self._onsets, strict=True):
-            states = onset.states(change)
+            states = np.zeros((self.n, 2)) if grows else onset.states(change)
             square += onset.squares(change, states)
             products = onset.products(change, states, columns, answers)
             towards -= products[0]

@@ -105,7 +105,7 @@ def _of_one_effect(problem: Problem, start: tuple[Model, Linearised, Effect], on
     trial.begin(starts[k], made[k][0], gains[k][0], max(promise for _, promise in gains))
     if not effect.may_begin or fixed:
         return [trial]
-    best = [line.likeliest_onset(errors) for _, errors in made]
+    best = [line.likeliest_onset(errors, effect.grows) for _, errors in made]
     k = int(np.argmax([gain for gain, _ in best]))
     late = Trial(problem, model, line, Term(effect, best[k][1]))
     [(predictions, errors)] = late.simulated([starts[k]])
