@@ -17,7 +17,7 @@ from sklvalve.mismatch.inference.hypothesis import (
     may_come_and_go,
     penalised_likelihood,
 )
-from sklvalve.simulation.robust import ROBUST_FROM
+from sklvalve.simulation.robust import ROBUST_FROM, robust_cost
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.inference.problem import Problem
@@ -32,6 +32,8 @@ _BEHIND = 150
 _SHARE, _CLEAR = 0.1, 1.5
 # rounds of finding the spells and fitting the size within them
 _ROUNDS = 3
+# places at which a spell or a pause more may begin and end, and those between two of them
+_PLACES, _BETWEEN = 36, 10
 
 
 def intermittent(problem: Problem, model: Model) -> Model:
@@ -58,7 +60,26 @@ def intermittent(problem: Problem, model: Model) -> Model:
         if penalised_likelihood(problem, fitted) <= penalised_likelihood(problem, model) + SWITCH_PENALTY:
             break
         model = fitted
+    if len(model.terms[-1].switches) > 1:
+        model = _with_more(problem, model)
     return _without_needless(problem, model)
+
+
+def _with_more(problem: Problem, model: Model) -> Model:
+    """The same with more spells, or pauses, the likeliest first, as long as they are worth their switches.
+
+    An end that little shows, as where little flows, is not clear by itself; with the beginning that follows
+    it may be.
+    """
+    *others, last = model.terms
+    while True:
+        switches = _SwitchSearch(problem, model, tuple(others), last).toggled(last)
+        if len(switches) > _MOST:
+            return model
+        fitted = problem.fit((*others, begun(last.effect, model.chain.clock[switches])), start=model)
+        if penalised_likelihood(problem, fitted) <= penalised_likelihood(problem, model):
+            return model
+        model, last = fitted, fitted.terms[-1]
 
 
 def _without_needless(problem: Problem, model: Model) -> Model:
@@ -120,6 +141,7 @@ class _SwitchSearch:
         # what the effect adds to the simulation, where both are known
         self.adds = {c: left[0][c] - left[1][c] for c in self.channels}
         self.left = {c: left[last.onset is None][c].copy() for c in self.channels}
+        self._off, self._on, self._clock = left[0], left[1], model.chain.clock
 
     def _gains(self, rows: np.ndarray, state: bool) -> np.ndarray:
         """What a switch at each row gains over the rows behind it; what comes later may be the next one's."""
@@ -145,6 +167,26 @@ class _SwitchSearch:
             k += 1
         near = np.arange(max(places[k] - _EVERY, first), min(places[k] + _EVERY, self.rows - 1) + 1)
         return int(near[np.argmax(self._gains(near, state))])
+
+    def toggled(self, term: Term) -> np.ndarray:
+        """Rows at which a term switches with the spell, or pause, more that leaves the least loss."""
+        rows, begins = np.arange(self.rows), np.searchsorted(self._clock, term.times)
+        state = np.searchsorted(begins, rows, side="right") % 2 == 1
+
+        def least(first: np.ndarray, last: np.ndarray) -> tuple[int, int]:
+            pairs = [(a, b) for a in first for b in last if b - a >= _FEWEST_ROWS]
+            return min(pairs, key=lambda each: self._loss(state ^ ((rows >= each[0]) & (rows < each[1]))))
+
+        places = np.linspace(0, self.rows, _PLACES + 1).astype(int)
+        near = np.linspace(-1.0, 1.0, 2 * _BETWEEN + 1) * self.rows / _PLACES
+        around = [np.clip(k + near.astype(int), 0, self.rows) for k in least(places, places)]
+        begin, end = least(*around)
+        return np.flatnonzero(np.diff(state ^ ((rows >= begin) & (rows < end)), prepend=False))
+
+    def _loss(self, acts: np.ndarray) -> float:
+        """Robust loss where the effect acts in some rows."""
+        left = (self.noise[c].whiten(np.where(acts, self._on[c], self._off[c])) for c in self.channels)
+        return float(sum(robust_cost(each) for each in left))
 
     def switch(self, k: int, state: bool) -> None:
         """Keep a switch: from a row on the effect is in the other state."""

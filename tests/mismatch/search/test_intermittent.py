@@ -46,10 +46,10 @@ def test_spells_are_told(found):
     assert found[1]["verdict"] == "named"
     assert "flow_meter_gain" in [m["name"] for m in entry["members"]]
     assert entry["onset"] == pytest.approx(500.0, abs=4.0)
-    # where little flows six percent of it are nothing, so that an end there cannot be seen
     told, true = (rows_of(episodes) for episodes in (entry["spells"], SPELLS))
-    assert np.mean(told == true) > 0.8
-    assert [1100.0, 1450.0] in np.round(entry["spells"], -1).tolist()
+    assert np.mean(told == true) > 0.9
+    # where little flows six percent of it are nothing: the first end is told by the beginning that follows
+    assert all(list(spell) in np.round(entry["spells"], -1).tolist() for spell in SPELLS)
     assert entry["parameters"]["gain"]["value"] == pytest.approx(0.06, abs=0.01)
 
 
