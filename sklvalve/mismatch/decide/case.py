@@ -6,21 +6,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sklvalve.mismatch.decide.detect import p_value_of_one
 from sklvalve.mismatch.proof.held_out import correction_holds_out, cross_validated
-from sklvalve.mismatch.residual.change import Change, find_change, stands_out
+from sklvalve.mismatch.residual.change import Change, find_changes, stands_out
 from sklvalve.mismatch.residual.since_history import LeftSince, left_since
 from sklvalve.mismatch.residual.smooth_pattern import Pattern, pattern_left
 from sklvalve.mismatch.residual.unknown import Unknown, look_for_residual
+from sklvalve.mismatch.search.rivals import leading_term
 
 if TYPE_CHECKING:
     from sklvalve.mismatch.decide.compare import Comparison
     from sklvalve.mismatch.decide.null_reference import Covariates
-    from sklvalve.mismatch.inference.hypothesis import Model
+    from sklvalve.mismatch.inference.hypothesis import Model, Term
     from sklvalve.mismatch.inference.problem import Problem
     from sklvalve.mismatch.search.explain import Explanation
     from sklvalve.mismatch.search.rivals import Finding
@@ -107,24 +108,27 @@ class Case:
         return left_since(self.problem, fitted, asked), pattern_left(self.problem, fitted, asked)
 
     def change_by(self, findings: Sequence[Finding]) -> Change | None:
-        """The change at one time that stands out, where one of some findings began then in its signal.
+        """The clearest change at one time that stands out and that one of some findings makes.
 
-        Its p-value has a null law of its own (`find_change`): no effect is compared with others by chance.
+        That one begins or ends with the change, and changes its signal by what counts.
         """
-        begun = [f.term for f in findings if f.term.onset is not None and not f.term.effect.grows]
-        if not begun or self._change is None:
-            return None
-        first, last = self._change.within
-        clock = self.explanation.nominal.chain.clock
+        terms = [(f, leading_term(f)) for f in findings]
+        begun = [(f, t) for f, t in terms if t.onset is not None and not t.effect.grows]
+        made = [c for f, t in begun for c in self._changes if self._makes(c, f, t)]
+        return min(made, key=lambda change: change.p_value, default=None)
+
+    def _makes(self, change: Change, finding: Finding, term: Term) -> bool:
+        rows = np.searchsorted(self.explanation.nominal.chain.clock, np.atleast_1d(term.times))
         # either tells the row to one at best
-        then = [t for t in begun if first - 1 <= np.searchsorted(clock, cast("float", t.onset)) <= last + 1]
-        return self._change if self._change.channel in self.problem.touched_by(then) else None
+        then = np.any((change.within[0] - 1 <= rows) & (rows <= change.within[1] + 1))
+        return bool(then) and finding.sizes.get(change.channel, 0.0) >= self.problem.least(change.channel)
 
     @cached_property
-    def _change(self) -> Change | None:
-        """The change that the simulation without effects leaves over, where it stands out."""
-        change = find_change(self.problem, self.explanation.nominal)
-        return change if change is not None and stands_out(self.problem, change, self.alpha) else None
+    def _changes(self) -> tuple[Change, ...]:
+        """Changes that the simulation without effects leaves over, where they stand out."""
+        found = find_changes(self.problem, self.explanation.nominal)
+        asked = self.problem.channels if self.channels is None else self.channels
+        return tuple(c for c in found if c.channel in asked and stands_out(self.problem, c, self.alpha))
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
         """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""

@@ -20,8 +20,8 @@ if TYPE_CHECKING:
     from sklvalve.simulation.noise import NoiseModel
     from sklvalve.simulation.noise_of_pieces import NoiseOfPieces
 
-# share of an innovation's standard deviation below which what a state makes of one is forgotten
-_FORGOTTEN = 1e-4
+# share of an innovation's standard deviation below which what a state makes of it is small: of second order
+_SMALL = 0.1
 
 
 class WhitenedOnset:
@@ -37,6 +37,7 @@ class WhitenedOnset:
     Parameters
     ----------
     noise : NoiseModel or NoiseOfPieces
+        Rows in which a residual has no value are gaps of it.
     weights : ndarray of shape (n,)
         Of the rows' squares.
     """
@@ -120,10 +121,15 @@ def losses_from_here(
     -------
     losses : ndarray of shape (n,)
     """
-    lost = ROBUST_FROM**2 * (np.sqrt(1.0 + (acting / ROBUST_FROM) ** 2) - 1.0)
-    losses, states = sums_from_here(lost), _states_of(noise, acting - without)
+    root = np.sqrt(1.0 + (acting / ROBUST_FROM) ** 2)
+    losses, states = sums_from_here(ROBUST_FROM**2 * (root - 1.0)), _states_of(noise, acting - without)
+    # the loss, its slope and its curvature: what a state makes of the rows once it is small
+    slopes, curvatures = acting / root, root**-3.0
     for low, high, *filters in noise.pieces:
-        losses[low:high] += _lost_by_states(acting[low:high], states[low:high], *filters)
+        rows = slice(low, high)
+        towards = _answers_from(slopes[rows], *filters)
+        squares = _squares_from(curvatures[rows], *filters)
+        losses[rows] += _lost_by_states(acting[rows], states[rows], towards, squares, *filters)
     return losses
 
 
@@ -191,13 +197,24 @@ def _squares_from(weights: np.ndarray, gain: np.ndarray, keep: np.ndarray, sprea
 
 @nb.njit(cache=True, nogil=True)
 def _lost_by_states(
-    white: np.ndarray, states: np.ndarray, gain: np.ndarray, keep: np.ndarray, spread: np.ndarray
+    white: np.ndarray,
+    states: np.ndarray,
+    towards: np.ndarray,
+    squares: np.ndarray,
+    gain: np.ndarray,
+    keep: np.ndarray,
+    spread: np.ndarray,
 ) -> np.ndarray:
-    """What the rows from each on lose more by the answer to a state before it, until that is forgotten."""
-    out = np.zeros(len(white))
-    for k in range(len(white)):
+    """What the rows from each on lose more by the answer to a state before it."""
+    n = len(white)
+    out = np.zeros(n)
+    for k in range(n - 1, -1, -1):
+        if spread[k] == np.inf:
+            # nothing is seen in a gap: what begins there begins at its end
+            out[k] = out[k + 1] if k + 1 < n else 0.0
+            continue
         f, s = states[k]
-        for i in range(k, len(white)):
+        for i in range(k, n):
             f *= keep[i, 0]
             s *= keep[i, 1]
             if spread[i] == np.inf:
@@ -208,6 +225,10 @@ def _lost_by_states(
             changed = white[i] + left / spread[i]
             before = np.sqrt(1.0 + (white[i] / ROBUST_FROM) ** 2)
             out[k] += ROBUST_FROM**2 * (np.sqrt(1.0 + (changed / ROBUST_FROM) ** 2) - before)
-            if abs(f) + abs(s) <= _FORGOTTEN * spread[i]:
+            if abs(f) + abs(s) <= _SMALL * spread[i]:
+                if i + 1 < n:
+                    p, q, r = squares[i + 1]
+                    out[k] += towards[i + 1, 0] * f + towards[i + 1, 1] * s
+                    out[k] += 0.5 * (p * f * f + 2.0 * q * f * s + r * s * s)
                 break
     return out

@@ -93,14 +93,19 @@ def find_change(problem: Problem, model: Model) -> Change | None:
     change : Change or None
         None where no time could be tried. Whether it counts is the caller's matter.
     """
+    return min(find_changes(problem, model), key=lambda each: each.p_value, default=None)
+
+
+def find_changes(problem: Problem, model: Model) -> list[Change]:
+    """The clearest change of each channel that a simulation leaves over, as `find_change` has it.
+
+    Each p-value is that among all the channels.
+    """
     # what an unrecorded drop does to a flow is no change of the valve
     unseen = ("flow",) if drop_is_unknown(problem.recording) else ()
     tried = [change_in(problem, model, c) for c in problem.channels if c not in unseen]
-    changes = [change for change in tried if change is not None]
-    if not changes:
-        return None
-    best = min(changes, key=lambda each: each.p_value)
-    return replace(best, p_value=min(len(problem.channels) * best.p_value, 1.0))
+    many = len(problem.channels)
+    return [replace(each, p_value=min(many * each.p_value, 1.0)) for each in tried if each is not None]
 
 
 def stands_out(problem: Problem, change: Change, alpha: float, counts: float = _COUNTS) -> bool:

@@ -55,7 +55,9 @@ def best_onset(problem: Problem, without: Model, acting: Model) -> float:
     onset : float
         Absolute time [s].
     """
-    losses = _losses_by_onset(problem, without, acting)
+    # a channel that the effect leaves alone says nothing of when it began, only how often it was fitted
+    touched = problem.channels_touched(acting.terms[-1].effect)
+    losses = _losses_by_change(problem, without, acting, touched)
     n = len(problem.recording)
     first, last = int(FIRST_ONSET * n), int(LAST_ONSET * n)
     return float(acting.chain.clock[first + int(np.argmin(losses[first:last]))])
@@ -95,25 +97,24 @@ def penalty_with_times(problem: Problem, model: Model, term: Term) -> float:
         return penalty
     others = tuple(m for m in model.terms if m is not term)
     without, acting = (problem.simulate(t, model.values) for t in (others, (*others, Term(term.effect))))
-    losses = _losses_by_onset(problem, without, acting)
+    touched = problem.channels_touched(term.effect)
     n = len(problem.recording)
     rows = np.searchsorted(model.chain.clock, np.atleast_1d(term.times))
+    begins = _losses_by_change(problem, without, acting, touched)
+    stops = _losses_by_change(problem, acting, without, touched) if len(rows) > 1 else begins
     ends = [0, *rows.tolist(), n]
     for k in range(len(rows)):
-        # at every second one it stops to act
-        by_row = (losses if k % 2 else -losses)[ends[k] : ends[k + 2] + 1]
+        by_row = -(stops if k % 2 else begins)[ends[k] : ends[k + 2] + 1]
         cost = np.log(n) - np.logaddexp.reduce(by_row - by_row.max())
         penalty -= max(SWITCH_PENALTY - float(cost), 0.0)
     return penalty
 
 
-def _losses_by_onset(problem: Problem, without: Model, acting: Model) -> np.ndarray:
-    """Loss of all rows where the last effect of `acting` begins at each of them, and at the end."""
-    # a channel that the effect leaves alone says nothing of when it began, only how often it was fitted
-    touched = problem.channels_touched(acting.terms[-1].effect)
-    losses = np.append(0.0, np.cumsum(row_losses(problem, without, touched)))
-    left, left_then = problem.residuals(without), problem.residuals(acting)
-    for channel in touched:
+def _losses_by_change(problem: Problem, before: Model, after: Model, channels: Iterable[str]) -> np.ndarray:
+    """Loss of all rows where one hypothesis takes another's place at each of them, and at the end."""
+    losses = np.append(0.0, np.cumsum(row_losses(problem, before, channels)))
+    left, left_then = problem.residuals(before), problem.residuals(after)
+    for channel in channels:
         noise = problem.noise[channel]
         white, white_then = noise.whiten(left[channel]), noise.whiten(left_then[channel])
         losses[:-1] += losses_from_here(noise, white, white_then)

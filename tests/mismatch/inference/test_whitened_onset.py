@@ -21,15 +21,18 @@ def noise_of(rng, many, gap):
     return NoiseModel(white, rng.uniform(0.5, 2.0, many), times[0], sizes[0], times[1], sizes[1], sensor=0.1)
 
 
+def noises(rng, joined):
+    if not joined:
+        return noise_of(rng, N, slice(30, 37))
+    models = [noise_of(rng, 50, slice(0, 3)), noise_of(rng, N - 50, slice(60, 70))]
+    return NoiseOfPieces([(0, 50), (50, N)], models)
+
+
 @settings(deadline=None, max_examples=25)
 @given(st.integers(0, 2**32 - 1), st.booleans())
 def test_sums_are_those_of_the_change_whitened_from_each_row_on(seed, joined):
     rng = np.random.default_rng(seed)
-    noise = noise_of(rng, N, slice(30, 37))
-    if joined:
-        noise = NoiseOfPieces(
-            [(0, 50), (50, N)], [noise_of(rng, 50, slice(0, 3)), noise_of(rng, N - 50, slice(60, 70))]
-        )
+    noise = noises(rng, joined)
     weights, change, columns = rng.uniform(0.1, 1.0, N), rng.normal(1.0, 1.0, N), rng.normal(size=(2, N))
     onset, white = WhitenedOnset(noise, weights), noise.whiten(change)
     states = onset.states(white)
@@ -57,13 +60,13 @@ def test_a_step_tells_of_itself_by_its_first_rows_in_noise_that_wanders():
     assert onset.squares(white, onset.states(white))[70] > 20.0 * cut_off
 
 
-@settings(deadline=None, max_examples=10)
-@given(st.integers(0, 2**32 - 1))
-def test_losses_are_those_of_a_residual_that_changes_at_each_row(seed):
+@settings(deadline=None, max_examples=20)
+@given(st.integers(0, 2**32 - 1), st.booleans())
+def test_losses_are_those_of_a_residual_that_changes_at_each_row(seed, joined):
     rng = np.random.default_rng(seed)
-    noise = noise_of(rng, N, slice(30, 37))
+    noise = noises(rng, joined)
     without, acting = rng.normal(size=N), rng.normal(2.0, 1.0, N)
     losses = losses_from_here(noise, noise.whiten(without), noise.whiten(acting))
     for k in range(N):
         white = noise.whiten(np.where(np.arange(N) >= k, acting, without))[k:]
-        assert losses[k] == pytest.approx(np.sum(9.0 * (np.sqrt(1.0 + (white / 3.0) ** 2) - 1.0)), abs=0.01)
+        assert losses[k] == pytest.approx(np.sum(9.0 * (np.sqrt(1.0 + (white / 3.0) ** 2) - 1.0)), abs=0.02)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from sklvalve.mismatch.effects import CATALOGUE
 from sklvalve.mismatch.inference.hypothesis import SWITCH_PENALTY, Term, complexity_penalty
 from sklvalve.mismatch.search.onset import penalty_with_times
+from sklvalve.simulation.noise import NoiseModel
 
 N = 400
 CLOGGING, DRIFT = (next(e for e in CATALOGUE if e.key == key) for key in ("clogging", "flow_meter_drift"))
@@ -19,10 +20,10 @@ CLOGGING, DRIFT = (next(e for e in CATALOGUE if e.key == key) for key in ("clogg
 class _Bench:
     """A flow that differs by `size` in the rows where `acts`, in white noise; so does the effect."""
 
-    def __init__(self, acts, size=1.0):
+    def __init__(self, acts, size=1.0, noise=None):
         self.recording = range(N)
         self.flow = size * np.asarray(acts, dtype=float)
-        self.noise = {"flow": SimpleNamespace(whiten=lambda left: left, pieces=[])}
+        self.noise = {"flow": noise or SimpleNamespace(whiten=lambda left: left, pieces=[])}
         self.size = size
 
     def channels_touched(self, effect):
@@ -86,3 +87,21 @@ def test_a_stop_costs_what_an_onset_does():
 def test_it_never_costs_more_than_one_of_all_rows_nor_less_than_nothing(row, size):
     found = price(_Bench(acting(row), size), Term(CLOGGING, float(row)))
     assert -0.01 <= found <= SWITCH_PENALTY
+
+
+@pytest.mark.parametrize("size", [0.8, 1.6])
+def test_beside_a_wander_an_onset_and_a_stop_cost_what_all_rows_say(size):
+    noise = NoiseModel(np.full(N, 0.05), np.ones(N), 1.0, 1e-9, 300.0, 10.0, sensor=0.05)
+    bench = _Bench(acting(100, 250), size, noise)
+    bench.flow += np.random.default_rng(5).normal(0.0, 0.2, N)
+
+    def cost(*acts):
+        """Of one time that lies at any of some rows, the effect acting so."""
+        white = [noise.whiten(bench.flow - size * each) for each in acts]
+        losses = np.array([np.sum(9.0 * (np.sqrt(1.0 + (each / 3.0) ** 2) - 1.0)) for each in white])
+        return np.log(N) - np.log(np.sum(np.exp(losses.min() - losses)))
+
+    rows = np.arange(N)
+    begins = cost(*((rows >= k) & (rows < 250) for k in range(251)))
+    stops = cost(*((rows >= 100) & (rows < k) for k in range(100, N + 1)))
+    assert price(bench, Term(CLOGGING, 100.0, (250.0,))) == pytest.approx(begins + stops, abs=0.3)
