@@ -126,9 +126,9 @@ class Case:
     @cached_property
     def _changes(self) -> tuple[Change, ...]:
         """Changes that the simulation without effects leaves over, where they stand out."""
-        found = find_changes(self.problem, self.explanation.nominal)
+        changes = find_changes(self.problem, self.explanation.nominal)
         asked = self.problem.channels if self.channels is None else self.channels
-        return tuple(c for c in found if c.channel in asked and stands_out(self.problem, c, self.alpha))
+        return tuple(c for c in changes if c.channel in asked and stands_out(self.problem, c, self.alpha))
 
     def is_rare(self, finding: Finding, level: float | None = None) -> bool:
         """Whether few healthy recordings, alpha of them unless told, show any effect as strong."""

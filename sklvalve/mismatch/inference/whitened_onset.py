@@ -167,11 +167,11 @@ def _answers_from(column: np.ndarray, gain: np.ndarray, keep: np.ndarray, spread
     out = np.empty((len(column), 2))
     a = b = 0.0
     for k in range(len(column) - 1, -1, -1):
-        told = 0.0
+        innovation = 0.0
         if spread[k] != np.inf:
-            told = gain[k, 0] * a + gain[k, 1] * b + column[k] / spread[k]
-        a = keep[k, 0] * (a - told)
-        b = keep[k, 1] * (b - told)
+            innovation = gain[k, 0] * a + gain[k, 1] * b + column[k] / spread[k]
+        a = keep[k, 0] * (a - innovation)
+        b = keep[k, 1] * (b - innovation)
         out[k, 0], out[k, 1] = a, b
     return out
 

@@ -61,11 +61,11 @@ def intermittent(problem: Problem, model: Model) -> Model:
             break
         model = fitted
     if len(model.terms[-1].switches) > 1:
-        model = _with_more(problem, model)
+        model = _with_further_episodes(problem, model)
     return _without_needless(problem, model)
 
 
-def _with_more(problem: Problem, model: Model) -> Model:
+def _with_further_episodes(problem: Problem, model: Model) -> Model:
     """The same with more spells, or pauses, the likeliest first, as long as they are worth their switches.
 
     An end that little shows, as where little flows, is not clear by itself; with the beginning that follows
