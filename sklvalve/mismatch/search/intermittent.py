@@ -74,7 +74,7 @@ def _with_further_episodes(problem: Problem, model: Model) -> Model:
     *others, last = model.terms
     while True:
         switches = _SwitchSearch(problem, model, tuple(others), last).toggled(last)
-        if len(switches) > _MOST:
+        if not 0 < len(switches) <= _MOST:
             return model
         fitted = problem.fit((*others, begun(last.effect, model.chain.clock[switches])), start=model)
         if penalised_likelihood(problem, fitted) <= penalised_likelihood(problem, model):

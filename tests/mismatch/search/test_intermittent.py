@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Effects that come and go are found with their spells, and what lasts is given none."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from sklvalve.cli import main
 from sklvalve.datasets import make_valve_recording
 from sklvalve.mismatch import CATALOGUE, MissingPhysicsFinder, load_model, save_model
 from sklvalve.mismatch.inference.hypothesis import begun, may_come_and_go
+from sklvalve.mismatch.search import intermittent
 from sklvalve.mismatch.search.intermittent import _SwitchSearch
 from sklvalve.mismatch.search.onset import losses_of
 from sklvalve.recording import Recording, Valve
@@ -115,3 +118,11 @@ def test_what_a_switch_gains_is_the_difference_of_two_whole_losses(state):
         toggled = left + (1.0 if state else -1.0) * np.where(np.arange(n) >= row, adds, 0.0)
         losses = [losses_of(noise, each)[row : row + 150].sum() for each in (left, toggled)]
         assert gain == pytest.approx(losses[0] - losses[1], rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("switches", [[], list(range(0, 1700, 100))])
+def test_neither_no_spell_at_all_nor_too_many_are_taken(monkeypatch, switches):
+    search = SimpleNamespace(toggled=lambda term: np.array(switches, dtype=int))
+    monkeypatch.setattr(intermittent, "_SwitchSearch", lambda *args: search)
+    model = SimpleNamespace(terms=(None,))
+    assert intermittent._with_further_episodes(None, model) is model
