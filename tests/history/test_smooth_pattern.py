@@ -148,21 +148,39 @@ def _outliers(n):
 
 @pytest.mark.parametrize("shape", [_level, _outliers])
 def test_what_noise_may_be_is_no_pattern(monkeypatch, shape):
+    assert _over_time(monkeypatch, shape(1200), np.zeros(1200)).posterior < 0.5
+
+
+@pytest.mark.parametrize(("share", "likely"), [(0.05, False), (1.0, True)])
+def test_an_effect_that_acts_at_times_may_be_wrong_on_the_whole_too(monkeypatch, share, likely):
+    # ten strokes explained down to noise, and between them a swing that is small beside what they come to
     n = 1200
+    moved = np.where(np.arange(n) % 120 < 6, 200.0, 0.0)
+    swing = share * np.sqrt(np.mean(moved**2)) * np.sqrt(2.0) * np.sin(6.0 * np.pi * np.arange(n) / n)
+    left = np.where(moved > 0.0, 0.0, swing) + np.random.default_rng(1).normal(size=n)
+    assert (_over_time(monkeypatch, left, moved).posterior > PATTERN_POSTERIOR) is likely
+
+
+def _over_time(monkeypatch, left, changed):
+    """Pattern over time in what is left over of a flow, where an effect changes it."""
+    n = len(left)
     noise = NoiseModel(np.ones(n), np.ones(n), 10.0, 0.0, 1e5, 4.0)
     problem = SimpleNamespace(
-        residuals=lambda model: {"flow": shape(n)},
+        residuals=lambda model: {"flow": left},
         noise={"flow": noise},
         spans={"flow": 100.0},
         least=lambda channel: 0.005,
         history=SimpleNamespace(allowed=Allowance()),
         recording=None,
     )
-    model = SimpleNamespace(predictions={"flow": np.zeros(n)}, chain=None, values=None)
+    bare, model = (
+        SimpleNamespace(predictions={"flow": made}, chain=None, values=None)
+        for made in (np.zeros(n), changed)
+    )
     monkeypatch.setattr(smooth_pattern, "drop_is_unknown", lambda recording: False)
     monkeypatch.setattr(smooth_pattern, "rows_known", lambda problem, channel: np.ones(n, dtype=bool))
     monkeypatch.setattr(smooth_pattern, "static_inputs", lambda *_: {})
-    assert smooth_pattern._in_channel(problem, model, model, "flow").posterior < 0.5
+    return smooth_pattern._in_channel(problem, model, bare, "flow")
 
 
 def test_a_flow_of_which_no_pressure_drop_is_known_says_nothing(before, after):

@@ -80,12 +80,12 @@ def pattern_left(problem: Problem, model: Model, channels: Collection[str]) -> P
 
     .. math:: w \sim N(0, I + D D^T + s^2 \Phi \Phi^T)
 
-    D holds what a simulation gets wrong anyway: the same features, times the share (`SHARE_WRONG`) of what
-    the effects change, nearby or on the whole, and the share of the span by which a healthy valve may respond
-    otherwise (`Allowance.response`). The odds are those of all amplitudes s, on the average, to none. Rows
-    count that are where the history has been. Validity: calibration and effects are held at their optimum, so
-    the odds are a lower bound where the noise is the history's. Source: Kennedy and O'Hagan (2001) on model
-    discrepancy.
+    D holds what a simulation gets wrong anyway, in two parts by the same features: the share (`SHARE_WRONG`)
+    of what the effects change on the whole, with the share of the span by which a healthy valve may respond
+    otherwise (`Allowance.response`), and the same share of what they change more nearby. The odds are those
+    of all amplitudes s, on the average, to none. Rows count that are where the history has been. Validity:
+    calibration and effects are held at their optimum, so the odds are a lower bound where the noise is the
+    history's. Source: Kennedy and O'Hagan (2001) on model discrepancy.
 
     Parameters
     ----------
@@ -126,15 +126,19 @@ def _in_channel(problem: Problem, model: Model, bare: Model, channel: str) -> Pa
     counts = problem.least(channel) * problem.spans[channel]
     healthy = cast("ValveHistory", problem.history).allowed.response * problem.spans[channel]
     explained = _rms(changed[rows])
-    # an equation is wrong where it changes much, and on the whole where its curve and the true one cross
+    # an equation is wrong on the whole where its curve and the true one cross, and beyond that, by itself,
+    # where it changes much
     nearby = np.concatenate([_nearby(changed[low:high]) for low, high in spans])
-    inadequacy = np.hypot(healthy, SHARE_WRONG * np.maximum(nearby, explained))[:, None]
+    beyond = SHARE_WRONG * np.sqrt(np.maximum(nearby**2 - explained**2, 0.0))[:, None]
+    on_the_whole = np.hypot(healthy, SHARE_WRONG * explained)
     amplitudes = np.append(0.0, _amplitudes(healthy, max(counts, explained)))
     white = partial(_whitened, noise=noise.without(~settled), seen=seen, rows=rows)
     w = np.clip(white(left[:, None])[:, 0], -FURTHEST, FURTHEST)
     none, some, met = [], [], []
     for inputs, features in _processes(static_inputs(model.chain, model.values, channel), len(left)):
-        log_z, weights = _evidence(white(features), white(inadequacy * features), w, amplitudes)
+        free = white(features)
+        wrong = np.hstack([on_the_whole * free, white(beyond * features)])
+        log_z, weights = _evidence(free, wrong, w, amplitudes)
         none.append(log_z[0])
         some += list(log_z[1:])
         k = 1 + int(np.argmax(log_z[1:]))
