@@ -5,6 +5,7 @@ import _thread
 import signal
 import sys
 import threading
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -31,7 +32,7 @@ def signals_as_interruption() -> Iterator[None]:
 
     A signal that is ignored stays so: nohup asks for that. A library into whose work the signal falls may
     drop the exception, since a callback from compiled code can raise none: then it is raised again a moment
-    later.
+    later. What else is dropped once a signal came is of the library that it fell into, and nobody's concern.
     """
     _written.clear()
     _came.clear()
@@ -44,7 +45,7 @@ def signals_as_interruption() -> Iterator[None]:
             timer = threading.Timer(_A_MOMENT, _thread.interrupt_main, [_came[-1]])
             timer.daemon = True
             timer.start()
-        else:
+        elif not _came:
             hook(dropped)
 
     hook = sys.unraisablehook
@@ -55,6 +56,10 @@ def signals_as_interruption() -> Iterator[None]:
     sys.unraisablehook = again
     try:
         yield
+    except Interrupted as interruption:
+        # what was half made ends here, while its complaints are dropped
+        traceback.clear_frames(interruption.__traceback__)
+        raise
     finally:
         sys.unraisablehook = hook
         for number, handler in before.items():

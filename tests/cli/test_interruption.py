@@ -96,9 +96,14 @@ def test_an_interruption_while_the_commands_are_loaded_is_told_in_a_sentence():
 
 
 @pytest.mark.parametrize(
-    "falls", ["into a callback that can raise nothing", "where it becomes another error"]
+    ("falls", "run"),
+    [
+        ("into a callback that can raise nothing", "dropped"),
+        ("where it becomes another error", "turned"),
+        ("into what is half made, and breaks in its end", "broken"),
+    ],
 )
-def test_an_interruption_that_a_library_drops_or_turns_into_an_error_ends_the_run_all_the_same(falls):
+def test_an_interruption_that_a_library_drops_or_turns_into_an_error_ends_the_run_all_the_same(falls, run):
     code = (
         "import ctypes, os, signal, sys, time\n"
         "from sklvalve.cli import demo, main\n"
@@ -115,7 +120,13 @@ def test_an_interruption_that_a_library_drops_or_turns_into_an_error_ends_the_ru
         "        strike()\n"
         "    except KeyboardInterrupt:\n"
         "        raise SystemError('returned a result with an exception set') from None\n"
-        f"demo.run = {'dropped' if 'callback' in falls else 'turned'}\n"
+        "class Half:\n"
+        "    def __del__(self):\n"
+        "        raise AttributeError('never made whole')\n"
+        "def broken(args):\n"
+        "    half = Half()\n"
+        "    strike()\n"
+        f"demo.run = {run}\n"
         "sys.exit(main(['demo']))\n"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20)
