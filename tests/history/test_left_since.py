@@ -146,30 +146,6 @@ def test_an_effect_may_be_wrong_by_a_share_of_what_it_explains(learnt, after, sh
     assert alone.allowed == alone.noise
 
 
-@pytest.mark.parametrize(
-    ("channel", "share", "strong"),
-    [("opening", 0.1, False), ("opening", 0.6, True), ("flow", 0.1, True)],
-)
-def test_a_stem_may_be_wrong_in_another_shape_than_it_moves(learnt, after, channel, share, strong):
-    # short strokes, and a place beside the true one that is held between some of them
-    span = 1.0 if channel == "opening" else np.nanmax(after["flow"])
-    moved = 0.03 * span * (np.arange(len(after)) % 50 < 5)
-    beside = share * np.sqrt(np.mean(moved**2)) * np.where(np.arange(len(after)) // 50 % 2 == 0, 1.0, -1.0)
-    _, nominal = calibrated(prepared_problem(after, None, None, history=learnt))
-    recording = changed(after, **{channel: nominal.predictions[channel] + _noise(learnt, channel, after)})
-    problem = prepared_problem(recording, None, None, history=learnt)
-    bare = problem.simulate((), nominal.values)
-    made = bare.predictions | {channel: bare.predictions[channel] + moved + beside}
-    recorded = changed(recording, **{channel: recording[channel] + moved})
-    noted = prepared_problem(recorded, None, None, history=learnt).with_noise_of(bare, cautious=True)
-    left = _in_channel(noted, learnt, replace(bare, predictions=made), bare, channel)
-    assert (left.effect_size > 4.0) is strong
-
-
-def _noise(history, channel, recording):
-    return history.noise_parts(channel).size * np.random.default_rng(5).normal(size=len(recording))
-
-
 @pytest.mark.slow
 def test_a_dozen_equal_pulses_are_told_and_get_no_name(learnt, after):
     # a meter's zero in spells comes near to explaining them, so they are not said to be of no catalogue

@@ -86,10 +86,8 @@ def left_since(problem: Problem, model: Model, channels: tuple[str, ...] | None 
     in the history, and the size that a signal has which comes and goes in such blocks; of one of size 1 the
     filter makes means with a variance of :math:`g^2 / L`. Of what the effects of the hypothesis
     change a share (`SHARE_WRONG`) may be wrong: through the same filter and in the same blocks it comes to E,
-    without any to nothing. A stem that stops beside its place stays there until it moves again, and so is
-    wrong in another shape than it moved: of the opening E is at least that of a signal of the same rms which
-    comes and goes in such blocks. What is left over stands out most where z and s together do, as those of
-    an effect. Only rows count that are where the history has been.
+    without any to nothing. What is left over stands out most where z and s together do, as those of an
+    effect. Only rows count that are where the history has been.
 
     Parameters
     ----------
@@ -130,12 +128,10 @@ def _in_channel(
     white = np.clip(noise.whiten(left), -FURTHEST, FURTHEST)
     before = sum(window.rows for window in history.windows_)
     span, counts = problem.spans[channel], problem.least(channel)
-    in_its_shape, in_any = None, 0.0
+    wrong = None
     if bare is not None:
-        wrong = SHARE_WRONG * (model.predictions[channel] - bare.predictions[channel])
-        in_its_shape = np.clip(noise.whiten(np.where(seen, wrong, np.nan)), -FURTHEST, FURTHEST)
-        if channel == "opening" and known.any():
-            in_any = float(np.sqrt(np.mean(wrong[known] ** 2)))
+        changed = np.where(seen, model.predictions[channel] - bare.predictions[channel], np.nan)
+        wrong = np.clip(noise.whiten(SHARE_WRONG * changed), -FURTHEST, FURTHEST)
     each = []
     for rows in _LENGTHS:
         many, ratio = _ratio(white, known, rows)
@@ -144,10 +140,7 @@ def _in_channel(
         wave = np.where(np.arange(len(left)) // rows % 2 == 0, 1.0, -1.0)
         answer = np.sqrt(_ratio(noise.whiten(np.where(seen, wave, np.nan)), known, rows)[1])
         usual = 1.0 / (answer * span)
-        free = 1.0
-        if in_its_shape is not None:
-            in_blocks = np.clip(noise.whiten(np.where(seen, in_any * wave, np.nan)), -FURTHEST, FURTHEST)
-            free += max(_ratio(in_its_shape, known, rows)[1], _ratio(in_blocks, known, rows)[1])
+        free = 1.0 if wrong is None else 1.0 + _ratio(wrong, known, rows)[1]
         deviations = np.log(ratio / free) / np.sqrt(2.0 / many + 2.0 * rows / before + _MODEL_ERROR**2)
         beyond = usual * np.sqrt(max(ratio - free, 0.0))
         # without a kink where nothing stands out, so that no two recordings are alike
