@@ -154,9 +154,9 @@ def _nearby(changed: np.ndarray) -> np.ndarray:
     return np.sqrt(np.maximum(squares, 0.0))
 
 
-def _amplitudes(smallest: float, matters: float) -> np.ndarray:
+def _amplitudes(smallest: float, usual: float) -> np.ndarray:
     """Amplitudes of a pattern, each twice the one before."""
-    many = np.log2(_LARGEST * matters / smallest)
+    many = np.log2(_LARGEST * usual / smallest)
     return smallest * 2.0 ** np.arange(max(int(np.ceil(many)), 0) + 1)
 
 
